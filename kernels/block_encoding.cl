@@ -17,10 +17,11 @@
 #include "shared/block_encoding.h"
 
 #ifdef __clang__
-#pragma clang diagnostic ignored "-Wpsabi"  // wide vectors as arguments are safe: all functions here are inlined
+#pragma clang diagnostic ignored "-Wpsabi"  // wide vectors are safe as arguments, because all functions here are
+                                            // inlined
 #endif
 
-// The mean sum of squared differences from rounding the 48 values of a block to 8 bits: 48 / 12.
+// The mean of the sum of squared differences if the 48 values of a block are rounded to 8 bits: 48 / 12.
 #define ROUNDING_ERROR 4.0f
 
 static inline float sum_of(float16 v) {
@@ -52,8 +53,8 @@ static inline void put_bits(BlockBits* bits, uint value, int count) {
 
 // ------------------------------------------------------------------------------------------------------------ BC4
 
-// Two endpoints, whole numbers from 0 to 255, low <= high. `has_limits`: there are six values between them, plus 0 and
-// 255.
+// Two endpoints, whole numbers from 0 to 255, with low <= high. If `has_limits`, there are six values from low to high,
+// plus 0 and 255.
 typedef struct ScalarEnds {
   float low, high, error;
 } ScalarEnds;
@@ -87,7 +88,8 @@ static inline void try_ends(float16 v, float low, float high, int has_limits, Sc
   }
 }
 
-// Fits the endpoints by least squares to the texels' current steps. Only texels with weight 1 count; the others have 0.
+// Fits the endpoints by least squares to the texels' current steps. Only texels with weight 1 count; the others have
+// weight 0.
 static inline void fit_ends(float16 v, float16 weight, float* low, float* high, float step_count) {
   const float16 u = scalar_steps(v, *low, *high, step_count) / step_count;
   const float count = sum_of(weight), mean_u = sum_of(weight * u) / fmax(count, 1.0f);
@@ -177,7 +179,8 @@ __kernel void encode_scalar_blocks(__global const float* values, __global uint2*
 // ------------------------------------------------------------------------------------------------------------ BC7
 
 // The texels of a block: the address of their channel values, a mask of the texels that count (one bit each), and the
-// channel that is replaced by 255 (-1: none). Values are read again at each use, which leaves registers for other data.
+// channel that is replaced by 255 (-1 if none). Values are read again at each use, which leaves registers for other
+// data.
 typedef struct Colours {
   __global const float* values;
   uint mask;
@@ -194,7 +197,7 @@ static inline float16 subset_weight(uint mask) {
   return convert_float16(((int16)((int)mask) >> lanes) & 1);
 }
 
-// Storage of an end's channels: `bits` per channel and, if has_p, one more low bit p that all three channels share.
+// The storage of an end's channels: `bits` per channel and, if has_p, one more low bit p that all three channels share.
 typedef struct EndPrecision {
   int bits, has_p;
 } EndPrecision;
@@ -361,7 +364,7 @@ static inline CodedLine fitted_line(Colours c, EndPrecision precision, int p, fl
 __constant char kFirstMoves[8] = {1, -1, 0, 0, 1, -1, 1, -1};
 __constant char kSecondMoves[8] = {0, 0, 1, -1, 1, -1, -1, 1};
 
-// Moves each code, and both codes of a channel together, one step up or down until a round finds no lower error.
+// Moves each code, and both codes of a channel together, one step up or down, until a round finds no lower error.
 static inline CodedLine climbed_line(Colours c, EndPrecision precision, float last, CodedLine best) {
   CodedLine tried;
   for (int turn = 0; turn < 3; ++turn) {
@@ -431,8 +434,8 @@ static inline CodedScalar fitted_scalar(float16 v, int bits, float last) {
 
 static inline void store_indices(float16 index, int* indices) { vstore16(convert_int16(index), 0, indices); }
 
-// Reverses the indices of a line if the anchor texel's index has its highest bit set: that bit is not stored. Returns 1
-// if the caller must swap the line's ends.
+// Reverses the indices of a line if the highest bit of the anchor texel's index is set, because that bit is not stored.
+// Returns 1 if the caller must swap the line's ends.
 static inline int turn_anchor(int* indices, int anchor, uint mask, int last) {
   if (indices[anchor] <= last / 2) return 0;
   for (int i = 0; i < MULTUM_BLOCK_TEXELS; ++i)
@@ -464,7 +467,7 @@ static inline BlockBits mode_6_block(Colours c, CodedLine line, int third_is_alp
   put_bits(&bits, 1u << 6, 7);
   for (int channel = 0; channel < 4; ++channel)
     for (int end = 0; end < 2; ++end) {
-      const int source = third_is_alpha && channel > 1 ? 5 - channel : channel;  // 3: what is 255
+      const int source = third_is_alpha && channel > 1 ? 5 - channel : channel;  // source 3 is the constant 255
       put_bits(&bits, source == 3 ? 127u : (uint)line.codes[end][source], 7);
     }
   put_bits(&bits, 3, 2);
@@ -475,7 +478,7 @@ static inline BlockBits mode_6_block(Colours c, CodedLine line, int third_is_alp
 // Modes 4 and 5: channel `alone` has its own ends and indices and is stored in alpha; alpha is stored in its place.
 typedef struct SeparateMode {
   int mode, colour_bits, scalar_bits;
-  int colour_last, scalar_last;  // steps: 3 or 7
+  int colour_last, scalar_last;  // last step: 3 or 7
 } SeparateMode;
 
 typedef struct SeparateFit {
@@ -488,8 +491,8 @@ static inline Colours without(Colours c, int alone) {
   return c;
 }
 
-// If the third channel is alpha: a decoder swaps alpha with the channel that the rotation names. So the third channel
-// is stored in the place of `alone`, and the line's constant 255, which is in the place of `alone`, is stored as blue.
+// A decoder swaps alpha with the channel that the rotation names. If the third channel is alpha, it is therefore stored
+// in the place of `alone`, and the constant 255, which the line has in that place, is stored as blue.
 static inline BlockBits separate_block(Colours c, int alone, SeparateMode m, SeparateFit fit, int third_is_alpha) {
   const EndPrecision precision = {m.colour_bits, 0};
   int colour[16], scalar[16];
@@ -609,7 +612,7 @@ static inline Colours subset_of(Colours c, int partition, int line) {
 }
 
 // Modes 4 and 5 with their bits and steps: mode, colour bits, scalar bits, colour steps, scalar steps. separate_fit()
-// returns the best fit before any climb; `choice` is its index here.
+// returns the best fit before codes are improved one by one; `choice` is its index in this table.
 __constant SeparateMode kSeparateModes[3] = {{5, 7, 8, 3, 3}, {4, 5, 6, 3, 7}, {4, 5, 6, 7, 3}};
 
 static inline SeparateFit separate_fit(Colours c, int alone, int* choice) {
@@ -630,7 +633,7 @@ static inline SeparateFit separate_fit(Colours c, int alone, int* choice) {
 }
 
 // Returns the error that mode 6 cannot avoid: its p is 1, so it stores 0 as 1. A channel that is 0 everywhere, such as
-// metalness, is not a reason to continue the search.
+// metalness, has this error, which is not a reason to continue the search.
 static inline float unreachable_error(Colours c) {
   float error = 0.0f;
   for (int channel = 0; channel < 3; ++channel) error += most_of(channel_of(c, channel)) == 0.0f ? 16.0f : 0.0f;
@@ -640,9 +643,10 @@ static inline float unreachable_error(Colours c) {
 // One work-item = one block.
 //   values [block][channel][16]   red, green, and blue or alpha, 0 to 255
 //   blocks [block]                written
-// third_is_alpha: the third channel is alpha, and blue is 255. This is an argument and not a second kernel, because the
-// compiler does not inline functions that two kernels call. Without inlining, BC7 takes 1.5 times as long (PoCL 3.1,
-// AVX2). Compute bound: evaluates a block's error some 50 times if mode 6 is good enough, otherwise some 200 times.
+// If third_is_alpha, the third channel is alpha, and blue is 255. This is an argument and not a second kernel, because
+// the compiler does not inline functions that two kernels call. Without inlining, BC7 takes 1.5 times as long (PoCL
+// 3.1, AVX2). Compute bound: evaluates a block's error some 50 times if mode 6 is good enough, otherwise some 200
+// times.
 __kernel void encode_colour_blocks(__global const float* values, __global uint4* blocks, int block_count,
                                    int third_is_alpha) {
   const int item = (int)get_global_id(0);
@@ -660,7 +664,7 @@ __kernel void encode_colour_blocks(__global const float* values, __global uint4*
     SeparateFit fit = separate_fit(c, alone, &choice);
     int partition = 0;
     CodedLine lines[2];
-    lines[0].error = lines[1].error = INFINITY;  // mode 1 has no alpha
+    lines[0].error = lines[1].error = INFINITY;  // mode 1 cannot store alpha
     const int is_near = fmin(fit.line.error + fit.scalar.error, line.error - unreachable_error(c)) <= ROUNDING_ERROR;
     if (!third_is_alpha && !is_near) {
       const int2 partitions = best_partitions(c);

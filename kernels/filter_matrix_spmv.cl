@@ -3,7 +3,7 @@
 // eqs. 2 and 3). Handles three colours at once, because they share the matrix.
 //
 // Rows are stored in blocks of 8 entries; the last block is padded with weight 0. A trilinear row is one block, so a
-// matrix of only such rows has the ELL format. Rows that are averages over sub-pixels have more blocks.
+// matrix with only such rows has the ELL format. Rows that are averages over sub-pixels have more blocks.
 
 // One work-item = one row; global size row_count.
 //   block_begin [row_count + 1]   first block of each row

@@ -2,10 +2,10 @@
 // Forward transforms of the animation codec (Hakura et al. 2000, section 4, "Encoding"), for all textures of a chunk in
 // one launch. Converts colours to three planes. Then applies block cosines (DCT-II, orthonormal) or one level of the
 // biorthogonal 9/7 wavelets (Cohen, Daubechies and Feauveau 1992) by lifting (Daubechies and Sweldens 1998).
-// host/fields/codec/decoder/block_dct.h and wavelet_transform.h define them; the decoder has the inverses.
+// host/fields/codec/decoder/block_dct.h and wavelet_transform.h define these transforms; the decoder has the inverses.
 //
-// One work-item sums each coefficient in a fixed order, with explicit fma. So the result is the same on every device
-// that rounds as IEEE does, for any number of textures in a launch.
+// One work-item sums each coefficient in a fixed order, with explicit fma. Therefore the result is the same on every
+// device with IEEE rounding, for any number of textures in a launch.
 
 #include "device/numerics.clh"
 
@@ -85,7 +85,7 @@ __kernel void dct_columns(__global const float* half_way, __global const float* 
   for (int u = 0; u < side; ++u) out[u] = sums[u];
 }
 
-// Maps an index to a sample of a line of n >= 2 samples, which is mirrored repeatedly at its outermost samples.
+// Maps an index to a sample of a line of n >= 2 samples. The line is mirrored repeatedly at its outermost samples.
 static int mirrored(int i, int n) {
   const int period = 2 * (n - 1);
   i = i % period;

@@ -3,14 +3,14 @@
 // of rows. The planes hold colours, moments, heights or radiance.
 //
 // A texel of a level averages exactly the finest texels that it covers (docs/contributing/ALGORITHMS.md, "Notation"),
-// for any size. Williams supports only powers of two, and computes each level from the one before. Here:
+// for any size. Williams supports only powers of two, and computes each level from the previous one. Here:
 //
 //     along a row      a column covers blocks of 2^k texels and fractions at its ends (row_blocks.h): a few nodes
-//     down the rows    whole rows weigh 1, a row between two texels is split between them; a compensated sum
+//     down the rows    whole rows weigh 1, a row between two texels is split between them; sums are compensated
 //
-// So no level depends on another level or on the height of the bands. For powers of two, the only operations are
+// Therefore no level depends on another level or on the height of the bands. For powers of two, the only operations are
 // additions and one multiplication by a power of two. Sums may begin in one band and end in another; no other data is
-// kept between bands. A texel covers nothing beyond the map's borders, so averages are the same for every wrap mode.
+// kept between bands. A texel covers nothing beyond the map's borders, so averages do not depend on the wrap mode.
 
 #include "device/numerics.clh"
 #include "shared/mip_box.h"
@@ -47,8 +47,8 @@ __kernel void mip_features(__global const float* value_x, __global const float* 
   out[2 * plane_size] = value_z[item];
 }
 
-// Sums pairs of blocks. It is launched for blocks of 2 texels, of 4 texels, and so on. One work-item = one block;
-// global size plane_count * row_count * block_count.
+// Sums pairs of blocks. The kernel is launched for blocks of 2 texels, of 4 texels, and so on. One work-item = one
+// block; global size plane_count * row_count * block_count.
 //   nodes   in place: block i, at first_block + i, is the sum of the two blocks at first_half + 2 i
 // Memory bound.
 __kernel void mip_blocks(__global float* nodes, MultumBoxBand band, int first_half, int first_block, int block_count) {
@@ -90,8 +90,8 @@ __kernel void mip_levels(__global const float* nodes, __global const MultumBoxLe
     __global const float* in = nodes + ((size_t)plane * band.row_count + i) * band.row_length;
     float value = 0.0f;
     for (int tap = first_tap; tap < end_tap; ++tap) value = fma(taps[tap].weight, in[taps[tap].node], value);
-    // In units of 1/height of a finest row, this row is [begin, end) and the level's row ends at `border`. Sides are at
-    // most 32768, so products fit an int.
+    // Positions are in units of 1/height of a finest row: this row is [begin, end), and the level's row ends at
+    // `border`. Sides are at most 32768, so products fit an int.
     const int begin = (band.first_row + i) * level.height, end = begin + level.height;
     const int border = (row + 1) * band.map_height;
     if (end < border) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Shades filtered moments by the runtime's formulas, so that a bake can measure the error of its output. Highlights are
-// only convolved, or also multiplied by the cosine n . l of the light.
+// convolved, and on request multiplied by the cosine n . l of the light.
 
 #include "device/moment_shading.clh"
 #include "shared/moments.h"

@@ -5,17 +5,18 @@
 // exact (docs/contributing/ALGORITHMS.md, "Binned normals").
 //
 // Directions are mapped to p = (x, y) / sqrt(1 + z), Lambert's equal-area disc. Each axis of p has its own map to
-// cells: three quarters of the cells follow the density of the normals, and one quarter follow their extent. So a few
-// steep edges do not coarsen the cells of a flat texel. Normals outside the axes belong to the outermost cells.
+// cells: three quarters of the cells follow the density of the normals, and one quarter follow their extent. The
+// density keeps a few steep edges from coarsening the cells of a flat texel. Normals outside the axes belong to the
+// outermost cells.
 //
 // Normals that a BRDF's width has shortened (MovmfFit::shortened) are also sorted by direction, in a separate grid for
-// each class of lengths. So lobes can distinguish sharp and wide BRDFs under one texel. The classes are separated at
-// kappa 1250, 133 and 22, which correspond to perceptual roughnesses of 0.2, 0.35 and 0.55. So the kappas of a class
+// each class of lengths. Lobes can then distinguish sharp and wide BRDFs under one texel. The classes are separated at
+// kappa 1250, 133 and 22, which correspond to perceptual roughnesses of 0.2, 0.35 and 0.55. The kappas of a class thus
 // differ by a factor of 9 at most, except in the sharpest class, whose widths are hardly visible.
 //
 // The map is read in bands of rows. Sums are integers in units of 2^-30, so they do not depend on the order of bands,
-// chunks or threads. Thousands of nearly equal normals lose no differences to rounding. 2^28 normals add up to 2^58
-// at most. A launch handles the texels of one row of a level. This file has only a scalar variant.
+// chunks or threads. Rounding loses no differences even between thousands of nearly equal normals. 2^28 normals add up
+// to 2^58 at most. A launch handles the texels of one row of a level. This file has only a scalar variant.
 // movmf_binning_team.cl has variants for devices with atomic additions and teams of work-items; they write the same
 // bytes.
 
@@ -23,7 +24,7 @@
 
 #define CELL_BLOCK 64
 
-// Returns a random place in part `index` of `count` parts of a range of `size`. Random places do not coincide with a
+// Returns a random place in part `index` of `count` parts of a range of `size`. Regular places could coincide with a
 // regular pattern of the map.
 static int place_in_part(int index, int count, int size, uint seed) {
   const int first = (int)((long)index * size / count), last = (int)((long)(index + 1) * size / count);
@@ -96,7 +97,7 @@ __kernel void movmf_bin_axes(__global const float* probes, __global float* axes,
 //   normal_x, normal_y, normal_z [map_window_rows * map_width]  choose the cell
 //   value_x, value_y, value_z                                   summed: the normals again, or colours
 //   cells [texel][chunk][fit.sample_capacity][MULTUM_CELL_SUMS]   added to
-// `are_normals`: the third sum of Gaussians over (x, y) is then E[x^2 + y^2], which cannot be computed from the cell's
+// If `are_normals`, the third sum of Gaussians over (x, y) is E[x^2 + y^2], which cannot be computed from the cell's
 // mean x and y. Bound by the latency of scattered adds.
 __kernel void movmf_bin_cells(__global const float* restrict normal_x, __global const float* restrict normal_y,
                               __global const float* restrict normal_z, __global const float* restrict value_x,
@@ -144,7 +145,7 @@ __kernel void movmf_bin_cells(__global const float* restrict normal_x, __global 
 //   cells [texel][chunk][cell_count][MULTUM_CELL_SUMS]
 //   samples [texel][cell_count][MULTUM_CONDENSED_SAMPLE]  written: mean values and weight
 //   sample_counts [texel]                                        written
-// `are_normals`: as above; the samples then have the form that planar_family.clh expects. Memory bound.
+// `are_normals` is as above; the samples then have the form that planar_family.clh expects. Memory bound.
 __kernel void movmf_bin_means(__global const long* cells, __global float* samples, __global int* sample_counts,
                               int texel_count, int chunk_count, int cell_count, int are_normals) {
   const int texel = (int)get_global_id(0);

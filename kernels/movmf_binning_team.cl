@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bins normals as movmf_binning.cl does, and writes the same bytes. It is for devices whose work-items can add to one
-// address and work on a texel as a team (host/formats/opencl/launch_shape.h). It is a separate file because drivers
-// compile all kernels of a file. This file has only a scalar variant.
+// Bins normals in the same way as movmf_binning.cl, and writes the same bytes. This file is for devices whose
+// work-items can add to one address and work on a texel as a team (host/formats/opencl/launch_shape.h). This is a
+// separate file, because drivers always compile all kernels of a file. It has only a scalar variant.
 
 #include "device/binned_cells.clh"
 

@@ -1,22 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
-// Fits level 1 of maps with even sides, instead of EM. A texel covers four normals, and each normal is given whole to
+// Fits level 1 of maps with even sides, instead of EM. A texel covers four normals, and each normal belongs wholly to
 // one of its lobes. Of all J^4 assignments, the kernel chooses the one with the narrowest lobes. The width of a lobe is
 // measured twice: by itself, and mixed with the surrounding lobes as texture filters mix them
 // (docs/contributing/ALGORITHMS.md, "Level 1").
 //
-// With c = sum of weights, m = sum n and q = sum |n|^2 of any set of normals, sqrt(c q - |m|^2) is c times their root
-// mean square distance from their mean. For lobes j with normals S_j and surroundings T_j, an assignment costs
+// For any set of normals, let c be the sum of weights, m = sum n and q = sum |n|^2. Then sqrt(c q - |m|^2) is c times
+// their root mean square distance from their mean. For lobes j with normals S_j and surroundings T_j, an assignment
+// costs
 //
 //   sum_j width(S_j) + alignment * width(S_j and T_j),   width = sqrt(c q - |m|^2 + c^2 e)
 //
-// where e, half the inverse of the cap of kappa, is too small a width for any highlight to show. T_j is the mean of
-// lobe j over the parents and over the neighbours that are done; the parents are weighted as by a filter between
-// levels. c q - |m|^2 is additive over pairs of normals, and over S_j and T_j; it is computed from pairs. If rounding
-// makes it negative, it is still far smaller than e.
+// where e is half the inverse of the cap of kappa, a width that is too small to be visible in any highlight. T_j is the
+// mean of lobe j over the parents and over the neighbours that are done; the parents are weighted as by a filter
+// between levels. The difference c q - |m|^2 is a sum over pairs of normals, and is computed from these pairs. If
+// rounding makes it negative, its size is still far below e.
 //
 // The assignment of least cost is found one lobe after another. The least cost of giving the normals S to the first j
-// lobes is a minimum over the subsets A of S: A goes to lobe j, and the remaining normals go to the first j - 1 lobes
-// at their least cost.
+// lobes is a minimum over the subsets A of S. A goes to lobe j, and the other normals go to the first j - 1 lobes at
+// their least cost.
 
 #include "device/done_neighbours.clh"
 #include "device/level_window.clh"
@@ -59,15 +60,15 @@ static void gather_normals(__global const float* normal_x, __global const float*
   }
 }
 
-// Parents that a texture's filter mixes at the middle of a texel, weighted 3/4 and 1/4 along each side; the texel's own
-// parent is first.
+// The parents that a texture's filter mixes at the middle of a texel, weighted 3/4 and 1/4 along each side. The texel's
+// own parent is first.
 typedef struct Parents {
   int place[PARENTS][MULTUM_VECTOR_WIDTH];
 } Parents;
 
 __constant const float parent_weights[PARENTS] = {0.5625f, 0.1875f, 0.1875f, 0.0625f};
 
-// Returns the row or column of parents next to `own` on the side of `own` where `i` is. Returns `own` at a border that
+// Returns the row or column of parents that is next to `own` on the side of texel `i`. Returns `own` at a border that
 // does not repeat.
 static int parent_beside(int i, int own, int size, int periodic) {
   const int beside = own + ((i & 1) != 0 ? 1 : -1);
@@ -87,7 +88,7 @@ static void find_parents(const Places* places, const MultumMovmfFit* fit, Parent
   }
 }
 
-// Sums the lobes of one index around each texel; `parent` and `level` are the planes of that lobe.
+// Sums the lobes of one index around each texel. `parent` and `level` are the planes of that lobe.
 static LobeLanes sums_around(__global const float* parent, __global const float* level, const Places* places,
                              const Parents* parents) {
   float x[MULTUM_VECTOR_WIDTH], y[MULTUM_VECTOR_WIDTH], z[MULTUM_VECTOR_WIDTH], weight[MULTUM_VECTOR_WIDTH];
@@ -147,7 +148,7 @@ static void costs_of_sets(const LobeLanes* samples, const real_v* scatters, cons
   }
 }
 
-// Spreads the four bits of a set to four nibbles, one per normal, which hold the normal's lobe.
+// Spreads the four bits of a set to four nibbles, one per normal. A nibble holds the normal's lobe.
 static int nibbles(int set) { return (set & 1) | (set & 2) << 3 | (set & 4) << 6 | (set & 8) << 9; }
 
 // One work-item = MULTUM_VECTOR_WIDTH slots; global size slot_count / MULTUM_VECTOR_WIDTH.
@@ -157,7 +158,7 @@ static int nibbles(int set) { return (set & 1) | (set & 2) << 3 | (set & 4) << 6
 //   texel_list [slot]                        window row * width + x, or -1
 //   chosen     [slot]                        written: the lobe of normal i in bits 4 i to 4 i + 3, for
 //                                            movmf_feature_chosen
-// fit.alignment weighs the mixed widths. Bound by the gathers and by 16 square roots per lobe.
+// fit.alignment is the weight of the mixed widths. Bound by the gathers and by 16 square roots per lobe.
 __kernel void movmf_choose(__global const float* normal_x, __global const float* normal_y,
                            __global const float* normal_z, __global const MultumVmfLobe* parent,
                            __global MultumVmfLobe* level, __global const int* texel_list, __global int* chosen,
@@ -189,8 +190,8 @@ __kernel void movmf_choose(__global const float* normal_x, __global const float*
       for (int set = 0; set < SUBSETS; ++set) least[set] = costs[set];
       continue;
     }
-    // Starts with the largest set, so that the sets that are read have not changed yet. The last lobe needs only the
-    // set of all normals.
+    // Starts with the largest set, because a set's cost depends on smaller sets, which must not have changed yet. The
+    // last lobe needs only the set of all normals.
     const int smallest = j == MULTUM_LOBES - 1 ? SUBSETS - 1 : 0;
     for (int set = SUBSETS - 1; set >= smallest; --set) {
       real_v best = least[set] + costs[0];

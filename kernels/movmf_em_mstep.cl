@@ -64,7 +64,7 @@ static float cap_of_chunks(__global const float* chunks, const MultumMovmfFit* f
 //   start   [group][lobe][MULTUM_START_PLANES][MULTUM_GROUP]  in: parameters of the E-step; out: of the next one
 //   level   [lobe][window_rows * width]                       written in the last iteration, which keeps `start`
 //   alignment_vectors [lobe][window_rows * width][4]          written in the last iteration, for the neighbours' priors
-// Sums of up to 2^16 chunks are compensated, so their rounding error is as small as that of one addition. Memory bound.
+// Sums of up to 2^16 chunks are compensated, so their rounding error is as small as for one addition. Memory bound.
 __kernel void movmf_em_mstep(__global const float* restrict partial, __global float* restrict start,
                              __global const int* restrict texel_list, __global MultumVmfLobe* restrict level,
                              __global float* restrict alignment_vectors, MultumMovmfFit fit, int iteration) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// EM of fine levels: one work-item runs every iteration of a texel. Han et al. 2007, section 7, Algorithm 1; with
+// Runs EM on fine levels: one work-item runs every iteration of a texel. Han et al. 2007, section 7, Algorithm 1; with
 // MULTUM_PLANAR, Tan et al. 2005, section 4.1.
 //
 // One work-item = MULTUM_VECTOR_WIDTH texels (16 lanes of one group, or one of them); local size 1 or 2 on a CPU.
@@ -10,8 +10,8 @@
 //   alignment_vectors [lobe][window_rows * width][4]                   written, for the neighbours' priors
 //   level   [lobe][window_rows * width]                                written: r and amplitude of each texel's lobes
 // Sums run over the samples in their order, and a texel that has converged keeps its lobes while others of its group
-// continue. So both variants, and a team (below), write the same bytes. Compute bound: about 26 operations per lobe and
-// sample. A texel reads 12 or 16 bytes per sample, from cache after the first iteration.
+// continue. Therefore both variants, and a team (below), write the same bytes. Compute bound: about 26 operations per
+// lobe and sample. A texel reads 12 or 16 bytes per sample, from cache after the first iteration.
 
 #include "device/level_window.clh"
 #include "device/movmf_em.clh"
@@ -102,8 +102,8 @@ __kernel void movmf_em_texels(__global const float* restrict samples, __global c
       const real_v prior_z = LOAD_V(START(j, MULTUM_START_PRIOR + 2));
       real_v next_x, next_y, next_z, next_sharpness = sharpness[j], next_log;
       M_STEP(m, prior_x, prior_y, prior_z, cap, fit.extra_copies, next_x, next_y, next_z, next_sharpness, next_log)
-      // The squares of three changes: the turn in units of the lobe's width, and the relative changes of kappa and of
-      // the weight.
+      // Computes the squares of three changes: the turn in units of the lobe's width, and the relative changes of kappa
+      // and of the weight.
       const real_v dx = next_x - mu_x[j], dy = next_y - mu_y[j], dz = next_z - mu_z[j];
       const real_v turn = fma(dx, dx, fma(dy, dy, dz * dz)) * next_sharpness;
       const real_v dl = next_log - log_weight[j], dk = 1.0f - sharpness[j] / next_sharpness;
@@ -117,8 +117,8 @@ __kernel void movmf_em_texels(__global const float* restrict samples, __global c
     }
     if (fit.convergence_tolerance_squared > 0.0f) moving = moving & (change > fit.convergence_tolerance_squared);
   }
-  // The moments of the last E-step are stored, without the prior. So the prior determines which lobe is which, but adds
-  // no bias.
+  // The moments of the last E-step are stored without the prior. The prior thus determines which lobe is which, but
+  // adds no bias.
   for (int j = 0; j < MULTUM_LOBES; ++j) {
     const LobeMoments m = lobe_moments(sum_s[j], sum_x[j], sum_y[j], sum_z[j], sum_d[j], mu_x[j], mu_y[j], mu_z[j],
                                        (real_v)(fit.total_weight_inverse));
@@ -134,16 +134,16 @@ __kernel void movmf_em_texels(__global const float* restrict samples, __global c
 #if MULTUM_VECTOR_WIDTH == 1
 // Runs EM of one texel with a team of MULTUM_TEAM work-items, for devices with more work-items than a step has texels.
 // Each member does one sample's E-step. Then each of the first 5 MULTUM_LOBES members adds the samples, in order, to
-// one sum of one lobe. Then each of the first MULTUM_LOBES members does one lobe's M-step. The bytes are those of
-// movmf_em_texels.
+// one sum of one lobe. Then each of the first MULTUM_LOBES members does one lobe's M-step. The kernel writes the same
+// bytes as movmf_em_texels.
 //
 //   samples   0 1 2 ... 63 | 64 65 ...          one block per turn of the team
 //   member    0 1 2 ... 63                      E-step: responsibilities and gaps of its sample, to local memory
 //   member    S0 X0 Y0 Z0 D0 S1 X1 ...          sums: member 5 j + k adds sum k of lobe j
 //
 // Buffers as above; local size MULTUM_TEAM, global size MULTUM_TEAM * slot_count. Bound by the chain of additions in
-// each sum: four clocks per sample, compared with some hundred for a single work-item.
-#define TEAM_ROW (MULTUM_TEAM + 1)  // puts lobes in different banks
+// each sum, which takes four clocks per sample; a single work-item needs some hundred.
+#define TEAM_ROW (MULTUM_TEAM + 1)  // puts lobes into different memory banks
 
 // Returns the factors that sum k of lobe j multiplies responsibilities by, for member 5 j + k: 1, x, y, z or the gap u.
 static __local const float* factors_of_sum(__local const float* one, __local const float* directions,
@@ -252,7 +252,7 @@ __attribute__((reqd_work_group_size(MULTUM_TEAM, 1, 1))) __kernel void movmf_em_
     if (iteration < last && fit.convergence_tolerance_squared > 0.0f) {
       float change = 0.0f;
       for (int j = 0; j < MULTUM_LOBES; ++j) change = moved[j] < 0.0f ? change : MAX_V(change, moved[j]);
-      // Converged: does the E-step once more, as movmf_em_texels does.
+      // After convergence, does the E-step once more, as movmf_em_texels does.
       if (!(change > fit.convergence_tolerance_squared)) last = iteration + 1;
     }
   }

@@ -12,7 +12,8 @@
 #define MULTUM_LOBES 4
 #endif
 
-// Computes the responsibilities z_ij of one normal or mean of normals; `lobes` is movmf_em_texels' start of one slot.
+// Computes the responsibilities z_ij of one normal or mean of normals; `lobes` is the `start` of one slot in
+// movmf_em_texels.
 static void responsibilities(float nx, float ny, float nz, __global const float* lobes, float* z) {
 #define PARAMETER(j, plane) lobes[((j)*MULTUM_START_PLANES + (plane)) * MULTUM_GROUP]
   float largest = -1e30f, total = 0.0f;

@@ -7,8 +7,8 @@
 #include "device/texel_coverage.clh"
 #include "shared/movmf_fit.h"
 
-// 1 if finest texels that are only partly inside a texel get fractional weights (maps whose sides are not powers of
-// two).
+// The value is 1 if finest texels that are only partly inside a texel get fractional weights (maps whose sides are not
+// powers of two).
 #ifndef MULTUM_WEIGHTED
 #define MULTUM_WEIGHTED 0
 #endif

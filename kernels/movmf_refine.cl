@@ -9,18 +9,18 @@
 // pooled as the hardware pools them, should equal the mean of the EM lobes of both texels. A texel reads EM's lobes of
 // its neighbours and never the output of this kernel, so texels are independent of one another.
 //
-// gamma_js is lobe j convolved with f_s. Inner products need no directions h. The product of a lobe and a sample is the
-// lobe, convolved with f_s twice, at the sample. Mean cosines multiply under convolution
-// (docs/contributing/ALGORITHMS.md, "Shading a filtered lobe"), so this product is the vMF with A = |r_j| c_s^2. The
-// product of two lobes has A = |r_j| |r_k| c_s^2. This refinement is not from a paper; neither paper fits lobes to
-// highlights.
+// gamma_js is lobe j convolved with f_s. Inner products need no sampled directions h. The product of a lobe and a
+// sample is the lobe, convolved with f_s twice, at the sample. The mean cosine of a convolution is the product of the
+// mean cosines (docs/contributing/ALGORITHMS.md, "Shading a filtered lobe"), so this product is the vMF with A = |r_j|
+// c_s^2. The product of two lobes has A = |r_j| |r_k| c_s^2. This refinement is not from a paper; neither paper fits
+// lobes to highlights.
 //
 // A step is damped Gauss-Newton (Levenberg 1944) in (a, two angles, log(1 - |r|)) per lobe. A step that does not lower
 // the energy is undone, and a quarter of it is tried. In the matrix only, 1/kappa replaces the sum of the spreads; both
-// are equal for sharp lobes. This affects the steps but adds no bias.
+// are equal for sharp lobes. This replacement affects the steps, but not the minimum.
 //
-// Squared errors give most weight to directions with many normals and little weight to dim ones. So the texel's
-// highlights are compared at the end: EM's lobes are kept if their relative L1 error over some half vectors is clearly
+// Squared errors give most weight to directions with many normals and little weight to dim ones. Therefore the texel's
+// highlights are compared at the end. EM's lobes are kept if their relative L1 error over some half vectors is clearly
 // lower.
 //
 // One work-item = MULTUM_VECTOR_WIDTH texels, local size 1 or 2 on a CPU; global size slot_count / MULTUM_VECTOR_WIDTH.
@@ -45,7 +45,7 @@
 #endif
 #define SAMPLE_STRIDE ((3 + MULTUM_WEIGHTED) * MULTUM_GROUP)
 #define PARAMETERS (4 * MULTUM_LOBES)
-// Index into the lower triangle of a symmetric matrix, stored by rows.
+// The index into the lower triangle of a symmetric matrix, which is stored by rows.
 #define TRIANGLE(row, column) ((row) * ((row) + 1) / 2 + (column))
 
 __constant float brdf_weights[MULTUM_REFINE_BRDFS] = MULTUM_REFINE_WEIGHTS;
@@ -53,7 +53,7 @@ __constant float brdf_exponents[MULTUM_REFINE_BRDFS] = MULTUM_REFINE_EXPONENTS;
 __constant float look_xy[MULTUM_REFINE_LOOKS][2] = MULTUM_REFINE_LOOK_XY;
 __constant float brdf_spreads[MULTUM_REFINE_BRDFS] = MULTUM_REFINE_SPREADS;
 
-// Keeps loops over lobes and parameters rolled; unrolled, they would take a compiler half a minute.
+// Keeps loops over lobes and parameters rolled. Unrolled, they would take compilers half a minute.
 #define ROLLED _Pragma("nounroll")
 
 typedef struct RefinedLobe {
@@ -183,7 +183,7 @@ static real_v pair_products(const RefinedLobe* one, const RefinedLobe* other, bo
   const real_v gap =
       same ? (real_v)(0.0f) : MAX_V(gap_of(one->x, one->y, one->z, other->x, other->y, other->z), (real_v)(0.0f));
   const real_v spread = fma(-one->spread, other->spread, one->spread + other->spread);
-  // Sums of w V over the BRDFs, and of its derivatives with respect to t = 1 - u, the spread v = 1/kappa, and A.
+  // Sums over the BRDFs of w V, and of the derivatives of w V with respect to t = 1 - u, the spread v = 1/kappa, and A.
   real_v value = (real_v)(0.0f), by_t = value, by_tt = value, by_v = value, by_vv = value, by_tv = value, by_a = value;
   for (int s = 0; s < MULTUM_REFINE_BRDFS; ++s) {
     const float c2 = 1.0f - brdf_spreads[s];
@@ -278,8 +278,9 @@ static real_v subtract_lobes(const RefinedLobe* lobe, const RefinedLobe* shown, 
   return energy;
 }
 
-// Pools half of one lobe and half of another as filtering does. by_one[row][column] is the derivative of the pooled
-// lobe's parameters by those of the first lobe. The pooled lobe's fourth parameter is its spread, which may be 0.
+// Pools half of one lobe and half of another, as texture filters do. by_one[row][column] is the derivative of the
+// pooled lobe's parameters by those of the first lobe. The pooled lobe's fourth parameter is its spread, which may be
+// 0.
 static void pool(const RefinedLobe* one, const RefinedLobe* other, RefinedLobe* lobe, real_v* by_one) {
   const real_v amplitude = 0.5f * (one->amplitude + other->amplitude), inverse = 1.0f / amplitude;
   const real_v length_one = 1.0f - one->spread;
@@ -289,7 +290,8 @@ static void pool(const RefinedLobe* one, const RefinedLobe* other, RefinedLobe* 
            fma(share_one, one->z, share_other * other->z), amplitude);
   lobe->widening = (real_v)(1.0f);
   const real_v length = 1.0f - lobe->spread, turn_inverse = 1.0f / MAX_V(length, (real_v)(MULTUM_REFINE_LENGTH_MIN));
-  // Half of the derivatives of `a * r`, divided by the pooled amplitude, minus the effect of a larger amplitude on r.
+  // Half of the derivatives of `a * r`, divided by the pooled amplitude. The effect of a larger amplitude on r is
+  // subtracted.
   const real_v turned = 0.5f * one->amplitude * inverse * length_one;
   const real_v shortened = -0.5f * one->amplitude * inverse * one->widening, grown = 0.5f * inverse;
   const real_v moved[12] = {grown * fma(length_one, one->x, -length * lobe->x),
@@ -313,7 +315,8 @@ static void pool(const RefinedLobe* one, const RefinedLobe* other, RefinedLobe* 
   }
 }
 
-// Adds the terms midway to an adjacent texel; `start` and `beside` are the two texels' EM lobes. Returns the energy.
+// Adds the terms midway to an adjacent texel. `start` and `beside` are the EM lobes of the two texels. Returns the
+// energy.
 static real_v add_midway(const RefinedLobe* lobes, const RefinedLobe* start, const RefinedLobe* beside, real_v weight,
                          real_v* matrix, real_v* gradient) {
   RefinedLobe mixed[MULTUM_LOBES];
@@ -363,8 +366,8 @@ static void set_moment_rows(const RefinedLobe* lobe, real_v* rows) {
   for (int i = 0; i < 16; ++i) rows[i] = values[i];
 }
 
-// Adds the term for the moments. It is added after the diagonal is raised, because damping by moments would keep lobes
-// from moving. Returns the energy.
+// Adds the term for the moments. This term is added after the diagonal is raised, because damping by moments would keep
+// lobes from moving. Returns the energy.
 static real_v add_moments(const RefinedLobe* lobes, const real_v* mean, real_v* matrix, real_v* gradient) {
   real_v rows[PARAMETERS * 4], off[4];
   for (int i = 0; i < 3; ++i) off[i] = -mean[i];
@@ -426,7 +429,7 @@ static void take_step(RefinedLobe* lobes, const real_v* step) {
     const real_v x = fma(scale, fma(e, lobe->ex, f * lobe->fx), lobe->x);
     const real_v y = fma(scale, fma(e, lobe->ey, f * lobe->fy), lobe->y);
     const real_v z = fma(scale, fma(e, lobe->ez, f * lobe->fz), lobe->z);
-    const real_v inverse = 1.0f / length_of(x, y, z);  // length at least 1: the turn is tangential
+    const real_v inverse = 1.0f / length_of(x, y, z);  // the length is at least 1, because the turn is tangential
     lobe->x = x * inverse;
     lobe->y = y * inverse;
     lobe->z = z * inverse;
@@ -479,7 +482,7 @@ static void see_samples(__global const float* samples, int sample_count, float w
                   fma(LOAD_V(samples + MULTUM_GROUP), (real_v)(h[1]), LOAD_V(samples + 2 * MULTUM_GROUP) * h[2])),
               (real_v)(0.0f));
     const real_v t2 = t * t, t4 = t2 * t2, t8 = t4 * t4;
-    real_v power = t8 * t8 * t4;  // exponent 20; each next one is 5 times as large
+    real_v power = t8 * t8 * t4;  // exponent 20; each further exponent is 5 times as large
 #if MULTUM_WEIGHTED
     const real_v weight = LOAD_V(samples + 3 * MULTUM_GROUP) * weight_inverse;
 #else

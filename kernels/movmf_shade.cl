@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Shades filtered lobes by the runtime's formula, so that a bake can measure the error of its output. Highlights are
-// only convolved, or also multiplied by the cosine n . l of the light.
+// convolved, and on request multiplied by the cosine n . l of the light.
 
 #include "device/numerics.clh"
 #include "shared/highlight.h"
@@ -26,7 +26,7 @@
 
 #if MULTUM_PLANAR
 #define FACET_KAPPA(exponent) 0.0f
-// Returns the cosine of a lobe's highlight as the runtime computes it: Gaussians use the cosine of their mean.
+// Returns the cosine of a lobe's highlight as the runtime computes it. Gaussians use the cosine of their mean.
 static inline float lit_cosine(float4 lobe, float3 h, float4 light, float facet_kappa) {
   return gmm_lambert(lobe, light.xyz) / max(lobe.w, GMM_AMPLITUDE_MIN);
 }

@@ -1,34 +1,35 @@
 // SPDX-License-Identifier: Apache-2.0
-// Fits one GGX lobe to everything that a texel covers, by maximum likelihood. The data are the slopes of facets: over
-// every covered normal, the base's own facets around it.
+// Fits one GGX lobe to everything that a texel covers, by maximum likelihood. The data are the slopes of facets. Around
+// every covered normal, there are the facets of the base roughness.
 //
-// The slopes of GGX facets, seen along the normal, have the density 1 / (pi alpha^2 (1 + |x|^2 / alpha^2)^2) (Walter et
-// al. 2007, eq. 33, over the projected facet). This is a bivariate Student t distribution with two degrees of freedom
-// and scale matrix S = alpha^2 / 2. The likelihood is maximised as for every t distribution (Lange, Little and Taylor
-// 1989, section 3; here nu = 2 and d = 2):
+// The slopes x of GGX facets, seen along the normal, have the density 1 / (pi alpha^2 (1 + |x|^2 / alpha^2)^2) (Walter
+// et al. 2007, eq. 33, over the projected facet). This density is a bivariate Student t distribution with two degrees
+// of freedom and scale matrix S = alpha^2 / 2. The likelihood is maximised as for every t distribution (Lange, Little
+// and Taylor 1989, section 3; here nu = 2 and d = 2):
 //
 //     w = 4 / (2 + (x - m)' S^-1 (x - m))      m = sum(w x) / sum(w)      S = sum(w (x - m) (x - m)') / sum(w)
 //
 // Dividing by the sum of the weights instead of by their number halves the number of steps; both are equal at
 // convergence (Kent, Tyler and Vardi 1994; as PX-EM: Liu, Rubin and Wu 1998, section 4.1). A facet with a large slope
-// has little weight. It would dominate a covariance, which GGX does not have. The fit begins with the closed form: m =
-// 0 in the frame of the mean normal, alpha_i^2 = alpha_0^2 + 1.75 lambda_i, lambda of E[n n'] in its tangent plane. A
-// Gaussian would have the factor 2; 1.75 has the least error on real maps.
+// has little weight. In a covariance it would dominate, but GGX has no finite covariance. The fit begins with the
+// closed form: m = 0 in the frame of the mean normal, and alpha_i^2 = alpha_0^2 + 1.75 lambda_i, where lambda_i are the
+// eigenvalues of E[n n'] in the tangent plane. A Gaussian would have the factor 2; on real maps, 1.75 has the least
+// error.
 
 #include "device/numerics.clh"
 #include "shared/mip_box.h"
 #include "shared/one_lobe.h"
 
 #define SPREAD_FACTOR 1.75f
-// The least cosine between a facet and the mean normal: limits slopes to 20. The limit has little effect, because
+// The least cosine between a facet and the mean normal, which limits slopes to 20. The limit has little effect, because
 // `w x x'` hardly depends on the size of a large slope x.
 #define FACET_COSINE_MIN 0.05f
 #define SCALE_MIN 1e-8f  // least diagonal of S: sqrt(2 S) is 1.4e-4
 
-// A frame about the unit normal n. Its x axis is the map's x axis, turned into the tangent plane, as renderers do with
-// a tangent by Gram-Schmidt.  x = (y^2 + z^2, -x y, -x z) / l, y = (0, z, -y) / l, l^2 = y^2 + z^2.
+// A frame about the unit normal n. The frame's x axis is the map's x axis, turned into the tangent plane by
+// Gram-Schmidt, as in renderers.  x = (y^2 + z^2, -x y, -x z) / l, y = (0, z, -y) / l, l^2 = y^2 + z^2.
 typedef struct LobeFrame {
-  real_v xx, xy, xz;  // the x axis
+  real_v xx, xy, xz;  // the frame's x axis
   real_v yy, yz;      // the y axis; its x component is 0
 } LobeFrame;
 
@@ -44,7 +45,7 @@ static inline LobeFrame frame_about(real_v x, real_v y, real_v z) {
   return frame;
 }
 
-// Normalizes vectors. A vector without a finite direction becomes straight up.
+// Normalizes vectors. A vector without a finite direction becomes (0, 0, 1).
 static inline void make_usable(real_v* x, real_v* y, real_v* z) {
   const real_v square = fma(*x, *x, fma(*y, *y, *z * *z));
   const int_v is_usable = (square > 1e-12f) & (square < 1e12f);
@@ -78,7 +79,7 @@ __kernel void one_lobe_finest(__global const float* normal_x, __global const flo
 }
 #endif
 
-// Loads the mean normals of texels as unit vectors; a mean of length 0 becomes straight up.
+// Loads the mean normals of texels as unit vectors. A mean of length 0 becomes (0, 0, 1).
 static inline void mean_normals(__global const float* averages, int stride, real_v* x, real_v* y, real_v* z) {
   *x = LOAD_V(averages);
   *y = LOAD_V(averages + stride);
@@ -98,7 +99,7 @@ static inline size_t slopes_of(int texel, MultumOneLobePiece piece) {
   return texel / MULTUM_ONE_LOBE_BLOCK * block_size + texel % MULTUM_ONE_LOBE_BLOCK;
 }
 
-// The finest texel of one sample per lane, unchanged from memory.
+// The finest texel of one sample per lane, as it is in memory.
 typedef struct SampledTexels {
   float x[MULTUM_VECTOR_WIDTH], y[MULTUM_VECTOR_WIDTH], z[MULTUM_VECTOR_WIDTH], base[MULTUM_VECTOR_WIDTH];
 } SampledTexels;
@@ -190,8 +191,8 @@ static inline LobeScale closed_form(__global const float* averages, int stride, 
   return s;
 }
 
-// Makes S invertible: bounds its diagonal below, and its correlation below 1. An isotropic S gets the mean over all
-// directions.
+// Makes S invertible: limits its diagonal from below, and keeps its correlation below 1. An isotropic S gets the mean
+// over all directions.
 static inline LobeScale bounded(LobeScale s, int is_anisotropic) {
   s.xx = MAX_V(s.xx, (real_v)(SCALE_MIN));
   s.yy = MAX_V(s.yy, (real_v)(SCALE_MIN));
@@ -200,7 +201,7 @@ static inline LobeScale bounded(LobeScale s, int is_anisotropic) {
     s.xy = (real_v)(0.0f);
     return s;
   }
-  // Allows a ratio of up to some 500 between the variances, 22 between the alphas.
+  // Allows ratios of up to about 500 between the variances, and 22 between the alphas.
   const real_v most = 0.996f * sqrt(s.xx * s.yy);
   s.xy = MIN_V(MAX_V(s.xy, -most), most);
   return s;
@@ -267,7 +268,7 @@ __kernel void one_lobe_fit(__global const float* averages, __global const float*
   STORE_V(z, fitted + 2 * stride);
 
   // S = middle + [half, xy; xy, -half]: its eigenvalues are middle +- radius. The axis of the larger eigenvalue is at
-  // half the angle of (half, xy). There are two formulas for this axis; uses the one without a subtraction.
+  // half the angle of (half, xy). Of two formulas for this axis, the one without a subtraction is used.
   const real_v middle = 0.5f * (s.xx + s.yy), half_difference = 0.5f * (s.xx - s.yy);
   const real_v radius = sqrt(fma(half_difference, half_difference, s.xy * s.xy));
   const int_v along_x = half_difference >= 0.0f;

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pyramidal regularisation (Hakura et al. 2000, section 3.2, eq. 6): Gamma(x) = sum of (x - B x')^2 over the texels of
-// all levels except the coarsest, x' = the next coarser level, B = bilinear interpolation. Half its gradient is R^T R x
-// with R x = x - B x'. It defines every texel, and holes fill smoothly.
+// Computes pyramidal regularisation (Hakura et al. 2000, section 3.2, eq. 6). Gamma(x) is the sum of (x - B x')^2 over
+// the texels of all levels except the coarsest, where x' is the next coarser level and B is bilinear interpolation.
+// Half the gradient of Gamma is R^T R x with R x = x - B x'. The regularisation gives every texel a value, and fills
+// holes smoothly.
 
 #include "shared/mip_pyramid.h"
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Projects the normal distribution of a finest texel to spherical harmonics (Han et al. 2007, section 5): the basis at
-// its normal, g_lm = Y_lm(n). mip_box.cl averages the coefficients, which is exact because they are linear in the
-// distribution. A normal that a BRDF's width has shortened to c n stands for facets about n: g_lm = a_l Y_lm(n), with
-// a_l of the vMF of mean cosine c.
+// Projects the normal distribution of a finest texel to spherical harmonics (Han et al. 2007, section 5). The
+// coefficients are the basis functions at its normal, g_lm = Y_lm(n). mip_box.cl averages the coefficients, which is
+// exact because they are linear in the distribution. A normal that a BRDF's width has shortened to c n stands for
+// facets about n: g_lm = a_l Y_lm(n), with a_l of the vMF of mean cosine c.
 
 #include "device/vmf_zonal.clh"
 #include "shared/mip_box.h"
@@ -15,7 +15,7 @@
 //   normal_x, normal_y, normal_z [row][map_width]
 //   steps [(order + 1) (order + 2) / 2]            the recurrence's constants
 //   nodes [plane][row][row_length]                 written: the coefficients from l = 1
-//   shortened                                      not 0: the lengths of normals hold a BRDF's width
+//   shortened                                      if not 0, the lengths of normals hold a BRDF's width
 // Memory bound.
 __kernel void sh_project(__global const float* normal_x, __global const float* normal_y, __global const float* normal_z,
                          __global const float2* steps, __global float* nodes, MultumBoxBand band, int shortened) {

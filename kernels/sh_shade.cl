@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Shades filtered spherical harmonics by the runtime's formula, so that a bake can measure the error of its output (Han
-// et al. 2007, section 5): the sum of a_l g_lm Y_lm, clamped at 0. Highlights are only convolved, or also multiplied by
-// the cosine n . l of the light.
+// Shades filtered spherical harmonics by the runtime's formula, so that a bake can measure the error of its output. The
+// formula is the sum of a_l g_lm Y_lm, clamped at 0 (Han et al. 2007, section 5). Highlights are convolved, and on
+// request multiplied by the cosine n . l of the light.
 
 #include "device/spherical_harmonics.clh"
 #include "device/vmf_lit.clh"
@@ -12,7 +12,7 @@
 #error "sh_shade has only a scalar variant"
 #endif
 
-// Returns the weighted sum, clamped: a truncated series rings below 0, but light is never negative.
+// Returns the weighted sum, clamped at 0, because a truncated series rings below 0 and light is never negative.
 static float weighted_bands(const float* bands, __global const float* zonal) {
   float sum = 0.0f;
   for (int l = 0; l <= MULTUM_SH_ORDER; ++l) sum = fma(zonal[l], bands[l], sum);
@@ -27,7 +27,7 @@ static float shade_map(float4 lobe, __global const MultumHighlight* f, float4 h,
   return shade_blinn_phong(blinn_phong_lobe(lobe, f->exponent), e) * cosine;
 }
 
-#define SH_LINEAR_CONSTANT 0.488602512f  // of Y_1m
+#define SH_LINEAR_CONSTANT 0.488602512f  // the constant of Y_1m
 
 // Returns the cosine that multiplies the highlight of half vector h: the cosine of the mean normal, which is shorter
 // than 1, or 1 if h.w requests no cosine. The coefficients (1, -1), (1, 0), (1, 1) are y, z, x.

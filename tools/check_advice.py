@@ -1,14 +1,15 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Finds shared code whose messages name an option literally: a command without that option would print them too.
+"""Finds shared code whose messages name an option literally, because a command without that option would also print
+them.
 
 advice() and option_text() of host/foundation/base/messages/option_words.h name
 options of the command that runs.
 
     tools/check_advice.py [--root DIR]     # exit code 1, and a line for each message
 
-Refusals of a setting's value (ErrorCode::kUsage) may name what was given. Options of other programs, and options that a
-file was made with, come after the program's name: "multum bake --ndf vmf", "baked without --roughness".
+Refusals of a setting's value (ErrorCode::kUsage) may name the value that was given. Options of other programs, and
+options with which a file was made, follow the program's name: "multum bake --ndf vmf", "baked without --roughness".
 """
 import argparse
 import pathlib
@@ -18,7 +19,7 @@ import sys
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 SHARED = ("accuracy", "asset", "averages", "bake", "base", "brdf", "export", "gltf", "image", "light", "look",
           "manifest", "mesh", "movmf", "opencl", "pyramid", "sandbox", "scene", "target")
-# Sources that only one command uses, with the command whose options they name; and sources that run command lines.
+# Sources that only one command uses, with the command whose options they name, and sources that run command lines.
 OF_ONE_COMMAND = {
     "host/bakes/bake/region_bake.cpp": "bake --region", "host/foundation/base/share_record.cpp": "those with --shard",
     "host/delivery/export/export_job.cpp": "export", "host/delivery/export/lobes/lobe_export.cpp": "export --lobes",

@@ -3,7 +3,7 @@
 """Checks the rules of style that a script can check: marks, licence line, header comment, line length, dead files,
 folders, and the slips of English that tools/word_patterns.txt lists.
 
-Usage: check_style.py [--root FOLDER]. Exit code 1 when a rule is broken. Prints one line per violation.
+Usage: check_style.py [--root FOLDER]. Prints one line per violation. The exit code is 1 if a rule is broken.
 """
 import argparse
 import os
@@ -17,7 +17,7 @@ HERE = pathlib.Path(__file__).resolve().parent
 LINE_LENGTH_MAX = 120
 COMMENT = {".h": "//", ".cpp": "//", ".cl": "//", ".clh": "//", ".glsl": "//", ".vert": "//", ".frag": "//", ".py": "#",
            ".cmake": "#", ".txt": "#", "": "#", ".js": "//", ".mjs": "//", ".css": "/*"}
-# Every source with these endings must be named by a build file, or it is dead. Kernels are globbed; headers are
+# A source with one of these endings is dead unless a build file names it. Kernels are found by a glob, and headers are
 # included.
 BUILT = {".cpp", ".cl", ".glsl", ".vert", ".frag"}
 SOURCE_FOLDERS = ("kernels", "host", "runtime_gl", "tools", "tests")
@@ -25,7 +25,7 @@ SKIPPED = ("build", "out", ".git", "__pycache__", "node_modules")
 
 
 def project_files(root):
-    """Yields the files that the rules apply to: sources, scripts and CMake files in every folder."""
+    """Yields the files to which the rules apply: sources, scripts and CMake files in every folder."""
     found = []
     for folder, folders, names in os.walk(root):
         folders[:] = [f for f in folders if f not in SKIPPED]
@@ -67,7 +67,7 @@ def has_header_comment(file, lines):
 
 
 def table_rows(path, columns):
-    """Rows of a file whose columns are separated by tabs, without empty lines and comments."""
+    """Returns the rows of a file whose columns are separated by tabs, without empty lines and comments."""
     if not path.is_file():
         return []
     rows = [line.split("\t") for line in path.read_text().splitlines() if line and not line.startswith("# ")]
@@ -78,7 +78,7 @@ def table_rows(path, columns):
 
 
 class WordSlips:
-    """Finds slips of English: the patterns of tools/word_patterns.txt, less tools/word_exceptions.txt."""
+    """Finds slips of English by the patterns of tools/word_patterns.txt, except those in tools/word_exceptions.txt."""
 
     def __init__(self, root):
         self.root = root
@@ -104,8 +104,7 @@ class WordSlips:
 
 def built_patterns(root, files):
     """Returns a regular expression of the paths that any CMakeLists.txt names or globs. A name also matches in
-    subfolders:
-    the list of shaders gets its folder put before each name."""
+    subfolders, because the list of shaders gets its folder put before each name."""
     patterns = []
     for file in (f for f in files if f.name == "CMakeLists.txt"):
         code = re.sub(r"#.*", "", file.read_text())
@@ -132,8 +131,8 @@ def folder_rows(root):
 
 
 def is_listed(folder, listed):
-    """Returns whether the folder has a row. A folder that has only subfolders (host/fields/inference) needs one of
-    theirs."""
+    """Returns whether the folder has a row. A folder that has only subfolders (host/fields/inference) needs a row of
+    one of them."""
     return folder in listed or any(row.startswith(f"{folder}/") for row in listed)
 
 

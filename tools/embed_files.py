@@ -6,8 +6,9 @@ As a table, a function that returns std::map<std::string, std::string_view> by t
   embed_files.py OUTPUT.cpp --header HEADER --function web_files FOLDER FILE...
 or as variables, `const char* const shader_scene_vert` for scene.vert:
   embed_files.py OUTPUT.cpp --header HEADER --variables shader_ FOLDER FILE...
-With --flatten-into FOLDER the first #include of each file is replaced by its text; FOLDER also keeps the results.
-Kernels need this option: drivers know no folders, and linking separately compiled programs costs 0.4 s at every start.
+With --flatten-into FOLDER, the first #include of each file is replaced with its text, and FOLDER also keeps the
+results. Kernels need this option, because drivers do not search folders, and linking separately compiled programs takes
+0.4 s at every start.
 """
 import argparse
 import pathlib
@@ -19,8 +20,8 @@ ESCAPES = {ord("\n"): "\\n", ord('"'): '\\"', ord("\\"): "\\\\", ord("?"): "\\?"
 
 
 def flatten(folder, name, seen):
-    """Source of `name` with each include replaced by its file, once. #line makes error messages name the original
-    files."""
+    """Returns the source of `name` with each include replaced with its file, once. #line makes error messages name the
+    original files."""
     if name in seen:
         return []
     seen.add(name)
@@ -36,7 +37,7 @@ def flatten(folder, name, seen):
 
 
 def literal(content):
-    """String literals, one per line of the file, which compilers join. Octal escapes end after three digits."""
+    """Returns string literals, one per line of the file, which compilers join. Octal escapes end after three digits."""
     def escaped(line):
         return "".join(ESCAPES.get(byte) or (chr(byte) if 32 <= byte < 127 else f"\\{byte:03o}") for byte in line)
     return "\n".join(f'    "{escaped(line)}"' for line in content.splitlines(keepends=True)) or '    ""'

@@ -8,12 +8,12 @@ import tokenize
 SLASHES = (".h", ".cpp", ".cl", ".clh", ".glsl", ".vert", ".frag", ".js", ".mjs")
 WORDS_MIN = 4  # shorter strings are names, keys and formats
 STRING = re.compile(r'"(?:[^"\\\n]|\\.)*"')
-# Parts of a document that are not prose: code, HTML comments and generated figures. Their line breaks stay.
+# Parts of a document that are not prose: code, HTML comments and generated figures. Their line breaks are kept.
 NO_PROSE = re.compile(r"```.*?^\s*```|<!--.*?-->|^(?:    |\t).*?$", re.DOTALL | re.MULTILINE)
 
 
 def spoken(text):
-    """Text without code spans, targets of links and repeated spaces."""
+    """Returns text without code spans, targets of links and repeated spaces."""
     text = re.sub(r"`[^`]*`", "CODE", text)
     return " ".join(re.sub(r"\]\([^)]*\)", "]", text).split())
 
@@ -28,7 +28,7 @@ def document_paragraphs(text):
 
 
 def comment_start(line):
-    """The column of `//` outside of strings, or -1."""
+    """Returns the column of `//` outside of strings, or -1."""
     quote, column = "", 0
     while column < len(line):
         letter = line[column]
@@ -44,7 +44,8 @@ def comment_start(line):
 
 
 def joined_comments(comments):
-    """Joins neighbouring comments of one column into paragraphs. `comments`: (line, column, text without its mark)."""
+    """Joins neighbouring comments of one column into paragraphs. `comments` are (line, column, text without its
+    mark)."""
     paragraph, begin, last, at = [], 0, -2, -1
     for line, column, text in comments:
         if paragraph and (line != last + 1 or column != at):
@@ -74,7 +75,7 @@ def hash_comments(text):
 
 
 def strings(text):
-    """Strings in double quotes; adjacent strings are joined."""
+    """Yields strings in double quotes. Adjacent strings are joined."""
     for found in re.finditer(rf'{STRING.pattern}(?:\s*f?{STRING.pattern})*', text):
         words = "".join(part[1:-1] for part in STRING.findall(found[0]))
         if len(re.findall(r"[A-Za-z]{2,}", words)) >= WORDS_MIN:

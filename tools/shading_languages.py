@@ -53,7 +53,7 @@ def renamed(names):
 
 
 def closing(code, opening):
-    """The place of the parenthesis that closes the one at `opening`."""
+    """Returns the place of the parenthesis that closes the one at `opening`."""
     depth = 0
     for place in range(opening, len(code)):
         depth += {"(": 1, ")": -1}.get(code[place], 0)
@@ -92,7 +92,7 @@ def without_choices(code):
 
 
 def with_samplers(code, declared, lookup):
-    """Gives each texture a sampler of its own: in parameters, in calls, and in texture reads."""
+    """Gives each texture a sampler of its own, in parameters, in calls, and in texture reads."""
     textures = set(re.findall(r"\bsampler2D (\w+)", code))
     for name in textures:
         pattern = re.compile(rf"\btextureLod\({name}, ")
@@ -111,7 +111,7 @@ def hlsl(text):
 
     def change(code):
         code = re.sub(r"\bconst float\b", "static const float", code)
-        # HLSL has no float3(x) constructor for a single number; a cast replaces it.
+        # HLSL has no float3(x) constructor for a single number, so a cast is used instead.
         code = re.sub(r"\bvec([234])\(([^(),]+|\w+\([^()]*\))\)", r"((vec\1)(\2))", code)
         return renamed(names)(code)
     text = with_samplers(text, "Texture2D<float4> {texture}, SamplerState {texture}_sampler",

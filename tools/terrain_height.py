@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Writes the Jacksboro fault terrain as a 16-bit grey PNG, a height field that `multum bake` reads.
 
-The heights, int16 metres on a grid of 3 arc seconds, come with Debian's python-matplotlib-data as an .npz file: a ZIP
-of .npy arrays. The standard library is enough to read that file and to write PNG. Prints the matching --height-scale:
-the height in texels of a value difference of 1, times the chosen exaggeration.
+The heights, int16 metres on a grid of 3 arc seconds, come with Debian's python-matplotlib-data as an .npz file, a ZIP
+of .npy arrays. The standard library is enough to read that file and to write PNG. Prints the matching --height-scale,
+which is the height in texels of a value difference of 1, times the chosen exaggeration.
 
   tools/terrain_height.py OUT.png [--exaggeration 4] [--every 1] [--input jacksboro_fault_dem.npz]
 """
@@ -37,7 +37,8 @@ def read_npy(data):
 
 
 def read_terrain(path):
-    """Rows of heights in metres, northernmost first, and the grid's spacing in metres: the mean of both axes."""
+    """Returns rows of heights in metres, northernmost first, and the grid's spacing in metres, which is the mean of
+    both axes."""
     with zipfile.ZipFile(path) as archive:
         arrays = {name.removesuffix(".npy"): read_npy(archive.read(name)) for name in archive.namelist()}
     (height, width), values = arrays["elevation"]
@@ -48,7 +49,8 @@ def read_terrain(path):
 
 
 def encode_png16(rows):
-    """Writes rows of 0..65535 as a grey PNG. Filter 2 (difference to the row above) shortens smooth heights by half."""
+    """Writes rows of 0..65535 as a grey PNG. Filter 2 (difference to the row above) halves the size of smooth
+    heights."""
     def chunk(kind, body):
         return struct.pack(">I", len(body)) + kind + body + struct.pack(">I", zlib.crc32(kind + body))
 

@@ -4,7 +4,7 @@
 
   tools/torus_mesh.py OUT.obj
 
-The map repeats four times around the ring and twice around the tube; each repeat is about as long as it is wide.
+The map repeats four times around the ring and twice around the tube. Each repeat is about as long as it is wide.
 """
 import argparse
 import math

@@ -15,7 +15,7 @@ import struct
 import zlib
 
 WIDTH, HEIGHT, VIEWS, LIGHTS = 96, 72, 4, 4
-SUB_PIXELS = 2  # along each side of a pixel
+SUB_PIXELS = 2  # number of sub-pixels along each side of a pixel
 # Objects in alphabetical order, as id_*.png numbers them: name, corner, edge along u, edge along v.
 QUADS = (("board", (-0.5, 0.4, 0.0), (0.9, 0.2, 0.0), (0.0, 0.0, 0.7)),
          ("floor", (-1.5, -1.0, 0.0), (3.0, 0.0, 0.0), (0.0, 3.0, 0.0)))

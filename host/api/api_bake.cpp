@@ -156,8 +156,7 @@ void make_folder_of(const std::string& output) {
 
 BakeReport run_bake(const BakeJob& job, const ParameterValues& parameters, Device& device, Progress* progress) {
   if (!has_target(parameters)) return bake_file(job, nullptr, device, progress);
-  const ChosenBake chosen =
-      bake_to_target(job, bake_target(parameters, find_viewer()), device, progress);
+  const ChosenBake chosen = bake_to_target(job, bake_target(parameters, find_viewer()), device, progress);
   check_met(job, chosen);
   return chosen.report;
 }

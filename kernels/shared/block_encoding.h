@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Partitions of BC7, for kernels/block_encoding.cl and the decoder on the host. Valid OpenCL C and C++.
+// Lists the partitions of BC7, for kernels/block_encoding.cl and the decoder on the host. Valid OpenCL C and C++.
 #ifndef MULTUM_KERNELS_SHARED_BLOCK_ENCODING_H
 #define MULTUM_KERNELS_SHARED_BLOCK_ENCODING_H
 
@@ -16,7 +16,7 @@
         0x936c, 0x39c6, 0x639c, 0x9336, 0x9cc6, 0x817e, 0xe718, 0xccf0, 0x0fcc, 0x7744, 0xee22                      \
   }
 
-// The texel of subset 1 whose index has one bit less (same specification, table 119). In subset 0, this is texel 0.
+// The texel of subset 1 whose index has one bit less (same specification, table 119). In subset 0, it is texel 0.
 #define MULTUM_BC7_ANCHORS                                                                                            \
   {                                                                                                                   \
     15, 15, 15, 15, 15, 15, 15, 15, 15, 15, 15, 15, 15, 15, 15, 15, 15, 2, 8, 2, 2, 8, 8, 15, 2, 8, 2, 2, 8, 8, 2, 2, \

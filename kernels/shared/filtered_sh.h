@@ -3,8 +3,8 @@
 #ifndef MULTUM_KERNELS_SHARED_FILTERED_SH_H
 #define MULTUM_KERNELS_SHARED_FILTERED_SH_H
 
-// Shares of a filter's weights: `share` is the part on stored levels and multiplies their coefficients; map_share is
-// the part on the normal map and multiplies its mean normal.
+// Shares of a filter's weights. `share` is the part on stored levels, and multiplies their coefficients. map_share is
+// the part on the normal map, and multiplies its mean normal.
 typedef struct MultumFilteredSh {
   float map_x, map_y, map_z, map_share;
   float share, unused[3];

@@ -5,11 +5,12 @@
 
 #define MULTUM_HIGHLIGHT_TERMS 4
 
-// f of n . h: Blinn-Phong, or a sum of term_count vMFs, each a weight times a density of spread 1 - A(kappa).
+// The function f(n . h): Blinn-Phong, or a sum of term_count vMFs. Each vMF is a weight times a density of spread 1 -
+// A(kappa).
 typedef struct MultumHighlight {
   float exponent;  // s of f if f is Blinn-Phong, otherwise s of an equally wide Blinn-Phong
   float total;     // the integral of f over the sphere; 1 for Blinn-Phong
-  int term_count;  // 1..4; 0: Blinn-Phong
+  int term_count;  // 1..4; 0 means Blinn-Phong
   int unused;
   float weights[MULTUM_HIGHLIGHT_TERMS], spreads[MULTUM_HIGHLIGHT_TERMS];
 } MultumHighlight;

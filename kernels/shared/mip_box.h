@@ -4,7 +4,7 @@
 #define MULTUM_KERNELS_SHARED_MIP_BOX_H
 
 // A band of rows of the map. A row of a plane has `row_length` nodes: its texels, then sums of 2 texels, of 4 texels,
-// ...
+// and so on.
 typedef struct MultumBoxBand {
   int map_width;
   int map_height;
@@ -22,7 +22,7 @@ typedef struct MultumBoxLevel {
   int height;
   int first_column;  // index among the columns of all levels
   int first_row;     // the unfinished row when the band begins
-  int row_count;     // rows that the band finishes
+  int row_count;     // number of rows that the band finishes
   int first_value;   // index of the first value of these rows among the values of all levels
   float share;       // weight of a finest texel in an average
   int unused;

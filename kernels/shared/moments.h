@@ -13,7 +13,7 @@
 #define MULTUM_MOMENT_NORMAL 5
 #define MULTUM_MOMENT_PLANES 8
 
-// Filtered moments, all multiplied by `share`, the part of the filter's weights on stored levels. The rest of the
+// Filtered moments. All are multiplied by `share`, the part of the filter's weights on stored levels. The rest of the
 // weights, map_share, is on the normal map.
 typedef struct MultumFilteredMoments {
   float normal_x, normal_y, normal_z, share;

@@ -10,7 +10,7 @@
 
 // Values of MovmfFit::order, which determines the neighbours that are done when a texel is fitted.
 #define MULTUM_ORDER_COLOUR 0    // four colours (x&1, y&1) in the order (0,0), (1,1), (1,0), (0,1)
-#define MULTUM_ORDER_AGAIN 2     // a further pass: every neighbour is done, and EM starts from the texel's own lobes
+#define MULTUM_ORDER_AGAIN 2     // a further pass: all neighbours are done; EM starts from the texel's own lobes
 #define MULTUM_ORDER_SCANLINE 1  // rows from top to bottom, each from left to right: Han et al. 2007, section 7
 
 // Floats per lobe in the start buffer: one plane of MULTUM_GROUP lanes each.
@@ -21,8 +21,8 @@
 #define MULTUM_START_CAP 8        // the texel's cap of kappa, known after the first E-step
 #define MULTUM_START_PLANES 9
 
-// The grid of a binned texel (movmf_binning.cl): probed normals along a side, bins per axis, and floats that describe
-// an axis.
+// Sizes for the grid of a binned texel (movmf_binning.cl): probed normals along a side, bins per axis, and floats that
+// describe an axis.
 #define MULTUM_PROBE_SIDE 32
 #define MULTUM_PROBE_COUNT (MULTUM_PROBE_SIDE * MULTUM_PROBE_SIDE)
 #define MULTUM_AXIS_BINS 63
@@ -35,9 +35,10 @@
 typedef struct MultumMovmfFit {
   int map_width;  // size of the finest level in texels, at most 32768 per side
   int map_height;
-  int width;  // this level
+  int width;  // width of this level
   int height;
-  int parent_width;  // width of the next coarser level; 0: none, EM starts from the level's own lobes
+  int parent_width;  // width of the next coarser level; 0 if there is none, and EM then starts from the level's own
+                     // lobes
   int parent_height;
   int sample_columns;  // most finest texels across a texel of the level (samples outside narrower texels weigh 0)
   int sample_rows;
@@ -49,17 +50,17 @@ typedef struct MultumMovmfFit {
   int parent_first_row;
   int parent_window_rows;
   int map_first_row;
-  int map_window_rows;  // sums use rows, or chunks beginning, in [map_first_row, + map_window_rows)
+  int map_window_rows;  // sums use rows, or chunks that begin, in [map_first_row, map_first_row + map_window_rows)
   int slot_count;       // slots of this launch, a multiple of MULTUM_GROUP; texel_list holds -1 in unused ones
-  int order;            // MULTUM_ORDER_*
-  int periodic_x;       // not 0: texels at opposite borders are neighbours
+  int order;            // one of MULTUM_ORDER_*
+  int periodic_x;       // if not 0, texels at opposite borders are neighbours
   int periodic_y;
   int iteration_count;
-  int sample_capacity;                  // most samples per texel (movmf_em_texels.cl); cells of a binned texel
-  int cell_side;                        // cells along a side of a binned texel's grid; 0: not binned
-  int shortened;                        // not 0: normals are mean vectors of a BRDF's lobes, at most 1 long
+  int sample_capacity;                  // most samples per texel (movmf_em_texels.cl), or cells of a binned texel
+  int cell_side;                        // cells along a side of a binned texel's grid; 0 means not binned
+  int shortened;                        // if not 0, normals are mean vectors of a BRDF's lobes, at most 1 long
   float extra_copies;                   // facets that a sample represents in the E-step, in addition to 1
-  float convergence_tolerance_squared;  // texels that change less have converged; 0: runs every iteration
+  float convergence_tolerance_squared;  // texels that change less have converged; 0 runs every iteration
   int chunk_rows;                       // rows per chunk (movmf_em_chunks.cl)
   int chunk_count;                      // chunks per texel
   float start_kappa_factor;             // the start kappa is the parent's kappa times this

@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
-// Constants of the refinement of lobes, shared by kernel and reference. Valid OpenCL C and C++.
+// Defines constants for the refinement of lobes, which the kernel and its reference share. Valid OpenCL C and C++.
 #ifndef MULTUM_KERNELS_SHARED_MOVMF_REFINE_H
 #define MULTUM_KERNELS_SHARED_MOVMF_REFINE_H
 
 // Lobes are refined for these highlights: Blinn-Phong of exponent s. Squared errors of a sharp highlight would outweigh
 // those of a broad one by the ratio of their exponents, so each highlight is weighted by 1/s. The broadest and the
-// sharpest highlights have less weight. The broadest differs little between fits. The sharpest mainly shows single
-// normals, which a few lobes cannot follow.
+// sharpest highlights have even less weight: the broadest differs little between fits, and the sharpest mainly shows
+// single normals, which a few lobes cannot represent.
 #define MULTUM_REFINE_BRDFS 3
 #define MULTUM_REFINE_EXPONENTS \
   { 20.0f, 100.0f, 500.0f }
 #define MULTUM_REFINE_WEIGHTS \
   { 0.15f / 20.0f, 1.0f / 100.0f, 0.24f / 500.0f }
-// 1 - c^2 = (2 s + 3)/(s + 2)^2 of the mean cosine c = (s + 1)/(s + 2).
+// 1 - c^2 = (2 s + 3)/(s + 2)^2, for the mean cosine c = (s + 1)/(s + 2).
 #define MULTUM_REFINE_SPREADS \
   { 43.0f / 484.0f, 203.0f / 10404.0f, 1003.0f / 252004.0f }
 
@@ -24,25 +24,26 @@
 // A step is not undone if it raises the energy by no more than single-precision rounding.
 #define MULTUM_REFINE_ENERGY_ROUNDING 1e-6f
 #define MULTUM_REFINE_ENERGY_MAX 3e38f
-// Weight of the view midway to each of the four adjacent texels; the texel's centre has weight 1. Without it, errors at
-// centres are lower, but lobes lose their alignment.
+// The weight of each point midway to one of the four adjacent texels; the texel's centre has weight 1. Without these
+// points, errors at centres are lower, but lobes lose their alignment.
 #define MULTUM_REFINE_MIDWAY_WEIGHT 0.4f
-// Weight of the mean normal, which diffuse light shows, and of the sum of amplitudes, relative to highlights. Keeping
-// the mean normal exactly would cost highlights more than half of the gain from refining at centres.
+// The weight, relative to highlights, of the mean normal, on which diffuse light depends, and of the sum of amplitudes.
+// If the mean normal were kept exactly, highlights would lose more than half of what the refinement gains at centres.
 #define MULTUM_REFINE_MOMENT_WEIGHT 1.5f
-// Pooled lobes shorter than this turn as if they had this length.
+// Pooled lobes that are shorter than this turn as if they had this length.
 #define MULTUM_REFINE_LENGTH_MIN 0.02f
-// Least diagonal entry: lobes without weight would have 0.
+// The least diagonal entry. Lobes without weight would otherwise have 0.
 #define MULTUM_REFINE_DIAGONAL_MIN 1e-6f
-// In one step an amplitude keeps at least this share, kappa changes by at most a factor e, and a lobe turns by at most
-// its width, sqrt(1 - |r| + MULTUM_REFINE_TURN_MIN).
+// In one step, an amplitude keeps at least this share of its value, kappa changes by at most a factor e, and a lobe
+// turns by at most its width, sqrt(1 - |r| + MULTUM_REFINE_TURN_MIN).
 #define MULTUM_REFINE_SHARE_MIN 0.3f
 #define MULTUM_REFINE_TURN_MIN 0.01f
-// Largest spread 1 - |r| that a step may widen a lobe to: a wider lobe would have no direction.
+// The largest spread 1 - |r| to which a step may widen a lobe. A wider lobe would have no direction.
 #define MULTUM_REFINE_SPREAD_MAX 0.95f
 #define MULTUM_REFINE_KAPPA_MIN 0.05f
-// Directions (x, y), z above 0, in which EM's lobes and the refined ones are compared. They are evenly spread by the
-// golden angle over the disc of radius sqrt(3/4), about where half vectors of lights and views above a surface are.
+// Directions (x, y), with z above 0, in which EM's lobes and the refined lobes are compared. The golden angle spreads
+// them evenly over the disc of radius sqrt(3/4), which is about where half vectors of lights and views above a surface
+// are.
 #define MULTUM_REFINE_LOOKS 24
 #define MULTUM_REFINE_LOOK_XY                                                                                    \
   {                                                                                                              \
@@ -54,11 +55,13 @@
       0.1881f, -0.8361f                                                                                          \
     }                                                                                                            \
   }
-// Refined lobes are kept if their error is at most this factor times the error of EM's lobes, because EM's lobes fit
-// less well next to refined lobes. A factor of 1 gives an error of 9.8 % (four-quarter map of 1024, 4 lobes, s = 100,
-// midway in x at level 3). If a level has only one texel, there are no neighbours and the factor is 1.
+// Refined lobes are kept if their error is at most this factor times the error of EM's lobes. The factor is above 1,
+// because EM's lobes mix less well with refined neighbours. With a factor of 1, the error would be 9.8 % (four-quarter
+// map of 1024, 4 lobes, s = 100, midway in x at level 3). If a level has only one texel, there are no neighbours and
+// the factor is 1.
 #define MULTUM_REFINE_LOOK_SLACK 1.1f
-// Highlights darker than this count as equal: no direction shows their exponent.
+// The least brightness by which the errors of highlights are divided. Darker highlights are invisible in every
+// direction.
 #define MULTUM_REFINE_SEEN_MIN 1e-6f
 // Least amplitude inside the refinement; a smaller amplitude would have no gradient.
 #define MULTUM_REFINE_AMPLITUDE_MIN 1e-5f

@@ -19,26 +19,28 @@
 // Planes of a fitted texel.
 #define MULTUM_ONE_LOBE_FITTED_NORMAL 0  // x, y, z, a unit vector
 #define MULTUM_ONE_LOBE_ALPHA_WIDE 3     // alpha along the axis
-#define MULTUM_ONE_LOBE_ALPHA_NARROW 4   // across it
+#define MULTUM_ONE_LOBE_ALPHA_NARROW 4   // alpha across the axis
 #define MULTUM_ONE_LOBE_AXIS 5           // x, y of a unit vector, whose sign has no meaning
 #define MULTUM_ONE_LOBE_FITTED 7
 
-// Texels whose slopes are interleaved, sample after sample, so that a cache holds them over all steps of a fit.
-// Separate planes of slopes, a power of two apart, would evict one another. A multiple of every vector width.
+// The number of texels whose slopes are interleaved, sample after sample, so that a cache holds them during all steps
+// of a fit. Separate planes of slopes, a power of two apart, would evict one another. The number is a multiple of every
+// vector width.
 #define MULTUM_ONE_LOBE_BLOCK 16
 
-// Texels of a level that are fitted at once, and their samples. A texel has grid * grid samples, evenly spread over the
-// finest texels that it covers, with one half vector each.
+// Describes texels of a level that are fitted at once, and their samples. A texel has grid * grid samples, evenly
+// spread over the finest texels that it covers. Each sample has one half vector.
 typedef struct MultumOneLobePiece {
   int map_width;  // size of the finest level
   int width;      // width of the fitted level
-  int row_count;  // rows of it that are fitted
-  int grid;       // samples along a side of a texel, a power of two; 0: none, the closed form is the result
+  int row_count;  // number of rows of this level that are fitted
+  int grid;       // samples along a side of a texel, a power of two; with 0, there are no samples and the closed form
+                  // is the result
   int stride;     // distance between planes of texels: row_count * width, rounded up to whole blocks
   int iteration_count;
   int is_anisotropic;
-  int has_base_map;    // 1: alpha^2 of the finest texels is a plane; 0: base_squared is alpha^2 of all texels
-  float base_squared;  // alpha^2
+  int has_base_map;    // if 1, a plane holds alpha^2 of the finest texels; if 0, base_squared is alpha^2 of all texels
+  float base_squared;  // alpha^2 of the base roughness
   float alpha_min;     // 0 < alpha_min <= alpha <= 1
 } MultumOneLobePiece;
 

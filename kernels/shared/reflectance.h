@@ -3,7 +3,8 @@
 #ifndef MULTUM_KERNELS_SHARED_REFLECTANCE_H
 #define MULTUM_KERNELS_SHARED_REFLECTANCE_H
 
-// A distant light. Light and half vector: unit, in the map's frame (x right, y up, z towards the viewer).
+// A distant light. The light and half vectors have unit length, in the map's frame (x right, y up, z towards the
+// viewer).
 typedef struct MultumReflectanceLight {
   float light_x, light_y, light_z, unused_light;
   float half_x, half_y, half_z, unused_half;
@@ -11,8 +12,8 @@ typedef struct MultumReflectanceLight {
 } MultumReflectanceLight;
 
 typedef struct MultumReflectanceMap {
-  int size;         // texels a side
-  int sample_side;  // normals along a side of a texel; the square of them is averaged
+  int size;         // texels per side
+  int sample_side;  // normals along a side of a texel; sample_side^2 normals are averaged
   int light_count;
   float exponent;  // s of Blinn-Phong
   float diffuse_red, diffuse_green, diffuse_blue, unused_diffuse;

@@ -10,11 +10,11 @@
 namespace multum::gl {
 namespace {
 
-constexpr std::size_t kTexelBytes = 8;  // RGBA halves
+constexpr std::size_t kTexelBytes = 8;  // bytes of four half floats
 constexpr std::size_t kUploadLeast = std::size_t{1} << 16;
 
 PlayerSettings with_kind(PlayerSettings settings) {
-  // A player that waits must draw frames that do not depend on time.
+  // A player that waits must draw the same frames at any speed.
   settings.playback.kind = !settings.waits      ? DecodedKind::kImagesAndSums
                            : settings.is_linear ? DecodedKind::kImages
                                                 : DecodedKind::kTextures;
@@ -98,8 +98,8 @@ void FieldPlayer::upload(ImageKey key, std::size_t bytes_max) {
   playback_.uploaded(key);
 }
 
-/// Uploads coarse images first. `all`: uploads all images; otherwise uploads the whole first image of each layer, and
-/// other images within the frame's byte limit.
+/// Uploads coarse images first. If `all`, uploads all images. Otherwise uploads the whole first image of each layer,
+/// and other images within the frame's byte limit.
 void FieldPlayer::upload_for(const std::vector<LayerNeed>& needs, bool all) {
   std::size_t most = 0;
   for (const LayerNeed& need : needs) most = std::max(most, need.images.size());

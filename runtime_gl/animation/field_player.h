@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Plays a packed field. Each frame, a program asks for a point of the parameter space. It gets the textures of every
-// object at that point, made from the images decoded so far. Hakura et al. 2000, section 5: images are decoded when
-// they are needed, cached (host/fields/playback), and summed by the GPU. If the player waits for all images of a single
-// sample, workers add up the sample's coefficients instead and cache whole textures: only one transform is needed for
-// all images, and the GPU adds nothing. Textures are mapped on exact geometry, so the camera can be anywhere near the
-// field's samples; docs/contributing/ALGORITHMS.md gives the allowed distance.
+// Plays a packed field. In each frame, a program asks for a point of the parameter space, and gets the textures of
+// every object at that point, made from the images decoded so far. Hakura et al. 2000, section 5: images are decoded
+// when they are needed, cached (host/fields/playback), and summed by the GPU. If the player waits for all images of a
+// single sample, workers instead add up the sample's coefficients and cache whole textures. Then all images need only
+// one transform, and the GPU adds nothing. Textures are mapped on exact geometry, so the camera can be anywhere near
+// the field's samples; docs/contributing/ALGORITHMS.md gives the allowed distance.
 //
 //      player.prepare(point, ahead);                         // each frame
 //      for each object: draw its mesh of player.mapping(object) with player.layers(object)
@@ -24,14 +24,14 @@ namespace multum::gl {
 struct PlayerSettings {
   PlaybackSettings playback;                       // FieldPlayer sets kind
   std::size_t upload_max = std::size_t{16} << 20;  // bytes uploaded per frame, at least 2^16
-  bool is_linear = false;  // mixes gamma-coded samples linearly along each parameter; if false, uses the nearest
+  bool is_linear = false;  // mixes gamma-coded samples linearly along each parameter; if false, uses the nearest sample
   bool waits = false;      // waits for all images of a frame; if false, only for each texture's coarsest image
 };
 
-/// State of a layer in a frame.
+/// The state of a layer in a frame.
 struct LayerReport {
   bool is_drawn = false;    // the layer has something to draw
-  bool is_old = false;      // no image of this point is decoded: the previous texture stays
+  bool is_old = false;      // no image of this point is decoded, so the previous texture stays
   std::size_t needed = 0;   // images that the texture sums
   std::size_t missing = 0;  // needed images that were not ready in time
 };
@@ -50,16 +50,16 @@ class FieldPlayer {
 
   const FieldDescription& description() const { return playback_.description(); }
 
-  /// Makes the textures of a point (an index along each parameter, clamped to the grid). `ahead`: the expected points
-  /// of the next frames, as far as known, the nearest frame first. Throws Error(kEnvironment) if the images that the
-  /// player waits for do not fit into memory.
+  /// Makes the textures of a point (an index along each parameter, clamped to the grid). `ahead` has the expected
+  /// points of the next frames, as far as known, the nearest frame first. Throws Error(kEnvironment) if the images that
+  /// the player waits for do not fit into memory.
   const FrameReport& prepare(const std::vector<double>& point, const std::vector<std::vector<double>>& ahead);
 
   /// Forgets all decoded images, so that the next frame measures the cost of a jump to any point.
   void forget_all();
 
-  /// Returns the textures to sum at the point, and the mapping whose coordinates they use. Valid until the next
-  /// prepare().
+  /// Returns the textures to add up at the point, and the mapping whose coordinates they use. The textures are valid
+  /// until the next prepare().
   std::vector<const Texture*> layers(std::size_t object) const;
   std::size_t mapping(std::size_t object) const;
   /// Returns the world-to-clip matrix of a point. Between samples, the camera's position is interpolated linearly and
@@ -100,7 +100,7 @@ class FieldPlayer {
   FieldPlayback playback_;
   std::unique_ptr<LayerSum> sum_;       // null if has_whole_textures()
   std::vector<LayerTexture> textures_;  // one per layer
-  std::size_t nearest_ = 0;             // sample
+  std::size_t nearest_ = 0;             // the nearest sample
   FrameReport report_;
 };
 

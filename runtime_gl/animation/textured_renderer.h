@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Draws objects with their inferred textures: looks up radiance and lights nothing. Draws supersampling^2 sub-pixels
-// per pixel and averages them, as the measurement of the filter matrix did.
+// Draws objects with their inferred textures: looks up radiance and computes no lighting. Draws supersampling^2
+// sub-pixels per pixel and averages them, like the measurement of the filter matrix.
 #pragma once
 
 #include <map>
@@ -27,7 +27,7 @@ class TexturedRenderer {
   TexturedRenderer(const TexturedRenderer&) = delete;
   TexturedRenderer& operator=(const TexturedRenderer&) = delete;
 
-  /// Returns linear radiance times coverage; alpha = coverage, 0 to 1.
+  /// Returns linear radiance times coverage. Alpha is the coverage, 0 to 1.
   FloatImage draw(const std::vector<TexturedObject>& objects);
 
  private:

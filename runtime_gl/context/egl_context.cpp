@@ -146,8 +146,8 @@ class EglContext final : public HeadlessContext {
       throw;
     }
   }
-  // The display stays initialised: Mesa gives one display to every caller, and eglTerminate would end the contexts of
-  // the others.
+  // The display stays initialised, because Mesa gives the same display to every caller, and eglTerminate would end the
+  // contexts of other callers.
   void close() {
     if (context_ == EGL_NO_CONTEXT) return;
     egl_.MakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The EGL functions that this runtime calls. Private to runtime_gl/context and its tests.
+// Lists the EGL functions that this runtime calls. Only runtime_gl/context and its tests use this list.
 #pragma once
 
 #include <EGL/egl.h>

@@ -25,7 +25,8 @@ void HeadlessContext::load(GetProcAddress get_proc_address, DebugOutput debug) {
   description_ = std::string(context_backend_name(backend())) + ": " + gl_string(functions_, GL_RENDERER) + ", " +
                  gl_string(functions_, GL_VERSION);
   if (debug == DebugOutput::kOff) return;
-  // Core since OpenGL 4.3. Synchronous, so that a message appears before the exception of the step that caused it.
+  // Debug output is core since OpenGL 4.3. The output is synchronous, so that a message appears before the exception of
+  // the step that caused it.
   functions_.Enable(GL_DEBUG_OUTPUT);
   functions_.Enable(GL_DEBUG_OUTPUT_SYNCHRONOUS);
   functions_.DebugMessageCallback(on_debug_message, nullptr);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// An OpenGL 4.5 core context without a window, a display server or a GPU: one interface with two back-ends.
+// Defines an OpenGL 4.5 core context that needs no window, display server or GPU: one interface with two back-ends.
 //   osmesa  libOSMesa.so.8: Mesa's software renderer, needs only the library.
 //   egl     libEGL.so.1: each GPU of the device platform, then the surfaceless platform, then software devices; no
 //           config, no surface. Only this back-end reaches a GPU. It does not try eglGetDisplay(EGL_DEFAULT_DISPLAY),
@@ -20,7 +20,7 @@ using multum::ContextBackend;
 
 inline const char* context_backend_name(ContextBackend backend) { return choice_name(kContextBackends, backend); }
 
-/// Debug output of the driver: kOn logs the problems of each call immediately, as warnings. The driver then waits for
+/// Debug output of the driver. kOn logs the problems of each call immediately, as warnings. The driver then waits for
 /// each call, so timed code must use kOff.
 enum class DebugOutput { kOff, kOn };
 
@@ -36,7 +36,7 @@ class HeadlessContext {
   HeadlessContext(const HeadlessContext&) = delete;
   HeadlessContext& operator=(const HeadlessContext&) = delete;
 
-  /// Makes this context the calling thread's current one. A new context is already current.
+  /// Makes this context current in the calling thread. A new context is already current.
   virtual void make_current() = 0;
   virtual ContextBackend backend() const = 0;
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The OSMesa back-end: OSMesaCreateContextAttribs and a small dummy buffer; drawing goes to framebuffer objects.
+// Defines the OSMesa back-end, which uses OSMesaCreateContextAttribs and a small dummy buffer. Drawing goes to
+// framebuffer objects.
 #pragma once
 
 #include <memory>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Linear RGBA32F colour buffers with a 32-bit depth buffer; pixels are read back exactly.
+// Defines linear RGBA32F colour buffers with a 32-bit depth buffer. Pixels are read back exactly.
 #pragma once
 
 #include <vector>
@@ -8,14 +8,14 @@
 
 namespace multum::gl {
 
-/// Linear RGBA picture, alpha = coverage; rows from top to bottom.
+/// A linear RGBA picture whose alpha is the coverage. Rows run from top to bottom.
 struct FloatImage {
   int width = 0;
   int height = 0;
   std::vector<float> rgba;
 };
 
-/// Part of a picture whose row 0 is at the top.
+/// A part of a picture whose row 0 is at the top.
 struct PixelRectangle {
   int x = 0, y = 0;
   int width = 0, height = 0;
@@ -32,7 +32,7 @@ class Framebuffer {
 
   /// Directs later draws to the whole framebuffer.
   void bind() const { bind_rows(0, height_); }
-  /// Directs later draws to part of a taller picture: the framebuffer holds the picture's rows from `bottom_row` on,
+  /// Directs later draws to a part of a taller picture. The framebuffer holds the picture's rows from `bottom_row` on,
   /// counted from below. An even `bottom_row` keeps groups of 2 x 2 fragments together.
   void bind_rows(int bottom_row, int picture_height) const;
   /// Sets every channel of every pixel of every colour buffer.

@@ -24,7 +24,7 @@ GlFunctions load_gl_functions(GetProcAddress get_proc_address) {
   GLint minor = 0;
   gl.GetIntegerv(GL_MAJOR_VERSION, &major);
   gl.GetIntegerv(GL_MINOR_VERSION, &minor);
-  // 4.5 has direct state access: there are no binding points to save and restore, so objects cannot disturb one
+  // Version 4.5 has direct state access: there are no binding points to save and restore, so objects cannot disturb one
   // another.
   if (major * 10 + minor < 45)
     throw Error(ErrorCode::kEnvironment, "the GL context has version " + std::to_string(major) + "." +

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The OpenGL functions that this runtime calls, and no others, loaded by a back-end's GetProcAddress. This table
-// replaces loader libraries for measured reasons: libepoxy crashes under OSMesa 22.3.6, and GLEW does not find OSMesa's
+// Lists exactly the OpenGL functions that this runtime calls. A back-end's GetProcAddress loads them. This table
+// replaces loader libraries for tested reasons: libepoxy crashes under OSMesa 22.3.6, and GLEW does not find OSMesa's
 // functions. GetProcAddress returns an address even for names that do not exist, so the version is checked first.
 #pragma once
 
@@ -10,7 +10,8 @@
 
 namespace multum::gl {
 
-// X(type, name): member `name` is gl`name`. Sorted by the part of OpenGL that defines the function.
+// X(type, name) stands for the function gl`name`, which becomes member `name`. Entries are sorted by the part of OpenGL
+// that defines the function.
 #define MULTUM_GL_FUNCTIONS(X)                                           \
   X(PFNGLGETSTRINGPROC, GetString)                                       \
   X(PFNGLGETSTRINGIPROC, GetStringi)                                     \
@@ -106,7 +107,7 @@ GlFunctions load_gl_functions(GetProcAddress get_proc_address);
 /// Returns whether the current context lists `extension`.
 bool has_gl_extension(const GlFunctions& gl, const char* extension);
 
-/// Returns GL_VENDOR, GL_RENDERER or GL_VERSION; "?" if the driver returns null.
+/// Returns GL_VENDOR, GL_RENDERER or GL_VERSION, or "?" if the driver returns null.
 std::string gl_string(const GlFunctions& gl, GLenum name);
 
 /// Returns a name such as "GL_INVALID_OPERATION".

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A triangle mesh on the GPU. Callers pass MeshData; the runtime reads no mesh files.
+// Defines a triangle mesh on the GPU. Callers pass MeshData; the runtime reads no mesh files.
 #pragma once
 
 #include <cstdint>
@@ -15,14 +15,15 @@ namespace multum::gl {
 
 struct MeshVertex {
   glm::vec3 position;
-  glm::vec3 normal;   // unit
-  glm::vec4 tangent;  // unit, along growing u; w = handedness: bitangent = w * cross(normal, tangent), along growing v
+  glm::vec3 normal;   // unit vector
+  glm::vec4 tangent;  // unit vector along growing u; w is the handedness: bitangent = w * cross(normal, tangent), along
+                      // growing v
   glm::vec2 uv;       // v grows upwards in the image
 };
 
 struct MeshData {
   std::vector<MeshVertex> vertices;
-  std::vector<std::uint32_t> indices;  // three a triangle
+  std::vector<std::uint32_t> indices;  // three per triangle
 };
 
 /// A vertex array without attributes, for shaders that generate their own triangle.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A linked vertex and fragment shader. A variant is a set of flags; each becomes one #define between the version line
-// and the shared text. Only the requested variants are compiled.
+// Defines a linked vertex and fragment shader. A variant is a set of flags; each becomes one #define between the
+// version line and the shared text. Only the requested variants are compiled.
 #pragma once
 
 #include <string>
@@ -26,10 +26,10 @@ class ShaderProgram {
   ShaderProgram(const ShaderProgram&) = delete;
   ShaderProgram& operator=(const ShaderProgram&) = delete;
 
-  /// Returns the names of uniforms that affect an output; names of arrays have no brackets.
+  /// Returns the names of uniforms that affect an output. Names of arrays have no brackets.
   std::vector<std::string> active_uniforms() const;
   void use() const { gl_->UseProgram(id_); }
-  // Setting a uniform that the variant does not use has no effect, as with GL's location -1.
+  // Setting a uniform that the variant does not use has no effect, as with location -1 of GL.
   void set(const char* uniform, int value) const;
   void set(const char* uniform, float value) const;
   void set_floats(const char* uniform, const float* values, int count) const;

@@ -12,7 +12,8 @@
 namespace multum::gl {
 namespace {
 
-// GL 4.6 names, equal to those of ARB_ and EXT_texture_filter_anisotropic; older GL/glcorearb.h may lack them.
+// Names of GL 4.6, with the same values as in ARB_ and EXT_texture_filter_anisotropic. An older GL/glcorearb.h may lack
+// them.
 constexpr GLenum kTextureMaxAnisotropy = 0x84FE;
 constexpr GLenum kMaxTextureMaxAnisotropy = 0x84FF;
 
@@ -98,7 +99,7 @@ Texture::Texture(const GlFunctions& gl, std::string name, const TextureShape& sh
   gl.TextureParameteri(id_, GL_TEXTURE_WRAP_T, wrap_value(sampler.wrap_t));
   gl.TextureParameteri(id_, GL_TEXTURE_MIN_FILTER, sampler.filtered ? GL_LINEAR_MIPMAP_LINEAR : GL_NEAREST);
   gl.TextureParameteri(id_, GL_TEXTURE_MAG_FILTER, sampler.filtered ? GL_LINEAR : GL_NEAREST);
-  // Beyond a "black" border there is no material: the lobe has amplitude 0.
+  // Beyond a "black" border there is no material, so the lobe has amplitude 0.
   const GLfloat border[4] = {0.0f, 0.0f, 0.0f, 0.0f};
   gl.TextureParameterfv(id_, GL_TEXTURE_BORDER_COLOR, border);
   if (sampler.filtered) set_anisotropy(gl, id_, sampler.anisotropy);

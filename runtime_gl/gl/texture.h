@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A two-dimensional texture, or an array of them, whose levels are uploaded explicitly: mips are data and never made by
-// the driver.
+// Defines a two-dimensional texture, or an array of such textures. The levels of a texture are uploaded explicitly:
+// mips are data and never made by the driver.
 #pragma once
 
 #include <cstdint>
@@ -23,13 +23,13 @@ struct TextureShape {
   int height = 1;
   int level_count = 1;
   TexelFormat format = TexelFormat::kRgba32f;
-  int layer_count = 0;  // layers of an array (sampler2DArray); 0: not an array
+  int layer_count = 0;  // layers of an array (sampler2DArray); 0 if it is not an array
 };
 
 struct SamplerSettings {
   WrapMode wrap_s = WrapMode::kPeriodic;
   WrapMode wrap_t = WrapMode::kPeriodic;
-  bool filtered = true;     // false: nearest texel of level 0
+  bool filtered = true;     // if false, reads the nearest texel of level 0
   float anisotropy = 1.0f;  // 1 to 16; above 1 needs GL_ARB_ or GL_EXT_texture_filter_anisotropic
 };
 
@@ -44,17 +44,18 @@ class Texture {
   Texture(const Texture&) = delete;
   Texture& operator=(const Texture&) = delete;
 
-  /// `rgba`: 4 floats per texel, row 0 first; row 0 is at texture coordinate t = 0. Rounds to the nearest value of the
-  /// format: multiples of 1/32767 clamped to [-1, 1], or halfs with ties to even; floats are not rounded.
+  /// `rgba` has 4 floats per texel, row 0 first; row 0 is at texture coordinate t = 0. Rounds to the nearest value of
+  /// the format: multiples of 1/32767 clamped to [-1, 1], or halfs with ties to even. Floats are not rounded.
   void upload_level(int level, const float* rgba);
-  /// Uploads whole rows of a level unchanged, from 4 halves per texel. The format is kRgba16f; the texture is not an
-  /// array.
+  /// Uploads whole rows of a level unchanged, from 4 halves per texel. The format must be kRgba16f, and the texture
+  /// must not be an array.
   void upload_rows(int level, int first_row, int row_count, const std::uint16_t* halves);
   /// Uploads one whole layer of an array.
   void upload_layer(int level, int layer, const float* rgba);
-  /// Uploads all layers of a level of an array unchanged, one after another. The format is kRgba16f, kRgba8 or kBc5.
+  /// Uploads all layers of a level of an array unchanged, one after another. The format must be kRgba16f, kRgba8 or
+  /// kBc5.
   void upload_bytes(int level, const std::vector<std::uint8_t>& bytes);
-  /// Returns a level as floats. The texture is not an array.
+  /// Returns a level as floats. The texture must not be an array.
   std::vector<float> read_level(int level) const;
 
   void bind(int unit) const { gl_->BindTextureUnit(static_cast<GLuint>(unit), id_); }

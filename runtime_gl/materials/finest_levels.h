@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Textures of the normal map for the levels that a baked file does not store (docs/reference/file_format.md, "The
+// Makes textures of the normal map for the levels that a baked file does not store (docs/reference/file_format.md, "The
 // finest levels"): level 0 to the level before the first stored one.
 #pragma once
 

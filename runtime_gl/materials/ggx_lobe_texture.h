@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The table of host/formats/brdf/ggx_lobe.h as a texture for brdf/ggx_lobe.glsl.
+// Makes a texture of the table in host/formats/brdf/ggx_lobe.h, for brdf/ggx_lobe.glsl.
 #pragma once
 
 #include "runtime_gl/gl/texture.h"

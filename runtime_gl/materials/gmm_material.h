@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A baked file of planar Gaussians on the GPU (Tan et al. 2005): textures of lobes, shaded by Tan's BRDF
+// Defines a baked file of planar Gaussians on the GPU (Tan et al. 2005): textures of lobes, shaded by Tan's BRDF
 // (shaders/surface/gmm.glsl).
 #pragma once
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Material of a surface: the textures of one representation of its normals, and the GLSL that reads them.
+// Defines the material of a surface: the textures of one representation of its normals, and the GLSL that reads them.
 // shaders/common/reflection.glsl lists the functions that this GLSL must define. The renderer does not depend on any
 // representation.
 #pragma once
@@ -12,7 +12,7 @@
 
 namespace multum::gl {
 
-/// GLSL of a shader's variant: each flag becomes one #define, and the texts follow one another.
+/// The GLSL of a shader's variant. Each flag becomes one #define, and the texts follow one another.
 struct ShaderParts {
   std::vector<std::string> flags;
   std::vector<const char*> texts;  // texts from embedded_shaders.h
@@ -36,7 +36,7 @@ class Material {
   /// From now on, draws only the basis BRDF with this number, times its weight. If unset, ignores the weights.
   void set_basis(std::optional<int> number) { basis_ = number; }
   /// Returns the number of lobes on which a pixel's evaluations can be spent, instead of on points
-  /// (shaders/common/evaluations.glsl); 0: none.
+  /// (shaders/common/evaluations.glsl), or 0 if there are none.
   virtual int budgeted_lobes() const { return 0; }
   /// Returns whether each sample has one normal, around which an environment is sampled by brute force.
   virtual bool samples_light() const { return false; }

@@ -6,7 +6,8 @@
 namespace multum::gl {
 namespace {
 
-/// Input texels and their shares (sum 1) of an output texel, which covers [x W/w, (x+1) W/w) of W input texels.
+/// The input texels of an output texel, and their shares, which sum to 1. The output texel covers [x W/w, (x+1) W/w) of
+/// W input texels.
 struct Coverage {
   int first;
   std::vector<float> shares;

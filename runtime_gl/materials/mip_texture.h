@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Makes textures whose mip levels are averaged here: normals, slopes, colours. Textures of a baked file are not made
+// Makes textures of normals, slopes and colours, and averages their mip levels. Textures of a baked file are not made
 // here, because their levels are data.
 #pragma once
 
@@ -18,9 +18,8 @@ struct TexelPlane {
   std::vector<glm::vec4> texels;
 };
 
-/// Uploads an RGBA32F texture with levels 0 to `level_count` - 1, each the box-filtered previous level. Levels do not
-/// average the finest texels directly; for sizes that are not powers of two, the weights are the same as in usual mip
-/// generators.
+/// Uploads an RGBA32F texture with levels 0 to `level_count` - 1. Each level is the box-filtered previous one, as in
+/// usual mip generators. For sizes that are not powers of two, the result differs from an average of the finest texels.
 Texture upload_mips(const GlFunctions& gl, const char* name, TexelPlane plane, int level_count,
                     const SamplerSettings& sampler);
 

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// A baked file of moments on the GPU (docs/reference/file_format.md, "Moments"): a texture of the mean normal and the
-// moment E[b_s b_t], a texture of the other slope moments, and a texture of colours if the file has colours. The levels
-// are those of the file. Textures of the normal map replace levels that the file does not store.
+// Defines a baked file of moments on the GPU (docs/reference/file_format.md, "Moments"). The material has a texture of
+// the mean normal and the moment E[b_s b_t], a texture of the other slope moments, and a texture of colours if the file
+// has colours. The textures have the levels of the file. Textures of the normal map replace levels that the file does
+// not store.
 #pragma once
 
 #include <optional>
@@ -23,7 +24,7 @@ ShaderParts moment_shader_parts(MomentShading shading);
 
 class MomentMaterial : public Material {
  public:
-  /// Uses RGBA16F for half and RGBA32F for float values. `source`: the baked map; needed, and used, only if the file's
+  /// Uses RGBA16F for half and RGBA32F for float values. `source` is the baked map, which is used only if the file's
   /// first level is not 0. Throws Error(kInput) if a level has the wrong number of texels, or if `source` is missing or
   /// of another size.
   MomentMaterial(const GlFunctions& gl, const MomentMipmap& mipmap, float anisotropy,

@@ -39,7 +39,7 @@ void check_mipmap(const MovmfMipmap& mipmap) {
   }
 }
 
-// A texture's level 0 is the first stored level.
+// Level 0 of a texture is the first stored level.
 void upload_colours(Texture& texture, const MovmfMipmap& mipmap, std::size_t lobe) {
   for (int l = 0; l < texture.shape().level_count; ++l) {
     const std::vector<glm::vec3>& colours =

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A baked file on the GPU: one texture per lobe (a r, a), and one per lobe of premultiplied colours if the file has
-// them. The levels are those of the file; trilinear filtering of these values is exact
+// Defines a baked file on the GPU: one texture (a r, a) per lobe, and one texture of premultiplied colours per lobe if
+// the file has colours. The textures have the levels of the file. Trilinear filtering of their values is exact
 // (host/formats/asset/lobes/movmf_mipmap.h). Textures of the normal map replace levels that the file does not store
 // (movmf_shading.glsl, multum_normal_map_share).
 #pragma once
@@ -33,7 +33,7 @@ enum class DrawnNoise {
 
 class MovmfMaterial : public Material {
  public:
-  /// `source`: the baked map; needed, and used, only if the mipmap's first level is not 0. Throws Error(kInput) if the
+  /// `source` is the baked map, which is used only if the mipmap's first level is not 0. Throws Error(kInput) if the
   /// mipmap has no levels, their sizes do not halve correctly, or `source` is missing or of another size.
   MovmfMaterial(const GlFunctions& gl, const MovmfMipmap& mipmap, float anisotropy,
                 const NormalImage* source = nullptr);
@@ -42,8 +42,8 @@ class MovmfMaterial : public Material {
   void set_layers(const GlFunctions& gl, const LobeTexture& texture, float anisotropy);
 
   void set_formula(LobeFormula formula) { formula_ = formula; }
-  /// Shades the lobes of each texel of a trilinear footprint and mixes the results, instead of mixing lobes: for lobes
-  /// that are not aligned. Only for files that begin at level 0.
+  /// Shades the lobes of each texel of a trilinear footprint and mixes the results, instead of mixing lobes. Use this
+  /// for lobes that are not aligned. The file must begin at level 0.
   void set_shade_first(bool shade_first);
 
   /// Where level 0 is magnified, draws the surface of an interpolated normal map instead of mixing the light of the
@@ -51,11 +51,12 @@ class MovmfMaterial : public Material {
   void set_magnified(bool magnified);
 
   /// Draws one random normal per pixel and frame, from a lobe that is chosen with its amplitude as probability, like a
-  /// renderer that stores one normal. Use with Renderer::draw_reference(), one frame per sample; not with environments
-  /// or shade_first.
+  /// renderer that stores one normal. Use it with Renderer::draw_reference(), one frame per sample. Do not use it with
+  /// environments or shade_first.
   void set_drawn(const GlFunctions& gl, DrawnNoise noise);
 
-  /// Sets linear colours of the map's texels, plainly filtered and shared by all lobes, for mipmaps without colours.
+  /// Sets linear colours of the map's texels for mipmaps without colours. The colours are filtered as a plain texture,
+  /// and all lobes share them.
   void set_mean_colours(Texture colours);
 
   const char* name() const override { return "movmf"; }
@@ -76,7 +77,7 @@ class MovmfMaterial : public Material {
   std::vector<Texture> lobes_;  // empty if there are layers
   std::optional<Texture> layers_;
   std::vector<LobeUnpacking> unpacking_;
-  bool has_black_border_ = false;  // for layers only: amplitudes fall to 0 at the border
+  bool has_black_border_ = false;  // only for layers: amplitudes fall to 0 at the border
   int lobe_count_ = 0;
   std::vector<Texture> colours_;
   std::vector<Texture> weights_;

@@ -20,7 +20,7 @@
 namespace multum::gl {
 namespace {
 
-// Limits slopes as bakes of moments do, so that one texel at the horizon does not dominate its neighbours.
+// Limits slopes in the same way as bakes of moments, so that one texel at the horizon does not dominate its neighbours.
 glm::vec2 slope(const glm::vec3& n) {
   const float z = std::max(n.z, kSlopeZMin);
   return {-n.x / z, -n.y / z};

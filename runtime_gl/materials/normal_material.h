@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The finest normals as textures, for reference pictures and for the methods that users have today: averaged normals
-// (with Toksvig's rule) and slope moments (LEAN, Olano and Baker 2010). All textures are RGBA32F, so that a baseline's
-// errors come from its method and not from storage.
+// Defines the finest normals as textures, for reference pictures and for the methods that users have today: averaged
+// normals (with Toksvig's rule) and slope moments (LEAN, Olano and Baker 2010). All textures are RGBA32F, so that a
+// baseline's errors come from its method and not from storage.
 #pragma once
 
 #include <optional>
@@ -17,12 +17,12 @@
 
 namespace multum::gl {
 
-/// The finest level, passed in by a caller. Rows start at the image's top.
+/// The finest level, which the caller passes. The first row is at the image's top.
 struct NormalImage {
   int width = 0;
   int height = 0;
   std::vector<glm::vec3> normals;  // unit, tangent space; shorter if `has_roughness`
-  std::vector<glm::vec3> albedo;   // linear; empty: white
+  std::vector<glm::vec3> albedo;   // linear; empty means white
   WrapMode wrap_s = WrapMode::kPeriodic;
   WrapMode wrap_t = WrapMode::kPeriodic;
   bool has_roughness = false;       // lengths of normals hold a BRDF's width
@@ -37,15 +37,16 @@ NormalImage finest_normals(const MovmfMipmap& mipmap);
 NormalImage finest_normals(const MomentMipmap& mipmap);
 NormalImage finest_normals(const ShMipmap& mipmap);
 
-/// Methods that users have today, computed from averages.
+/// The methods that users have today, which use averages.
 enum class Baseline { kMip, kToksvig, kLean, kLeanJacobian };
 
 class NormalMaterial : public Material {
  public:
-  /// References: kNearest uses only level 0, with its texels as facets. kBlended chooses one of the four surrounding
-  /// texels at random by their bilinear weights, as level 0's filter averages them. kInterpolated uses the normal
-  /// interpolated between the four texels. kFootprint chooses at random one of the texels that the scene's
-  /// TextureFilter averages (exact distributions, common/footprint.glsl). Baselines: kMipmapped uses box-filtered mips.
+  /// The references differ in the normal that a sample uses. kNearest uses only level 0, with its texels as facets.
+  /// kBlended chooses one of the four surrounding texels at random, with their bilinear weights at level 0 as
+  /// probabilities. kInterpolated uses the normal interpolated between the four texels. kFootprint chooses at random
+  /// one of the texels that the scene's TextureFilter averages (exact distributions, common/footprint.glsl). Baselines:
+  /// kMipmapped uses box-filtered mips.
   enum class Sampling { kNearest, kBlended, kInterpolated, kFootprint, kMipmapped };
   NormalMaterial(const GlFunctions& gl, const NormalImage& image, Sampling sampling, float anisotropy);
 
@@ -66,8 +67,8 @@ class NormalMaterial : public Material {
   std::optional<Texture> weights_;
   int weight_count_ = 0;
   bool has_roughness_ = false;
-  // Only with kMipmapped: (perceptual roughness, 0, 0, 1), averaged as engines average a roughness map, used with unit
-  // normals.
+  // Only for kMipmapped: sets (perceptual roughness, 0, 0, 1), averaged as engines average a roughness map. The
+  // roughness is used with unit normals.
   std::optional<Texture> roughness_;
   Baseline baseline_ = Baseline::kMip;
   Sampling sampling_;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// A baked file of spherical harmonics on the GPU (docs/reference/file_format.md, "Spherical harmonics"): an array of
-// textures with four coefficients per layer. If the file has colours, or weights of basis BRDFs, there are also
-// textures of these. An array is needed because only 16 samplers per shader are guaranteed, and order 8 would need 20.
-// The levels are those of the file. Textures of the normal map replace levels that the file does not store.
+// Defines a baked file of spherical harmonics on the GPU (docs/reference/file_format.md, "Spherical harmonics"): an
+// array of textures with four coefficients per layer. If the file has colours or weights of basis BRDFs, there are
+// textures of these too. An array is needed because only 16 samplers per shader are guaranteed, and order 8 would need
+// 20. The textures have the levels of the file. Textures of the normal map replace levels that the file does not store.
 #pragma once
 
 #include <optional>
@@ -26,7 +26,7 @@ std::vector<std::string> sh_shading_flags(int order);
 
 class ShMaterial : public Material {
  public:
-  /// Uses RGBA16F for half and RGBA32F for float values. `source`: the baked map; needed, and used, only if the file's
+  /// Uses RGBA16F for half and RGBA32F for float values. `source` is the baked map, which is used only if the file's
   /// first level is not 0. Throws Error(kInput) if a level has the wrong number of texels, or if `source` is missing or
   /// of another size.
   ShMaterial(const GlFunctions& gl, const ShMipmap& mipmap, float anisotropy, const NormalImage* source = nullptr);

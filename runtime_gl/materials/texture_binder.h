@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Assigns texture units in order; a texture and the sampler that reads it get the same unit.
+// Assigns texture units in order. A texture and the sampler that reads it get the same unit.
 #pragma once
 
 #include <optional>
@@ -15,8 +15,8 @@ class TextureBinder {
   explicit TextureBinder(const ShaderProgram& shader, int first_unit = 0) : shader_(shader), unit_(first_unit) {}
 
   void bind(const char* sampler, const Texture& texture);
-  void bind(const char* sampler, const std::optional<Texture>& texture);       // none: nothing
-  void bind(const char* sampler_array, const std::vector<Texture>& textures);  // one a sampler
+  void bind(const char* sampler, const std::optional<Texture>& texture);       // does nothing without a texture
+  void bind(const char* sampler_array, const std::vector<Texture>& textures);  // one texture per sampler
   int next_unit() const { return unit_; }
 
  private:

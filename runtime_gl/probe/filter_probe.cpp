@@ -30,13 +30,13 @@ struct Entry {
   float weight;
 };
 
-// Returns the first assumption for the number of texels of a level that a footprint reaches. A footprint of anisotropy
-// a reaches along a line of a texels, and bilinear filtering adds one texel.
+// Returns the number of texels of a level that a footprint is first assumed to reach. A footprint of anisotropy a
+// reaches along a line of a texels, and bilinear filtering adds one texel.
 int first_span(const ProbeSampler& sampler) {
   return sampler.anisotropy > 1.0f ? static_cast<int>(std::ceil(sampler.anisotropy)) + 3 : 2;
 }
 
-// Returns the largest number of texels that a footprint can reach: an ellipse of llvmpipe with anisotropy a reaches 2 a
+// Returns the largest number of texels that a footprint can reach. An ellipse of llvmpipe with anisotropy a reaches 2 a
 // texels to both sides, because its level is rounded down.
 int last_span(const ProbeSampler& sampler) {
   return sampler.anisotropy > 1.0f ? 4 * static_cast<int>(std::ceil(sampler.anisotropy)) + 8 : 2;
@@ -53,7 +53,7 @@ float witness_value(int texel, int channel) {
 }
 
 // Textures of one draw. For classes, textures 0 and 1 mark their texels, 2 and 3 hold the low digit of the texels'
-// numbers + 1, and 4 and 5 hold the high digit. For the witness, texture 0 holds random values.
+// numbers + 1, and 4 and 5 hold the high digit. For the random test texture ("witness"), texture 0 holds random values.
 class ProbeTextures {
  public:
   ProbeTextures(const GlFunctions& gl, const MipLayout& layout, const TextureShape& shape,
@@ -101,7 +101,7 @@ class ProbeTextures {
   std::vector<Texture> textures_;
 };
 
-// Returns the rectangle of a band that the object covers; width 0 if it covers nothing.
+// Returns the rectangle of a band that the object covers. The width is 0 if the object covers nothing.
 PixelRectangle covered_part(const FloatImage& place) {
   int left = place.width, right = -1, top = place.height, bottom = -1;
   for (int y = 0, i = 0; y < place.height; ++y)
@@ -198,8 +198,8 @@ class BandDecoder {
           const int ty = wrapped(y0 + dy, level.height, mapping_.wrap_t);
           if (classes_.class_of(l, tx, ty) != of_class) continue;
           const int texel = level.offset + ty * level.width + tx;
-          // The error of digits is the rounding error divided by the weight; errors of coordinates are below a
-          // hundredth of a texel.
+          // The error of the digits is the rounding error divided by the weight. The error of the coordinates is below
+          // a hundredth of a texel.
           const double gap = std::max({0.0, std::abs(x - (x0 + dx)) - 1.0, std::abs(y - (y0 + dy)) - 1.0});
           const double digits = std::abs(static_cast<double>((texel + 1) % kDigit) - static_cast<double>(low_digit)) +
                                 std::abs(static_cast<double>((texel + 1) / kDigit) - static_cast<double>(high_digit));
@@ -254,9 +254,9 @@ void append(FilterMatrix& matrix, const PixelRows& rows) {
   }
 }
 
-// Averages the rows of the sub-pixels that the object covers, for one row of pixels. This is the box filter over the
-// pixel divided by the coverage (section 3.2, "Inference with antialiasing"). `top`: first sub-pixel row of the band in
-// the picture.
+// Averages the rows of the sub-pixels that the object covers, for one row of pixels. The mean is the box filter over
+// the pixel divided by the coverage (section 3.2, "Inference with antialiasing"). `top` is the band's first row of
+// sub-pixels in the picture.
 PixelRows decode_pixel_row(const BandDecoder& band, int y, int top, int supersampling, int width) {
   PixelRows rows;
   std::vector<Entry> pixel;
@@ -371,7 +371,7 @@ FilterMatrix FilterProbe::probe_with_span(const Pass& pass, int span) const {
   // Bands are counted from below, but the matrix's rows from above.
   for (int bottom = (sub_height - 1) / band_height * band_height; bottom >= 0; bottom -= band_height) {
     BandDecoder band(pass.layout, pass.level_count, classes, pass.mapping, span);
-    const int top = sub_height - bottom - band_height;  // negative: the buffer's first rows are outside the picture
+    const int top = sub_height - bottom - band_height;  // if negative, the buffer's first rows are outside the picture
     const int hidden = std::max(0, -top);
     pass.textures.upload_witness();
     draw_band(pass, bottom);

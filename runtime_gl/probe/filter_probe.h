@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // Measures the filter matrix of texture inference with GL itself (Hakura et al. 2000, section 3.2, "Obtaining matrix
 // A"). The paper sets every sixth texel of every third level at once and renders 108 times; here all texels are set at
-// once. Each texel belongs to one of a few classes (texel_classes.h), and no footprint holds two texels of a class. One
-// draw measures eight classes in eight channels, and two digits of the texel's number in other channels, like the
+// once. Each texel belongs to one of a few classes (texel_classes.h), and no footprint contains two texels of a class.
+// One draw measures eight classes in eight channels. Other channels measure two digits of the texel's number, like the
 // paper's identifiers. Trilinear filtering of even sizes needs only one draw.
 //
-// Departures: with float buffers the paper's correction of truncated rows is not needed. Identifiers are
-// weight * digit, so a tiny weight cannot identify its texel. Such texels are found by the texture coordinate, and the
-// digits only choose between neighbours. The reach of an anisotropic footprint depends on the driver. So every row is
+// Departures: with float buffers the paper's correction of truncated rows is not needed. Identifiers are weight *
+// digit, so a tiny weight cannot identify its texel. Such texels are found by the texture coordinate, and the digits
+// only choose between neighbours. The reach of an anisotropic footprint depends on the driver. Therefore every row is
 // checked against a draw of a random texture, and classes are made wider while more than a thousandth of the rows fail.
 // A row that still fails, or does not sum to 1, is left out and counted.
 #pragma once
@@ -22,7 +22,7 @@ namespace multum::gl {
 
 struct ProbeSampler {
   float anisotropy = 1.0f;  // 1..16
-  bool has_mips = true;     // false: bilinear, only level 0
+  bool has_mips = true;     // if false, bilinear filtering of level 0 only
 };
 
 class FilterProbe {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Mesh of an object at its place in one sample of an animation.
+// Defines the mesh of an object at its place in one sample of an animation.
 #pragma once
 
 #include <glm/mat4x4.hpp>

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Divides texels into classes, so that no filter footprint holds two texels of a class. The weight of a class in a
-// pixel is then the weight of one texel. A trilinear footprint is 2 x 2 texels in each of two successive levels: the
+// Divides texels into classes, so that no filter footprint contains two texels of a class. The weight of a class in a
+// pixel is then the weight of one texel. A trilinear footprint is 2 x 2 texels in each of two successive levels, so the
 // parities of column, row and level make 8 classes. Anisotropic footprints are wider and need more classes.
 //
 // In each direction, a level of n texels is cut into blocks of at least `span` texels, and a texel's class is its place
-// in its block. Any `span` neighbours then have different classes, even across the seam of a periodic texture and for
-// any n (plain parity fails for odd n). A level shorter than `span` is one block: every texel has its own class.
+// in its block. Any `span` neighbours then have different classes, even across the seam of a periodic texture, and for
+// any n (parity of the column would fail for odd n). A level shorter than `span` is one block, so every texel has its
+// own class.
 #pragma once
 
 #include <vector>
@@ -28,8 +29,8 @@ class TexelBlocks {
 
 class TexelClasses {
  public:
-  /// `span`: texels of a level that a footprint may reach in either direction, at least 2. `level_count`: number of
-  /// levels of `layout` that the sampler reads.
+  /// `span` is the number of texels of a level that a footprint may reach in either direction, at least 2.
+  /// `level_count` is the number of levels of `layout` that the sampler reads.
   TexelClasses(const MipLayout& layout, int level_count, int span);
   int class_of(int level, int x, int y) const;
   int class_count() const { return class_count_; }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Draws surfaces directly from pyramids (Williams 1983): colour maps (section 3) and reflectance maps (section 4). This
-// code or the driver chooses the level, or the finest level is used. Also draws references and measures flicker.
+// Draws surfaces directly from pyramids (Williams 1983): colour maps (section 3) and reflectance maps (section 4).
+// Either this code or the driver chooses the level, or the finest level is used. Also draws references and measures
+// flicker.
 #pragma once
 
 #include <array>
@@ -58,10 +59,10 @@ class PyramidRenderer {
  public:
   PyramidRenderer(const GlFunctions& gl, int width, int height) : gl_(gl), framebuffer_(gl, width, height) {}
 
-  /// `by_normal`: the map is a reflectance map.
+  /// If `by_normal`, the map is a reflectance map.
   FloatImage draw(const Mesh& mesh, const Texture& map, PyramidLookup lookup, bool by_normal,
                   const PyramidScene& scene);
-  /// Draws levels before clamping: red as chosen by common/pyramid.glsl, green as chosen by the driver
+  /// Draws levels of detail before clamping: in red as common/pyramid.glsl chooses them, in green as the driver does
   /// (textureQueryLod).
   FloatImage draw_levels(const Mesh& mesh, const Texture& map, bool by_normal, const PyramidScene& scene);
   /// Shades in the fragment shader, without using a map.
@@ -76,7 +77,7 @@ class PyramidRenderer {
   std::map<std::string, std::unique_ptr<ShaderProgram>> programs_;
 };
 
-/// Returns the mean of side x side pictures, each shifted by a fraction of a pixel: `draw(shift)` draws one.
+/// Returns the mean of side x side pictures, each shifted by a fraction of a pixel. `draw(shift)` draws one of them.
 template <typename Draw>
 FloatImage supersampled(int side, const Draw& draw) {
   FloatImage mean;

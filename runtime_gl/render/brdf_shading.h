@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A BRDF in a shader: the files of shaders/brdf with its flag, its uniforms, and the table for GGX.
+// Defines a BRDF in a shader: the files of shaders/brdf with its flag, its uniforms, and the table for GGX.
 #pragma once
 
 #include <map>
@@ -23,7 +23,7 @@ class BrdfShading {
  public:
   explicit BrdfShading(const GlFunctions& gl) : gl_(gl) {}
 
-  /// `zonal_order`: the material's order (Material::zonal_order). Uses texture units from `first_unit` on and returns
+  /// `zonal_order` is the material's order (Material::zonal_order). Uses texture units from `first_unit` on and returns
   /// the next free one. Caches fits and integrals.
   int set(const ShaderProgram& shader, const Brdf& brdf, const std::shared_ptr<const RoughnessMap>& roughness,
           int zonal_order, int first_unit);
@@ -33,8 +33,8 @@ class BrdfShading {
     float exponent;
     glm::vec3 total;
     std::vector<glm::vec3> weights;               // weights of the terms, if the shader uses these
-    std::vector<float> spreads;                   // as many
-    std::map<int, std::vector<glm::vec3>> zonal;  // by order
+    std::vector<float> spreads;                   // one per weight
+    std::map<int, std::vector<glm::vec3>> zonal;  // coefficients by order
   };
   static Numbers numbers_of(const Brdf& brdf);
   void set_roughness(const std::shared_ptr<const RoughnessMap>& map);

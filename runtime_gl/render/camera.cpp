@@ -26,11 +26,11 @@ namespace {
 constexpr float kFilled = 0.94f;  // share of the picture's half width or height that the points fill
 
 struct AxisPoint {
-  float x, z;  // x along an axis of the picture, z towards the eye, both from the middle
+  float x, z;  // x is along an axis of the picture, z towards the eye, both from the middle
 };
 
 // Returns the least distance of the eye, at the best offset, for which `|x - offset| <= t * (distance - z)` holds for
-// all points. This means `x + t * z <= t * distance + offset` and `t * z - x <= t * distance - offset`.
+// all points. The condition means `x + t * z <= t * distance + offset` and `t * z - x <= t * distance - offset`.
 float distance_to_fit(const std::vector<AxisPoint>& points, float t) {
   float most = -std::numeric_limits<float>::max(), least = most;
   for (const AxisPoint& p : points) {
@@ -70,7 +70,7 @@ Camera frame_points(const std::vector<glm::vec3>& points, const glm::vec3& up, f
   const glm::vec3 middle = 0.5f * (low + high);
   Camera camera;
   camera.up = up;
-  // With +Y up the front is +Z, as in glTF; with +Z up the front is -Y.
+  // If +Y is up, the front is +Z, as in glTF. If +Z is up, the front is -Y.
   const glm::vec3 side = std::abs(up.x) < 0.9f ? glm::vec3(1.0f, 0.0f, 0.0f) : glm::vec3(0.0f, 0.0f, -1.0f);
   const glm::vec3 front = glm::normalize(glm::cross(side, up));
   const glm::vec3 back = glm::normalize(0.5f * glm::cross(up, front) + 0.45f * up + front);
@@ -78,7 +78,7 @@ Camera frame_points(const std::vector<glm::vec3>& points, const glm::vec3& up, f
   const glm::vec3 above = glm::cross(back, right);
   const float tangent = kFilled * std::tan(glm::radians(0.5f * camera.fov_y_degrees));
   std::vector<AxisPoint> across, upwards;
-  float nearest = -radius, farthest = radius;  // along `back`
+  float nearest = -radius, farthest = radius;  // distances along `back`
   for (const glm::vec3& point : points) {
     const glm::vec3 p = point - middle;
     const float z = glm::dot(p, back);
@@ -102,7 +102,7 @@ Camera moved_away(const Camera& camera, float factor) {
   Camera moved = camera;
   const glm::vec3 view = camera.eye - camera.target;
   moved.eye = camera.target + factor * view;
-  // The amount by which the distance of every point grows along the line of sight.
+  // The growth of every point's distance along the line of sight.
   const float farther = (factor - 1.0f) * glm::length(view);
   moved.near_distance = farther > 0.0f ? camera.near_distance + farther : factor * camera.near_distance;
   moved.far_distance = camera.far_distance + std::max(farther, 0.0f);

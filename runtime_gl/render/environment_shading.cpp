@@ -20,7 +20,7 @@
 namespace multum::gl {
 namespace {
 
-// Grid over the picture; L' is computed for the view directions of its nodes.
+// A grid over the picture. L' is computed for the view directions of its nodes.
 constexpr int kGridColumns = 9, kGridRows = 7;
 constexpr SamplerSettings kClamped{WrapMode::kClamp, WrapMode::kClamp, true, 1.0f};
 

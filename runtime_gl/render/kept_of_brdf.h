@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Caches data that takes long to compute from a BRDF, such as fits and tables, for the last few BRDFs. So objects with
-// several BRDFs do not repeat the work in every frame, and a BRDF that changes does not fill the memory.
+// Caches data that takes long to compute from a BRDF, such as fits and tables, for the last few BRDFs. Objects with
+// several BRDFs then do not repeat the work in every frame, and a BRDF that changes does not fill the memory.
 #pragma once
 
 #include <algorithm>

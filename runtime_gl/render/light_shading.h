@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The lights of a scene in a shader: flags for their numbers, and uniforms.
+// Defines the lights of a scene in a shader: flags for the numbers of lights, and uniforms.
 #pragma once
 
 #include "runtime_gl/materials/material.h"

@@ -6,7 +6,7 @@
 
 namespace multum::gl {
 
-/// Error over the linear RGB of all pixels.
+/// The error over the linear RGB of all pixels.
 struct PictureError {
   double relative_l1 = 0.0;  // sum |picture - reference| / sum reference; 0.05 = 5 %
   double rmse = 0.0;         // square root of the mean squared difference

@@ -12,7 +12,7 @@ namespace {
 constexpr double kGaussianSigma = 0.5;
 constexpr double kGaussianRadius = 1.5;
 
-// Inverts the normal distribution's cumulative function by bisection. This is called only twice per sample of a
+// Inverts the cumulative normal distribution function by bisection. The function is called only twice per sample of a
 // picture.
 double gaussian_offset(double u) {
   const auto cumulative = [](double x) { return 0.5 * std::erfc(-x / (kGaussianSigma * std::sqrt(2.0))); };

@@ -12,16 +12,17 @@
 
 namespace multum::gl {
 
-/// Weights of a pixel's surroundings. Box: the pixel's own area, 1 pixel wide. Tent: 2 pixels wide. Gaussian: standard
-/// deviation 1/2 pixel, cut off at 1.5 pixels.
+/// Weights of a pixel's surroundings. The box is the pixel's own area, 1 pixel wide. The tent is 2 pixels wide. The
+/// Gaussian has a standard deviation of 1/2 pixel and is cut off at 1.5 pixels.
 enum class PixelFilter { kBox, kTent, kGaussian };
 
-constexpr double kReferenceNoise = 0.005;        // relative L1
+constexpr double kReferenceNoise = 0.005;        // relative L1 difference
 constexpr int kReferenceSampleCountMax = 65536;  // limit of the sample count if the noise stays above its target
 constexpr int kReferenceBatch = 64;              // samples between measurements of the noise
 
 struct ReferenceSampling {
-  int sample_count = 0;                // per pixel, 1 to kReferenceSampleCountMax; 0: until `noise_max` is reached
+  int sample_count = 0;                // per pixel, 1 to kReferenceSampleCountMax; with 0, samples until `noise_max` is
+                                       // reached
   double noise_max = kReferenceNoise;  // relative L1, > 0
   PixelFilter filter = PixelFilter::kBox;
 };
@@ -32,17 +33,17 @@ struct ReferenceSampling {
 glm::vec2 reference_offset(PixelFilter filter, int sample);
 
 /// Sums batches of samples in double precision, alternating between two halves. The difference of the halves measures
-/// the noise of the whole: for independent errors, the error of their mean is half of their difference.
+/// the noise of the whole: if their errors are independent, the error of their mean is half of their difference.
 class ReferenceSum {
  public:
   ReferenceSum(int width, int height);
 
-  /// `sum`: the sum of `sample_count` pictures.
+  /// `sum` is the sum of `sample_count` pictures.
   void add(const FloatImage& sum, int sample_count);
   int sample_count() const { return counts_[0] + counts_[1]; }
   /// Returns the relative L1 difference of the RGB values of all pixels: the sum of |a - b| / 2 divided by the sum of
-  /// (a + b) / 2, where a and b are the means of the halves. Infinite before the second batch; 0 if everything is
-  /// black.
+  /// (a + b) / 2, where a and b are the means of the halves. Returns infinity before the second batch, and 0 if
+  /// everything is black.
   double noise() const;
   FloatImage mean() const;
 

@@ -22,11 +22,11 @@ namespace multum::gl {
 
 struct Picture {
   FloatImage image;
-  // From glFinish to glFinish of one frame: the median of 3, or one frame that took longer than kLongFrameMs. For a
-  // reference, the time of all samples.
+  // The time from glFinish to glFinish of one frame: the median of 3 frames, or a single frame that took longer than
+  // kLongFrameMs. For a reference, the time of all samples.
   double frame_time_ms;
-  double processor_time_ms = 0.0;  // least of these frames, in all threads of this process; reference: 0
-  double draw_time_ms = 0.0;       // drawing time by the driver's own timer (GL_TIME_ELAPSED); reference: 0
+  double processor_time_ms = 0.0;  // lowest of these frames, in all threads of this process; 0 for a reference
+  double draw_time_ms = 0.0;       // drawing time by the driver's own timer (GL_TIME_ELAPSED); 0 for a reference
   int sample_count = 0;            // samples per pixel of a reference
   double noise = 0.0;              // noise of a reference (ReferenceSum::noise)
   int frame_count = 1;             // whole frames drawn for this picture
@@ -46,11 +46,12 @@ struct ShaderVariant {
   std::vector<std::string> uniforms;
 };
 
-/// Returns the fragment shader of a material, a BRDF and lights: every text only once, and the flags of all parts.
+/// Returns the fragment shader of a material, a BRDF and lights. The shader has the flags of all parts, and every text
+/// only once.
 ShaderSources scene_shader_sources(const Material& material, const RenderScene& scene);
 
 constexpr int kTimedFrames = 3;        // frames that Renderer::draw times, an odd number
-constexpr double kLongFrameMs = 10.0;  // longer frames are timed only once: some take seconds in software
+constexpr double kLongFrameMs = 10.0;  // longer frames are timed only once, because some take seconds in software
 constexpr int kReferenceUnits = 1000;  // units of progress per reference picture
 
 class Renderer {

@@ -33,19 +33,20 @@ enum class EnvironmentMode {
   kPrefiltered,  // mips convolved with vMFs, chosen by the spread of the reflected directions
 };
 
-/// Lookup of mip-mapped textures over a pixel (shaders/common/texture_filter.glsl). Defaults: docs/evidence/FILTER.md.
+/// Settings for lookups of mip-mapped textures over a pixel (shaders/common/texture_filter.glsl).
+/// docs/evidence/FILTER.md explains the defaults.
 struct TextureFilter {
   int taps = kTapCountDefault;  // most trilinear lookups along the longer axis, 1 to kTapCountMax
   float level_bias = static_cast<float>(kLevelBiasDefault);  // added to the level of detail
   bool shades_taps = kShadesTapsDefault;  // shades each tap separately; if false, averages the taps and shades once
   bool is_drivers = false;                // uses the driver's own sampler instead, with its anisotropy and no bias
-  int evaluations = 0;  // evaluations of the material per pixel, a power of two up to kEvaluationsMax; 0: by taps, as
-                        // above; kEvaluationsOfLobes
-  bool is_turned = false;  // the geometry's normals turn within a pixel, as on a mesh: shaders/scene.frag
+  int evaluations = 0;  // evaluations of the material per pixel: a power of two up to kEvaluationsMax, 0 to use taps as
+                        // above, or kEvaluationsOfLobes
+  bool is_turned = false;  // the geometry's normals turn within a pixel, as on a mesh (shaders/scene.frag)
 };
 
 constexpr int kEvaluationsMax = 16;
-constexpr int kEvaluationsOfLobes = -1;  // evaluations_of_lobes(Material::budgeted_lobes()); 0 below two lobes
+constexpr int kEvaluationsOfLobes = -1;  // means evaluations_of_lobes(Material::budgeted_lobes()), or 0 below two lobes
 
 /// Returns the evaluations for lobes that are evaluated once each: the next power of two, at most kEvaluationsMax.
 int evaluations_of_lobes(int lobe_count);
@@ -61,12 +62,12 @@ struct RenderScene {
   Camera camera;
   std::vector<Light> lights = std::vector<Light>(1);
   std::vector<PointLight> point_lights;
-  std::shared_ptr<const EnvironmentLight> environment;  // null: none
+  std::shared_ptr<const EnvironmentLight> environment;  // null means none
   EnvironmentMode environment_mode = EnvironmentMode::kPrefiltered;
   glm::vec3 environment_up{0.0f, 0.0f, 1.0f};  // unit, the map's up direction; with +Z, the map's middle is at +Y
   float environment_turn = 0.0f;               // degrees about `environment_up`, counterclockwise seen from above
   Brdf brdf;
-  std::shared_ptr<const RoughnessMap> roughness;  // factor of the BRDF's GGX roughness under lights; null: 1
+  std::shared_ptr<const RoughnessMap> roughness;  // factor of the BRDF's GGX roughness under lights; null means 1
   TextureFilter filter;
   float uv_scale = 1.0f;  // repeats of the map per unit of uv
 };

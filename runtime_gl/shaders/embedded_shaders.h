@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Texts of the files in this folder, embedded at build time; none has a version line.
+// Returns the texts of the files in this folder, which are embedded at build time. The texts have no version line.
 #pragma once
 
 #include <map>
@@ -8,7 +8,7 @@
 
 namespace multum::gl {
 
-/// Returns the texts of brdf/, keyed by file, such as "ggx.glsl"; each text is followed by a 0 byte after its view.
+/// Returns the texts of brdf/, keyed by file, such as "ggx.glsl". A 0 byte follows each text after the end of its view.
 const std::map<std::string, std::string_view>& brdf_shaders();
 /// Returns the text of a file that must exist.
 inline const char* brdf_shader_text(std::string_view file) { return brdf_shaders().at(std::string(file)).data(); }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// One triangle that covers the picture; no attributes.
+// Draws one triangle that covers the picture, without attributes.
 void main() {
   vec2 corner = vec2(float((gl_VertexID << 1) & 2), float(gl_VertexID & 2));
   gl_Position = vec4(2.0 * corner - 1.0, 0.0, 1.0);

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Makes the texture of a layer from decoded images of a packed field, as host/fields/codec/decoder/texture_chunk and
-// mip_levels do, one texel per fragment. One of
-//   MULTUM_IMAGE_COUNT n   adds up n images, gamma-coded values; with MULTUM_HAS_SUM also the sum of earlier passes;
-//   with
-//                          MULTUM_IS_LAST converts the sum to radiance and rounds it to half
-//   MULTUM_MIP             a level from the next finer one: the mean of the texels that each texel covers
+// Makes the texture of a layer from decoded images of a packed field, in the same way as texture_chunk and mip_levels
+// of host/fields/codec/decoder, one texel per fragment. Exactly one of these is defined:
+//   MULTUM_IMAGE_COUNT n   adds up n images of gamma-coded values; with MULTUM_HAS_SUM also the sum of earlier
+//                          passes; with MULTUM_IS_LAST converts the sum to radiance and rounds it to half
+//   MULTUM_MIP             makes a level from the next finer one: the mean of the texels that each texel covers
 uniform vec3 u_offset;
 #ifdef MULTUM_MIP
 uniform sampler2D u_finer;
@@ -19,8 +18,8 @@ uniform sampler2D u_sum;
 #endif
 layout(location = 0) out vec4 o_colour;
 
-// Returns the nearest half, ties to even, of a value of at least 0. Drivers may truncate to half instead, as llvmpipe
-// does (Mesa 22.3.6): mip levels would add up this bias.
+// Returns the nearest half, ties to even, of a value of at least 0. Drivers may instead truncate to half, as llvmpipe
+// does (Mesa 22.3.6). Mip levels would add up this bias.
 float multum_rounded_to_half(float value) {
   if (value < 6.103515625e-05) return roundEven(value * 16777216.0) / 16777216.0;  // multiples of 2^-24
   uint bits = floatBitsToUint(min(value, 65504.0));
@@ -32,7 +31,7 @@ vec3 multum_rounded_to_halves(vec3 values) {
   return vec3(multum_rounded_to_half(values.r), multum_rounded_to_half(values.g), multum_rounded_to_half(values.b));
 }
 
-// Finds which of n fine texels coarse texel i covers: the first of them, their number, and up to three weights.
+// Finds which of n fine texels the coarse texel i covers: the first of them, their number, and up to three weights.
 vec3 multum_cover(int n, int i, out int first, out int count) {
   first = n == 1 ? 0 : 2 * i;
   count = n == 1 ? 1 : 2 + n % 2;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// A surface coloured only from a pyramid.
-//   MULTUM_BY_NORMAL   coordinates are those of the normal in a reflectance map; otherwise the surface's own
-//   MULTUM_LEVEL       the level chosen by common/pyramid.glsl; MULTUM_FINEST: always 0; otherwise the driver's level
-//   MULTUM_SHOW_LEVEL  the level itself instead, before clamping: red as chosen here, green as chosen by the driver
+// Draws a surface that is coloured only from a pyramid.
+//   MULTUM_BY_NORMAL   uses the coordinates of the normal in a reflectance map; otherwise those of the surface
+//   MULTUM_LEVEL       uses the level of common/pyramid.glsl; MULTUM_FINEST: level 0; otherwise the driver's level
+//   MULTUM_SHOW_LEVEL  shows the level itself, before clamping: red as chosen here, green as chosen by the driver
 //   MULTUM_PHONG       no map: Blinn-Phong under distant lights for a distant viewer, the reference of reflectance maps
 in vec3 v_position;
 in vec3 v_normal;

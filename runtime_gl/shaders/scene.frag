@@ -3,11 +3,12 @@
 // brdf/, its lights by light/ (common/reflection.glsl describes their interface). All vectors are converted to tangent
 // space, the space of the map's normals.
 //
-// Outgoing radiance: the sum over lights of the BRDF times max(n.l, 0), averaged over n. MULTUM_REFERENCE averages it
-// over samples; the models of the other variants include the average, with cosines per lobe or of the averaged normal.
+// The outgoing radiance is the sum over lights of the BRDF times max(n.l, 0), averaged over n. MULTUM_REFERENCE
+// averages over samples. The models of the other variants include the average, with cosines per lobe or of the
+// averaged normal.
 // MULTUM_SHADE_TAPS: shades each tap of the texture's filter separately and averages the results. MULTUM_EVALUATIONS n:
-// n evaluations of the material, by common/evaluations.glsl. MULTUM_TURNED: reads their lobes at 2 x 2 or more places
-// of the pixel, and turns them by the frame of each place.
+// makes n evaluations of the material, by common/evaluations.glsl. MULTUM_TURNED: reads the lobes of evaluations at
+// 2 x 2 or more places of the pixel, and turns them by the frame of each place.
 in vec3 v_position;
 in vec3 v_normal;
 in vec4 v_tangent;
@@ -77,7 +78,7 @@ vec3 multum_evaluated() {
   finer = MultumFootprint(vec2(0.0), 1, multum_footprint_longer_lod(finer, multum_surface_size()) - 2.0);
   bool pays = multum_spread_of_all(multum_fetch_surface(v_st, finer)) > MULTUM_SPREAD_OF_LOBES;
 #ifdef MULTUM_NORMAL_MAP
-  // One octave finer, the normal map replaces lobes, so there are no lobes to evaluate.
+  // One octave finer, the normal map replaces the lobes, so there are no lobes to evaluate.
   if (multum_normal_map_share(level - 1.0) > 0.0) pays = false;
 #elif !defined(MULTUM_MAGNIFIED)
   // Between texels, the filter mixes the light of the surrounding texels, which are lobes.

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A mesh seen by a camera. Positions are in world space; rows of the textures start at the image's top, so t = 1 - v.
+// Draws a mesh as a camera sees it. Positions are in world space. Rows of textures start at the image's top, so
+// t = 1 - v.
 layout(location = 0) in vec3 a_position;
 layout(location = 1) in vec3 a_normal;
 layout(location = 2) in vec4 a_tangent;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// An object with its inferred texture. Rows of textures start at the image's top, so t = 1 - v. The probe and the
+// Draws an object with its inferred texture. Rows of textures start at the image's top, so t = 1 - v. The probe and the
 // pictures share this text, so they draw the same geometry.
 layout(location = 0) in vec3 a_position;
 layout(location = 3) in vec2 a_uv;

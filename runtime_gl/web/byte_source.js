@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Sources of a packed field's bytes: a URL that is read by ranges, a file that the user chose, or bytes in the page.
-// Each has a `name` for messages, `read(offset, length, signal)`, and `size`, which is known after the first read.
+// Defines sources of a packed field's bytes: a URL that is read by ranges, a file that the user chose, or bytes in the
+// page. Each source has a `name` for messages, `read(offset, length, signal)`, and `size`, which is known after the
+// first read.
 
 import { errorText } from "./error_text.js";
 
@@ -53,7 +54,7 @@ class PatientRequest {
     Object.assign(this, { url, name, counts });
   }
 
-  /** `accept(response)` returns the most bytes to expect, or throws FieldError for an unusable response. */
+  /** `accept(response)` returns the most bytes to expect, or throws FieldError if the response cannot be used. */
   async run(headers, accept, signal) {
     let reason = "";
     for (let attempt = 0; attempt < ATTEMPTS; ++attempt) {

@@ -2,7 +2,7 @@
 // Reads the size and number of a chunk's textures from its first bytes, without decoding it
 // (docs/reference/packed_fields.md, "Chunks").
 
-/** Returns `{ width, height, textures }`, or zeros for too few bytes. */
+/** Returns `{ width, height, textures }`, or zeros if there are too few bytes. */
 export function chunkHead(bytes) {
   let at = 1;
   const number = () => {

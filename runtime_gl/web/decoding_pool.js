@@ -9,8 +9,8 @@ const PER_WORKER_FETCHES = 2;
 
 export class DecodingPool {
   /**
-   * `makeWorker`: returns a new Worker. `wasm`: the module's bytes. `fetchSection(wish, signal)`: fetches a chunk.
-   * Each wish ends with `deliver(wish, levels, ms)` or `fail(wish, error)`.
+   * `makeWorker` returns a new Worker. `wasm` has the module's bytes. `fetchSection(wish, signal)` fetches a chunk.
+   * Each request ("wish") ends with `deliver(wish, levels, ms)` or `fail(wish, error)`.
    */
   constructor({ count, makeWorker, wasm, fetchSection, deliver, fail }) {
     Object.assign(this, { fetchSection, deliver, fail, wishes: [], fetches: new Map(), sections: new Map() });
@@ -28,7 +28,7 @@ export class DecodingPool {
 
   get memory() { return this.workers.reduce((sum, slot) => sum + slot.memory, 0); }
 
-  /** Replaces the list of wanted, missing textures; the most wanted is first. */
+  /** Replaces the list of wanted textures that are missing, the most urgent first. */
   want(wishes) {
     this.wishes = wishes;
     const chunks = new Set(wishes.map((wish) => wish.chunk));

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// A worker that decodes chunks of a packed field, one request after another. It keeps the last few decoded chunks,
-// because the page will ask for their other textures. If the module's memory, which never shrinks, has grown too far,
-// the worker restarts the module.
+// A worker that decodes chunks of a packed field, one request after another. The worker keeps the last few decoded
+// chunks, because the page will ask for their other textures. If the module's memory, which never shrinks, has grown
+// too far, the worker restarts the module.
 //
 //   gets { wasm }                                                 bytes of packed_field.wasm, once
-//   gets { id, chunk, bytes, texture, textures, width, height }   bytes: null if the worker should still have the chunk
+//   gets { id, chunk, bytes, texture, textures, width, height }   bytes is null if the worker should still have the
+//   chunk
 //   answers { id, levels, memory } | { id, isGone, memory } | { id, problem, memory }   levels: halves, all mip levels
 import { loadDecoder } from "./packed_field.js";
 import { chunkHead } from "./chunk_head.js";
@@ -14,7 +15,7 @@ const CHUNKS_MAX = 64; // more than a picture needs; otherwise each picture woul
 const MEMORY_BYTES_MAX = 128 * 2 ** 20;
 
 let wasm = null;
-let decoder = null; // promise
+let decoder = null; // promise of the decoder
 const chunks = new Map(); // decoded chunks by name, least recently used first
 
 const restart = () => {

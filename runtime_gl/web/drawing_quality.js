@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// Chooses the number of sub-pixels while the position moves: fewer if frames take too long, otherwise more. Also
-// measures frames per second.
+// Chooses the number of sub-pixels while the position moves. The number is lower if frames take too long, and higher
+// otherwise. Also measures frames per second.
 
 const SLOW_FRAME_MS = 45;
 const FAST_FRAME_MS = 20; // displays of 60 Hz show a frame every 16.7 ms
 const PAUSE_MS = 2000; // longer gaps between frames mean that the position was at rest
-const FRAMES_LEAST = 3; // between two changes
+const FRAMES_LEAST = 3; // number of frames between two changes
 const NEWEST_SHARE = 0.35; // weight of the newest frame in the average
 
 export class DrawingQuality {
-  /** `finest`: the most sub-pixels along a pixel's side. */
+  /** `finest` is the largest number of sub-pixels along a pixel's side. */
   constructor(finest) {
     Object.assign(this, { finest, side: finest, lastAt: -Infinity, frameMs: 0, frameCount: 0 });
   }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Checks the description of a packed field (docs/reference/packed_fields.md, "The description"). It may come from an
-// untrusted file, and drawing code relies on every index and size.
+// Checks the description of a packed field (docs/reference/packed_fields.md, "The description"). The description may
+// come from an untrusted file, and drawing code relies on every index and size.
 import { FieldError } from "./byte_source.js";
 
 const SIDE_MAX = 16384;
@@ -10,7 +10,7 @@ const DIMENSIONS_MAX = 16;
 const LAYERS_MAX = 16; // limit per object: texture units that every WebGL 2 has
 const LIST_MAX = 1 << 20;
 
-/** Reads values of the expected kind; errors name the place, such as `objects[2].mesh`. */
+/** Reads values of the expected kind. Errors name the place, such as `objects[2].mesh`. */
 class Checker {
   constructor(name) { this.name = name; }
 
@@ -144,7 +144,7 @@ export class FieldDescription {
     const layer = { name: check.text(entry.name, where), object, number: this.layers.length, blocks: [] };
     const unseen = new Set(check.list(entry.unseen, where).map((one) =>
       check.integer(one, where, 0, this.samples.length - 1)));
-    // Each sample's block, and its texture in the block's chunk; -1: none.
+    // Each sample's block, and its texture in the block's chunk, or -1 if it has none.
     layer.blockOfSample = new Int32Array(this.samples.length).fill(-1);
     layer.textureOfSample = new Int32Array(this.samples.length);
     layer.isSeen = Uint8Array.from(this.samples, (_, i) => (unseen.has(i) ? 0 : 1));

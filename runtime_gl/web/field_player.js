@@ -17,9 +17,9 @@ const CORNERS_MAX = 4; // most samples that a picture mixes, because texture uni
 
 export class FieldPlayer {
   /**
-   * `file`: an MptFile. `objects`: of readGlb. `startWorkers`: { count, makeWorker, wasm }. `budget`: bytes of textures
-   * and compressed chunks. `say`: called with problems. `changed`: called after each picture.
-   * `showLoss(isLost)`: called when the graphics context is lost, and when it is back.
+   * `file` is an MptFile, and `objects` come from readGlb. `startWorkers` is { count, makeWorker, wasm }. `budget`
+   * limits the bytes of textures and compressed chunks. `say` is called with problems, and `changed` after each
+   * picture. `showLoss(isLost)` is called when the graphics context is lost, and when it is back.
    */
   constructor({ canvas, file, description, objects, startWorkers, budget, counts, say, changed, showLoss }) {
     Object.assign(this, { canvas, file, description, objects, counts, say, changed });
@@ -30,7 +30,7 @@ export class FieldPlayer {
     this.exposure = 1;
     this.cancelFrame = null; // set while a picture waits to be drawn
     this.movedAt = -Infinity;
-    this.hasMoved = true; // since the last picture
+    this.hasMoved = true; // true if the position has moved since the last picture
     this.failed = new Set(); // names of chunks that are damaged or cannot be fetched
     this.refused = new Set(); // keys of textures that do not fit into the budget
     this.statistics = { frames: 0, decoded: 0, decodeMs: 0, misses: 0 };
@@ -83,7 +83,7 @@ export class FieldPlayer {
     if (uvs) gl.deleteBuffer(uvs);
   }
 
-  // ---- Where we are
+  // ---- The position
 
   /** Sets the fractional index along each parameter, clamped to the grid. */
   moveTo(at) {
@@ -102,7 +102,7 @@ export class FieldPlayer {
 
   nearest() { return this.description.sampleAt(this.position.map((one) => Math.round(one))); }
 
-  /** Returns the samples that the picture mixes, with weights that sum to 1; the largest weight is first. */
+  /** Returns the samples that the picture mixes, with weights that sum to 1. The largest weight is first. */
   corners() {
     if (!this.isSmooth) return [{ sample: this.nearest(), weight: 1 }];
     let corners = [{ at: [], weight: 1 }];
@@ -156,7 +156,7 @@ export class FieldPlayer {
       width, height, layer, block };
   }
 
-  /** Returns samples next to the nearest one; first the one in the direction of movement along all parameters. */
+  /** Returns the samples next to the nearest one. The first is in the direction of movement along all parameters. */
   neighbours() {
     const { description, velocity } = this;
     const at = this.position.map((one) => Math.round(one));
@@ -252,7 +252,7 @@ export class FieldPlayer {
     if (this.cancelFrame !== null) return;
     this.cancelFrame = onNextFrame((now) => {
       this.cancelFrame = null;
-      // Browsers accept some pictures before a slow driver has drawn them: such pictures would be shown late, and their
+      // Browsers accept some pictures before a slow driver has drawn them. Such pictures would be shown late, and their
       // measured times would be too short.
       if (this.gl.isBusy()) this.requestDraw();
       else this.drawNow(now);

@@ -60,7 +60,7 @@ class Glb {
     return list[index];
   }
 
-  /** Returns the accessor's values as numbers; integer texture coordinates are scaled to 0..1. */
+  /** Returns the accessor's values as numbers. Integer texture coordinates are scaled to 0..1. */
   values(index, type, isIndex) {
     const accessor = this.entry("accessors", index);
     if (accessor.sparse !== undefined) this.refuse(`accessors[${index}] is sparse, which this player does not read`);
@@ -159,10 +159,12 @@ class Glb {
   }
 }
 
-/** Returns objects by name: `{ name, objectToWorld, positions, uvs }`, three corners per triangle, v upwards. */
+/**
+ * Returns objects by name: `{ name, objectToWorld, positions, uvs }`. Each triangle has three corners; v grows upwards.
+ */
 export function readGlb(bytes, name, uvSet) { return new Glb(bytes, name).read(uvSet); }
 
-/** Maps texture coordinates of all corners by a mapping of the description; [corners][2], relative to the texture. */
+/** Maps the texture coordinates of all corners by a mapping of the description. Returns [corners][2] of the texture. */
 export function mappedCorners(uvs, mapping) {
   const { linear: [a, b, c, d], offset, hasCut, cut } = mapping;
   const corners = new Float32Array(uvs.length);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// 4 x 4 matrices, sixteen numbers column by column; interpolation of cameras and places between samples.
+// Computes with 4 x 4 matrices, sixteen numbers column by column. Interpolates cameras and places between samples.
 
 export function identity() {
   const matrix = new Float64Array(16);
@@ -87,7 +87,9 @@ function cameraOf(eye, rotation, [fx, skew, fy, cx, cy, depth, depthEnd, scale])
   return Float64Array.from({ length: 16 }, (_, i) => rows[i % 4][i >> 2]);
 }
 
-/** Mixes cameras: eyes and lenses linearly, directions by their rotations. Returns a single or common camera itself. */
+/**
+ * Mixes cameras: eyes and lenses linearly, directions by rotation. If there is only one camera, returns it unchanged.
+ */
 export function mixedCamera(matrices, weights) {
   const heaviest = weights.indexOf(Math.max(...weights));
   if (weights[heaviest] === 1 || matrices.every((one) => isEqual(one, matrices[0]))) return matrices[heaviest];
@@ -97,7 +99,7 @@ export function mixedCamera(matrices, weights) {
     mixedRotation(parts.map((one) => one.rotation), weights), mixed(parts.map((one) => one.lens), weights));
 }
 
-/** Returns the rotation and size of a place with a uniform scale and no mirroring, or else null. */
+/** Returns the rotation and size of a place with a uniform scale and no mirroring, otherwise null. */
 function placeParts(matrix) {
   const columns = [0, 4, 8].map((i) => [matrix[i], matrix[i + 1], matrix[i + 2]]);
   const size = length(columns[0]);
@@ -108,7 +110,7 @@ function placeParts(matrix) {
   return dot(rows[0], crossed(rows[1], rows[2])) > 0 ? { size, rotation: quaternionOf(rows) } : null;
 }
 
-/** Mixes places of an object: by rotation if all are rotations with a uniform scale, else linearly. */
+/** Mixes places of an object: by rotation if all are rotations with a uniform scale, otherwise linearly. */
 export function mixedPlace(matrices, weights) {
   const heaviest = weights.indexOf(Math.max(...weights));
   if (weights[heaviest] === 1 || matrices.every((one) => isEqual(one, matrices[0]))) return matrices[heaviest];

@@ -57,7 +57,7 @@ export class MptFile {
 
   constructor(source) {
     this.source = source;
-    this.description = null; // its section
+    this.description = null; // section of the description
     this.chunks = new Map(); // sections by "layer:block"
   }
 
@@ -103,7 +103,7 @@ export class MptFile {
     if (this.description === null) this.refuse("has no description");
   }
 
-  /** Returns a section's bytes; `what` names it in errors. */
+  /** Returns a section's bytes. `what` names the section in errors. */
   async section(section, what, signal) {
     const end = section.offset + section.length;
     const bytes = end <= this.first.length

@@ -23,7 +23,9 @@ export function onNextFrame(draw) {
   return cancel;
 }
 
-/** Lets the page handle events. Does not use timers, which wait a second, later a minute, in background tabs. */
+/**
+ * Lets the page handle events. Does not use timers, which wait for a second, and later a minute, in background tabs.
+ */
 export const giveWay = () => new Promise((resolve) => {
   const { port1, port2 } = new MessageChannel();
   port1.onmessage = () => {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Controls of the position: a slider for each parameter, a pad for the first two, and the picture itself, which turns
-// when the user drags it.
+// Makes the controls of the position: a slider for each parameter, a pad for the first two, and the picture itself,
+// which turns when the user drags it.
 import { cameraParts, isEqual } from "./matrices.js";
 
-const STEP = 0.05; // step of a slider's arrow keys, as a share of a sample
+const STEP = 0.05; // step of a slider's arrow keys, as a share of the distance between samples
 const TURN_SHARE = 0.75; // share of the parameter for a drag across the whole picture
 
 const node = (name, attributes = {}, ...children) => {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The page of the player. Opens a field that its configuration names, `?file=` in its address names, or the user
+// Runs the page of the player. Opens a field that its configuration or `?file=` in its address names, or that the user
 // chooses. Connects controls, path and statistics to the player of the field.
 //
 // The configuration, a block of JSON in the page: { "file": URL, "geometry": URL, "title": text }. A self-contained
@@ -29,7 +29,7 @@ let path = null; // recorded or loaded
 let playing = null; // { begun, path }
 let recording = null; // { begun, path }
 
-// ---- What is said
+// ---- Messages
 
 function say(text) {
   const list = byId("problem-list");
@@ -165,7 +165,8 @@ function start({ file, description, objects, startWorkers, title }) {
   document.title = title;
   byId("about").textContent = `${description.sizes.join(" \u00d7 ")} samples of ` +
     `${description.parameters.join(", ")}; ${description.width} \u00d7 ${description.height} pixels`;
-  const stage = byId("stage"); // replaces the stage: a canvas keeps its context forever, and old controls must go
+  const stage = byId("stage"); // replaces the stage, because a canvas keeps its context forever, and old controls must
+                               // go
   const freshStage = stage.cloneNode(false);
   const canvas = Object.assign(document.createElement("canvas"), { id: "canvas" });
   canvas.style.aspectRatio = `${description.width} / ${description.height}`;

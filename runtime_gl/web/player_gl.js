@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Draws textured objects by WebGL 2 as runtime_gl/animation does by desktop GL (runtime_gl/shaders/textured.vert and
-// .frag). Looks up radiance in textures of halves with mip levels, adds it up and lights nothing. Averages
-// supersampling^2 sub-pixels per pixel in linear light, and encodes the result as sRGB.
+// Draws textured objects with WebGL 2, in the same way as runtime_gl/animation with desktop GL
+// (runtime_gl/shaders/textured.vert and .frag). Looks up radiance in textures of halves with mip levels, adds it up,
+// and computes no lighting. Averages supersampling^2 sub-pixels per pixel in linear light, and encodes the result as
+// sRGB.
 
 const BYTES_PER_TEXEL = 8; // three halves, padded to four by most drivers
 const SUB_PIXELS_MAX = 1 << 24; // limit for the framebuffer; each has 8 bytes of colour and 4 of depth
@@ -18,7 +19,7 @@ void main() {
   gl_Position = u_object_to_clip * vec4(a_position, 1.0);
 }`;
 
-// In this GLSL, only constants may index samplers.
+// In the GLSL of WebGL 2, only constants may index samplers.
 const objectFragment = (count) => `#version 300 es
 precision highp float;
 precision highp sampler2D;
@@ -78,7 +79,7 @@ export class PlayerGl {
     this.screen = this.program(SCREEN_VERTEX, MEAN_FRAGMENT);
     this.nothing = gl.createVertexArray();
     this.target = null;
-    this.fences = []; // after pictures that the driver may still be drawing
+    this.fences = []; // fences after pictures that the driver may still be drawing
   }
 
   program(vertex, fragment) {
@@ -113,7 +114,7 @@ export class PlayerGl {
     return this.programs.get(count);
   }
 
-  /** `levels`: halves of all mip levels, the finest first, [texels][3]. */
+  /** `levels` has the halves of all mip levels, the finest first, [texels][3]. */
   makeTexture(levels, { width, height, wrapS, wrapT }, anisotropy) {
     const { gl } = this;
     const texture = gl.createTexture();
@@ -166,7 +167,7 @@ export class PlayerGl {
     return side;
   }
 
-  /** Creates the framebuffer of sub-pixels, again when its size changes. */
+  /** Creates the framebuffer of sub-pixels, and creates it again when its size changes. */
   prepareTarget(width, height) {
     const { gl } = this;
     if (this.target?.width === width && this.target.height === height) return;
@@ -198,8 +199,8 @@ export class PlayerGl {
   }
 
   /**
-   * `objects`: `{ mesh, objectToClip, textures, weights }`; textures times weights are added up. Without textures an
-   * object is black and hides objects behind it. `hasOneLevel`: looks up only the nearest mip level instead of two,
+   * `objects` are `{ mesh, objectToClip, textures, weights }`. Textures times weights are added up. An object without
+   * textures is black and hides objects behind it. `hasOneLevel` looks up only the nearest mip level instead of two,
    * which halves the time of software renderers.
    */
   draw({ width, height, supersampling, exposure, objects, hasOneLevel }) {

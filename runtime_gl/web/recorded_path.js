@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A path through the parameters that the user records, plays again and saves as JSON
+// Records a path through the parameters, which the user can play again and save as JSON
 // (docs/reference/packed_fields.md, "Recorded paths"):
 //   { "multumPath": 1, "parameters": ["view", "light"], "positions": [[0, 0.5, 3], ...] }
 // A position contains the seconds since the first position, and then a fractional index along each parameter.
@@ -31,7 +31,9 @@ export class RecordedPath {
     return new RecordedPath(parameters, json.positions);
   }
 
-  /** Returns one closed curve through all parameters, used if no path was recorded. `sizes`: samples along each. */
+  /**
+   * Returns a closed curve through all parameters, for use without a recorded path. `sizes` has the samples along each.
+   */
   static tour(parameters, sizes) {
     const seconds = 24;
     const positions = Array.from({ length: seconds * 20 + 1 }, (_, i) => {
@@ -49,7 +51,7 @@ export class RecordedPath {
     this.positions.push([seconds, ...at].map((one) => Number(one.toFixed(4))));
   }
 
-  /** Returns the position `seconds` after the first, interpolated; the path repeats after its end. */
+  /** Returns the interpolated position `seconds` after the first one. The path starts again after its end. */
   at(seconds) {
     const [first] = this.positions;
     const time = first[0] + (this.seconds > 0 ? seconds % this.seconds : 0);

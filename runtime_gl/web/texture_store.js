@@ -21,7 +21,9 @@ export class TextureStore {
     return entry;
   }
 
-  /** Makes room for so many bytes and keeps entries whose key `isNeeded`. Returns false if there is not enough room. */
+  /**
+   * Makes room for this many bytes, but keeps entries whose key `isNeeded`. Returns false if there is not enough room.
+   */
   makeRoom(bytes, isNeeded) {
     if (bytes > this.budget) return false;
     for (const [key, entry] of this.entries) {

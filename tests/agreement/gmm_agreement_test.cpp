@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Compares the shading of planar Gaussians in OpenCL (kernels/device/gmm_shading.clh, with which a bake measures its
-// own
-// error) with GLSL (runtime_gl/shaders/common/gmm_shading.glsl, which renders it), and both with double precision: hard
-// cases first, then random lobes.
+// Compares two implementations of the shading of planar Gaussians: OpenCL (kernels/device/gmm_shading.clh, with which a
+// bake measures its own error) and GLSL (runtime_gl/shaders/common/gmm_shading.glsl, which renders). Both are also
+// compared with double precision, first on hard cases, then on random lobes.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -54,7 +53,7 @@ std::vector<glm::vec3> directions_above(unsigned seed) {
   return all;
 }
 
-// Returns [lobe][direction]; s = 0: Lambert.
+// Returns values by [lobe][direction]. An exponent s of 0 selects Lambert's cosine.
 std::vector<float> shade_gmm_opencl(const std::vector<glm::vec4>& lobes, const std::vector<glm::vec3>& directions,
                                     float s) {
   static Device device = Device::open("");
@@ -92,11 +91,11 @@ double exact_value(const glm::dvec4& lobe, double s, const glm::dvec3& w) {
   return s > 0.0 ? reference::gmm_density(lobe, s, w) : reference::gmm_lambert(lobe, w);
 }
 
-// Returns the allowed error of floats: the change of the exact value when the lobe's numbers and the direction's change
-// by kRoundings float roundings each, because every operation rounds once. The variance is a difference of numbers up
-// to a, so its error is a part of theirs; the Lambert term's z is a root of such a difference. The exponential adds
-// 1e-5 of the value; results that underflow are negligible compared with a peak. kRoundings is 8; the measured error is
-// a tenth of that.
+// Returns the allowed error of floats. It is the change of the exact value when each number of the lobe and of the
+// direction changes by kRoundings float roundings, because every operation rounds once. The variance is a difference of
+// numbers up to a, so its rounding error is relative to a. The z of the Lambert term is the root of such a difference.
+// The exponential adds 1e-5 of the value; results that underflow are negligible compared with a peak. The measured
+// error is a tenth of the error that kRoundings = 8 allows.
 double tolerance(const glm::dvec4& lobe, double s, const glm::dvec3& w) {
   constexpr double kRoundings = 8.0, kStep = kRoundings * 0x1p-24;
   const double value = exact_value(lobe, s, w);
@@ -132,7 +131,7 @@ TEST_P(GmmAgreementTest, OpenclGlslAndDoubleAgree) {
   const auto context = gl::make_headless_context(gl::ContextBackend::kOsmesa);
   const std::vector<float> opencl = shade_gmm_opencl(lobes, directions, static_cast<float>(s));
   const std::vector<float> glsl = shade_gmm_glsl(*context, lobes, directions, static_cast<float>(s));
-  int seen = 0, tight = 0;  // values that matter, and values with a tolerance below a percent
+  int seen = 0, tight = 0;  // counts of values that matter, and of values with a tolerance below 1 %
   for (std::size_t i = 0; i < lobes.size(); ++i) {
     const glm::dvec4 lobe(lobes[i]);
     const bool is_seen = lobes[i].w > 1e-6f;
@@ -150,7 +149,7 @@ TEST_P(GmmAgreementTest, OpenclGlslAndDoubleAgree) {
   EXPECT_GT(tight, 0.95 * seen) << "the bounds are too wide to be useful";
 }
 
-// The energy that the plane's edge cuts off: the integral of one normal's facets over the hemisphere
+// Tests the energy that the plane's edge cuts off, by the integral of one normal's facets over the hemisphere
 // (docs/contributing/ALGORITHMS.md). A lossless model would give 1.
 TEST(GmmEnergy, IsLostTowardsTheRim) {
   constexpr int kRings = 400, kSpokes = 360;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Compares the shading of moments in OpenCL (kernels/device/moment_shading.clh, with which a bake measures its own
-// error) with GLSL (runtime_gl/shaders/common/moment_shading.glsl, which renders it), and both with double precision:
-// hard cases first, then random moments.
+// Compares two implementations of the shading of moments: OpenCL (kernels/device/moment_shading.clh, with which a bake
+// measures its own error) and GLSL (runtime_gl/shaders/common/moment_shading.glsl, which renders). Both are also
+// compared with double precision, first on hard cases, then on random moments.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -48,7 +48,7 @@ std::vector<MultumFilteredMoments> test_moments(unsigned seed) {
   for (const double length : {1e-6, 0.1, 0.5, 0.9999, 1.0, 1.0005})
     all.push_back(moments(0.4, 0.2, 0.1, 0.1, 0.0, length));
   MultumFilteredMoments rounded = moments(0.7, -0.7, 0.0, 0.0, 0.0, 1.0);
-  rounded.ss *= 0.9995f;  // rounding to halfs may leave less than the square of the mean
+  rounded.ss *= 0.9995f;  // rounding to halfs may leave a second moment below the square of the mean
   rounded.st *= 1.0005f;
   all.push_back(rounded);
   std::mt19937 random(seed);
@@ -70,7 +70,7 @@ std::vector<glm::vec3> test_half_vectors(unsigned seed) {
   return all;
 }
 
-// [moments][half vector]
+// by [moments][half vector]
 std::vector<float> shade_moments_opencl(const std::vector<MultumFilteredMoments>& set,
                                         const std::vector<glm::vec3>& half_vectors, float exponent, int shading) {
   static Device device = Device::open("");
@@ -110,7 +110,7 @@ std::vector<float> shade_moments_glsl(const gl::HeadlessContext& context, const 
   return values;
 }
 
-// A set of moments and a half vector in double precision.
+// Holds a set of moments and a half vector in double precision.
 struct ExactInput {
   reference::TexelMoments m;
   glm::dvec3 h;
@@ -134,9 +134,9 @@ struct ExactInput {
 
 // Returns the allowed error of floats: the change of the exact value when the inputs change by kRoundings float
 // roundings each, because every operation rounds once. The error of a product of slopes is relative to the product,
-// however much of it cancels later, and GLSL computes the half vector's z as the root of 1 - x^2 - y^2. The exponential
-// adds 1e-5 of the value, as exp2 has for large arguments. Results that underflow are negligible compared with a peak.
-// kRoundings is 8; the measured error is a third of that.
+// even if most of the product cancels later. GLSL computes the half vector's z as the root of 1 - x^2 - y^2. The
+// exponential adds 1e-5 of the value, as exp2 has for large arguments. Results that underflow are negligible compared
+// with a peak. The measured error is a third of the error that kRoundings = 8 allows.
 double tolerance(const ExactInput& exact, double s, int shading) {
   constexpr double kRoundings = 8.0, kStep = kRoundings * 0x1p-24;
   const double value = exact.value(s, shading), z = exact.h.z;
@@ -179,7 +179,7 @@ TEST_P(MomentAgreementTest, OpenclGlslAndDoubleAgree) {
     const std::vector<float> opencl = shade_moments_opencl(set, half_vectors, static_cast<float>(s), shading);
     const std::vector<float> glsl = shade_moments_glsl(*context, set, half_vectors, static_cast<float>(s), shading);
     double sum = 0.0, off_opencl = 0.0, off_glsl = 0.0;
-    int seen = 0, tight = 0;  // values that matter, and values with a tolerance below a percent
+    int seen = 0, tight = 0;  // counts of values that matter, and of values with a tolerance below 1 %
     for (std::size_t i = 0; i < set.size(); ++i)
       for (std::size_t d = 0; d < half_vectors.size(); ++d) {
         const std::size_t at = i * half_vectors.size() + d;
@@ -201,7 +201,7 @@ TEST_P(MomentAgreementTest, OpenclGlslAndDoubleAgree) {
   }
 }
 
-// A density integrates to 1: with the Jacobian over solid angle, without it over slopes.
+// The density integrates to 1: over solid angles with the Jacobian, and over slopes without it.
 TEST(MomentShadingTest, LeanIsADensity) {
   reference::TexelMoments m;
   m.s = 0.2;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Compares the shading of spherical harmonics in OpenCL (kernels/sh_shade.cl, with which a bake measures its own error)
-// with GLSL (runtime_gl/shaders/common/sh_shading.glsl, which renders it), and both with double precision: hard cases
-// first, then random distributions.
+// Compares two implementations of the shading of spherical harmonics: OpenCL (kernels/sh_shade.cl, with which a bake
+// measures its own error) and GLSL (runtime_gl/shaders/common/sh_shading.glsl, which renders). Both are also compared
+// with double precision, first on hard cases, then on random distributions.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -28,7 +28,8 @@ namespace {
 
 using testing::random_direction;
 
-// Returns one direction, poles, opposite tilts, a uniform distribution; then means of some of these.
+// Returns coefficients of single directions, poles, opposite tilts and a uniform distribution, and then means of some
+// of these.
 std::vector<std::vector<float>> test_sets(int order, unsigned seed) {
   std::mt19937 random(seed);
   std::vector<std::vector<glm::dvec3>> normals = {
@@ -64,7 +65,7 @@ ZonalCoefficients zonal_of(int order, float s) {
   return s == 0.0f ? zonal_lambert(order) : zonal_blinn_phong(order, static_cast<double>(s));
 }
 
-// Returns [set][direction]. Coefficients and zonal coefficients are each stored in a row of a texture.
+// Returns values by [set][direction]. Coefficients and zonal coefficients are each stored in a row of a texture.
 std::vector<float> shade_sh_glsl(const gl::HeadlessContext& context, int order,
                                  const std::vector<std::vector<float>>& sets, const std::vector<glm::vec3>& directions,
                                  float s) {
@@ -116,7 +117,7 @@ TEST_P(ShAgreementTest, OpenclGlslAndDoubleAgree) {
   const auto context = gl::make_headless_context(gl::ContextBackend::kOsmesa);
   for (const float s : {0.0f, 1.0f, 12.0f, 100.0f, 1e4f}) {
     const ZonalCoefficients zonal = zonal_of(order, s);
-    // The value of a single direction at its peak is the maximum: the sum of a_l (2l+1)/4pi.
+    // The largest value is that of a single direction at its peak: the sum of a_l (2l+1)/4pi.
     double peak = 0.0;
     for (std::size_t l = 0; l < zonal.size(); ++l)
       peak += std::abs(zonal[l]) * (2.0 * static_cast<double>(l) + 1.0) / (4.0 * M_PI);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Compares the shading formulas of OpenCL (kernels/device/vmf_shading.clh, with which a bake measures its own error)
-// with GLSL (runtime_gl/shaders/common/movmf_shading.glsl, which renders them) on the same lobes, and both with
-// quadrature in double precision: hard cases first, then random lobes.
+// with those of GLSL (runtime_gl/shaders/common/movmf_shading.glsl, which renders) on the same lobes. Both are also
+// compared with quadrature in double precision, first on hard cases, then on random lobes.
 #include <gtest/gtest.h>
 
 #include <fmt/format.h>
@@ -30,7 +30,7 @@ using testing::uniform24;
 
 struct Lobes {
   std::vector<glm::vec4> lobes;  // (a r, a)
-  std::vector<double> kappa;     // of each lobe; infinite for a single direction
+  std::vector<double> kappa;     // one per lobe; infinite for a single direction
 };
 
 void add(Lobes& set, const glm::dvec3& mu, double kappa, double amplitude) {
@@ -56,7 +56,7 @@ Lobes test_lobes(unsigned seed) {
   return set;
 }
 
-// Returns [lobe][direction] of one highlight, or of Lambert, computed by the OpenCL kernel.
+// Returns one highlight, or Lambert's cosine, by [lobe][direction], computed by the OpenCL kernel.
 std::vector<float> shade_opencl(const std::vector<glm::vec4>& lobes, const std::vector<glm::vec3>& directions,
                                 const MultumHighlight& shaded, bool lambert) {
   static Device device = Device::open("");
@@ -76,7 +76,7 @@ std::vector<float> shade_opencl(const std::vector<glm::vec4>& lobes, const std::
   return values;
 }
 
-// An exponent of 0: Lambert.
+// An exponent of 0 selects Lambert's cosine.
 std::vector<float> shade_opencl(const std::vector<glm::vec4>& lobes, const std::vector<glm::vec3>& directions,
                                 float exponent) {
   return shade_opencl(lobes, directions, shaded_highlight(static_cast<double>(exponent)), exponent == 0.0f);
@@ -104,8 +104,9 @@ INSTANTIATE_TEST_SUITE_P(Exponents, ShadingAgreementTest, ::testing::Values(0.0,
                                       : std::string("S").append(std::to_string(static_cast<int>(exponent.param)));
                          });
 
-// Both compute in fp32: exponents of up to kappa = 1e6 times 1 - cosine have a relative error of 1e-7, so peaks agree
-// to 2e-3 at the sharpest and to 1e-5 for usual lobes. The bound is relative to the lobe's peak.
+// Both compute in single precision. The exponent kappa (1 - cosine), with kappa up to 1e6, has a relative error of
+// 1e-7. Hence peaks agree to 2e-3 for the sharpest lobes and to 1e-5 for usual ones. The bound is relative to the
+// lobe's peak.
 TEST_P(ShadingAgreementTest, OpenclEqualsGlsl) {
   const auto exponent = static_cast<float>(GetParam());
   constexpr unsigned kSeed = 41;
@@ -135,7 +136,7 @@ std::string terms_expression(const MultumHighlight& f) {
   return fmt::format("vec4(a.w <= 1e-6 ? 0.0 : a.w * max({}, 0.0))", sum);
 }
 
-// Facets as sums of vMFs, with which a bake measures its error for GGX and other BRDFs
+// Tests facets as sums of vMFs, with which a bake measures its error for GGX and other BRDFs
 // (host/bakes/accuracy/highlight.h).
 TEST(TermsAgreementTest, OpenclEqualsGlsl) {
   const Lobes set = test_lobes(43);
@@ -150,7 +151,8 @@ TEST(TermsAgreementTest, OpenclEqualsGlsl) {
     const auto opencl = shade_opencl(set.lobes, directions, f, false);
     const auto glsl = shade_glsl(*context, set.lobes, directions, 1.0f, terms_expression(f));
     const auto peak = static_cast<float>(std::max(grey_density(brdf, 0.0), grey_density(brdf, 0.999)));
-    const float bound = brdf.kind == BrdfKind::kCharlie ? 2e-4f : 3e-5f;  // charlie: terms cancel to a hundredth
+    const float bound = brdf.kind == BrdfKind::kCharlie ? 2e-4f : 3e-5f;  // Charlie's terms cancel down to a hundredth
+                                                                          // of their size
     for (std::size_t i = 0; i < opencl.size(); ++i) {
       const float unit = std::max(set.lobes[i / directions.size()].w * peak, 1e-9f);
       ASSERT_NEAR(opencl[i] / unit, glsl[i] / unit, bound) << text << ", lobe " << i / directions.size();
@@ -158,7 +160,7 @@ TEST(TermsAgreementTest, OpenclEqualsGlsl) {
   }
 }
 
-// Compares with the exact convolution, by the bounds that tools/lab/fit_shading.py states: relative L1 over the angle.
+// Compares with the exact convolution by relative L1 error over the angle. tools/lab/fit_shading.py states the bounds.
 TEST_P(ShadingAgreementTest, OpenclEqualsQuadrature) {
   const double exponent = GetParam();
   if (exponent > 2000.0) GTEST_SKIP() << "the quadrature supports exponents up to 2000";
@@ -185,9 +187,8 @@ TEST_P(ShadingAgreementTest, OpenclEqualsQuadrature) {
   }
 }
 
-// Returns the bound of docs/contributing/ALGORITHMS.md for exponents from `s` on. It holds for the kernel, and for
-// GLSL,
-// which equals the kernel.
+// Returns the bound of docs/contributing/ALGORITHMS.md for exponents from `s` on. The bound holds for the kernel and
+// for GLSL, which agree.
 double stated_bound(double s) {
   return s < 2.0 ? 0.07 : s < 3.0 ? 0.04 : s < 5.0 ? 0.028 : s < 20.0 ? 0.018 : s < 100.0 ? 0.0085 : 0.0027;
 }
@@ -221,9 +222,9 @@ TEST(ShadingBounds, HoldOverADenseGrid) {
   EXPECT_GT(worst_of_one, 0.06) << "the stated bound is too wide";
 }
 
-// Highlights of a lobe: random light, eye and lobe, as on a surface.
+// Highlights of random lobes for random lights and eyes, as on a surface.
 struct Highlights {
-  std::vector<glm::vec4> lobes, half_vectors, lights;  // w of half vectors: the facets' kappa
+  std::vector<glm::vec4> lobes, half_vectors, lights;  // the w of a half vector is the facets' kappa
 };
 
 glm::dvec3 within(std::mt19937& random, double degrees) {
@@ -254,7 +255,7 @@ std::vector<float> highlight_cosines_opencl(const Highlights& set) {
   return values;
 }
 
-// The spread's rounding error, 6e-8, is 1e-4 of the sharpest lobe's spread, by which the mean direction is turned.
+// The mean direction is turned by the spread, whose rounding error of 6e-8 is 1e-4 of the sharpest lobe's spread.
 TEST(HighlightCosineAgreementTest, OpenclEqualsGlsl) {
   std::mt19937 random(47);
   const auto context = gl::make_headless_context(gl::ContextBackend::kOsmesa);
@@ -279,9 +280,9 @@ TEST(HighlightCosineAgreementTest, OpenclEqualsGlsl) {
   for (std::size_t i = 0; i < opencl.size(); ++i) ASSERT_NEAR(opencl[i], glsl[i].x, 2e-4f) << i;
 }
 
-// Returns the error of the highlight with its cosine, relative L1 over light, eye and lobe;
-// docs/contributing/ALGORITHMS.md
-// states the bounds. The convolution is exact here, because a test above checks its own bounds.
+// Returns the relative L1 error of the highlight with its cosine, over light, eye and lobe.
+// docs/contributing/ALGORITHMS.md states the bounds. The convolution is exact here, because another test checks the
+// bounds of the approximate one.
 double highlight_error(const std::function<double(double)>& f, double facet_kappa, double kappa) {
   std::mt19937 random(53);
   Highlights set;

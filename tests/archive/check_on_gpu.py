@@ -11,7 +11,7 @@ import subprocess
 import sys
 
 bench, output = sys.argv[1], sys.argv[2]
-# Reuses what PoCL compiled for other tests, without multum's own cache, as in tests/cli/program.h.
+# Reuses the kernels that PoCL compiled for other tests, but not multum's own cache, as in tests/cli/program.h.
 cache = os.environ.get("XDG_CACHE_HOME") or pathlib.Path.home() / ".cache"
 environment = {"POCL_CACHE_DIR": f"{cache}/pocl/kcache", **os.environ, "MULTUM_CACHE_DIR": ""}
 
@@ -27,7 +27,7 @@ def read():
     return json.loads(pathlib.Path(output + ".json").read_text()), pathlib.Path(output + ".md").read_text()
 
 
-# Every step, at a small size.
+# Runs every step at a small size.
 run("--small", "--any-device", "--minutes", "5", "--output", output, expected=0)
 result, page = read()
 steps = {step["name"]: step for step in result["steps"]}
@@ -46,7 +46,7 @@ for title in ("## Devices", "## Steps", "## Checks", "## Whole bakes", "### Kern
               "## Texture inference"):
     assert title in page, title
 
-# Writes the page of the measurements again.
+# Writes the page again from the same measurements.
 pathlib.Path(output + ".md").unlink()
 run("--from", output + ".json", "--output", output, expected=0)
 assert read()[1] == page
@@ -58,7 +58,7 @@ assert all(step["status"] in ("done", "left out", "failed") for step in result["
 left_out = [step for step in result["steps"] if step["status"] == "left out"]
 assert left_out and all("s were left" in step["reason"] for step in left_out), result["steps"]
 
-# A device that does not exist.
+# This device does not exist.
 refused = run("--small", "--device", "no such device", "--output", output, expected=4)
 assert "no such device" in refused.stderr and "--any-device" in refused.stderr, refused.stderr
 print(f"on_gpu: {len(steps)} steps, then {len(left_out)} left out")

@@ -3,7 +3,7 @@
 # Runs the archive of tools/bundle where it was not built: in an empty folder of this machine, and in a root of the next
 # Debian release that holds only drivers (PoCL for OpenCL, OSMesa for GL). The archive bakes, draws and serves there.
 #   run_elsewhere.sh REPOSITORY BUILD_FOLDER
-# Exit code 77, a skipped test, without root, mmdebstrap, patchelf or a Debian mirror; the first part still runs.
+# Exits with 77 (skipped) without root, mmdebstrap, patchelf or a Debian mirror; the first part still runs.
 set -euo pipefail
 repository=$1
 build=$2
@@ -22,7 +22,7 @@ skip() { printf 'run_elsewhere: skipped: %s\n' "$*"; exit 77; }
 command -v patchelf > /dev/null || skip 'patchelf is not installed (Debian package patchelf)'
 "$repository/tools/bundle" --build "$build" --output "$work/multum.tar.xz" --xz-preset 0
 
-# The commands that a new user would try, run inside the unpacked folder.
+# Runs the commands that a new user would try, inside the unpacked folder.
 cat > "$work/try.sh" << 'TEXT'
 set -euo pipefail
 cd "$1"
@@ -37,7 +37,7 @@ cd "$here"
 "$bin/multum" info map.ndf.exr | grep '^checksum'
 "$bin/multum-view" map.ndf.exr --context osmesa --size 96x64 -o frame.png
 [ -s frame.png ]
-# A daemon of this folder, and a client.
+# Starts a daemon from this folder, and a client.
 mkdir maps
 "$bin/multum" serve --data served --listen "unix:$here/socket" --root "$here/maps" > serve.txt 2>&1 &
 daemon=$!
@@ -55,7 +55,7 @@ echo 'run_elsewhere: in an empty folder'
 mkdir "$work/elsewhere"
 tar -xJf "$work/multum.tar.xz" -C "$work/elsewhere"
 unpacked=$(echo "$work"/elsewhere/multum-*)
-# Uses this machine's PoCL, and what it compiled for other tests.
+# Uses this machine's PoCL, and the kernels that it compiled for other tests.
 env -i PATH=/usr/bin:/bin HOME="$work/elsewhere" LANG=C.UTF-8 MULTUM_CACHE_DIR= \
   POCL_CACHE_DIR="${POCL_CACHE_DIR:-${XDG_CACHE_HOME:-${HOME:-$work}/.cache}/pocl/kcache}" \
   bash "$work/try.sh" "$unpacked" "$work/elsewhere/tried" | tee "$work/here.txt"

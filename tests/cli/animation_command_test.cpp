@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum animation: writes a job file from a folder of renders, or writes nothing.
+// Tests multum animation, which writes a job file from a folder of renders, or writes nothing.
 #include "host/fields/inference/job/animation_job_reading.h"
 #include "tests/cli/program.h"
 #include "tests/unit/fields/inference/animation_test_scene.h"

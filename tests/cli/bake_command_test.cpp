@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Successful bakes: the file, the report, the progress bar, the same bytes every time, and the help.
+// Tests successful bakes: the file, the report, the progress bar, the same bytes every time, and the help.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -36,7 +36,7 @@ TEST_F(BakeCommandTest, InfoAndVerifyAcceptWhatWasBaked) {
   EXPECT_EQ(info.exit_code, 0) << info.err;
   for (const char* line : {"4 von Mises-Fisher lobes", "colour", "64 x 64, 7 levels", "snorm16",
                            "map_normal.png, SHA-256", "\"lobes\":4", "\"height_scale\":1.0",
-                           // Facts about the source:
+                           // The following facts are about the source.
                            "source format   png uint16, 3 channels", "read as         normal map, unsigned, green",
                            "because         length within", "wrap of source  periodic, periodic",
                            "albedo          png uint16, 3 channels, sRGB"})
@@ -143,13 +143,14 @@ TEST_F(BakeCommandTest, InfoCountsBytesOnTheGpu) {
   make_map("map", 64);
   ASSERT_EQ(multum({"bake", path("map_normal.png"), "-o", path("map.ndf.exr"), "--no-measure"}).exit_code, 0);
   const ProgramResult info = multum({"info", path("map.ndf.exr")});
-  // 5461 texels of 4 lobes, 8 bytes per lobe; 343 blocks of 16 + 8 bytes.
+  // There are 5461 texels of 4 lobes with 8 bytes each, and 343 blocks of 16 + 8 bytes.
   EXPECT_TRUE(
       contains(info.out, "on the GPU      170.7 KiB, 21.2 times the 8.0 KiB of a BC5 normal and a BC4 roughness\n"))
       << info.out;
 }
 
-// Two maps of the same noise: one is an ordinary rough surface; the other has slopes that only a glossy material shows.
+// Makes two maps of the same noise. One is an ordinary rough surface; the other has slopes that only a glossy material
+// shows.
 TEST_F(BakeCommandTest, LobesTooSharpForTheStorageAreWarnedOf) {
   const auto bake = [&](double slope, const std::string& storage) {
     TestImage noise{.width = 64, .height = 64};
@@ -375,7 +376,8 @@ TEST_F(BakeCommandTest, ColoursThatHalfsCannotHoldAreRefused) {
   EXPECT_EQ(bake(1e16f, "float").exit_code, exit_code(ErrorCode::kInput));
 }
 
-// The highlight is in no measured direction, so the absolute error is small; the relative error must still make sense.
+// None of the measured directions sees the highlight, so the absolute error is small. The relative error must still
+// make sense.
 TEST_F(BakeCommandTest, AMapTiltedFarHasErrorsThatSaySomething) {
   TestImage map{.width = 32, .height = 32};
   for (int i = 0; i < 32 * 32; ++i) map.values.insert(map.values.end(), {0.9924f, 0.5f, 0.5868f});
@@ -399,7 +401,7 @@ TEST_F(BakeCommandTest, TestmapSaysItsGreenAndABakeDetectsIt) {
 }
 
 TEST_F(BakeCommandTest, TheProgressBarIsForTerminalsAlone) {
-  make_map("map", 512);  // the bar is redrawn 12 times per second: a fit takes longer than that
+  make_map("map", 512);  // a fit takes longer than a twelfth of a second, after which the bar is redrawn
   const std::vector<std::string> arguments = {"bake",    path("map_normal.png"), "-o", path("map.ndf.exr"),
                                               "--force", "--no-measure"};
   const ProgramResult piped = multum(arguments);
@@ -514,7 +516,8 @@ TEST_F(BakeCommandTest, SetsAreBakedTileByTile) {
   EXPECT_EQ(again.exit_code, 0) << again.err;
 }
 
-// Shares give the bytes of one run. A tile is baked again when the border of its neighbour has changed.
+// A bake in shares gives the same bytes as a single run. A tile is baked again when the border of its neighbour has
+// changed.
 TEST_F(BakeCommandTest, TilesOfHeightsTakeTheBordersOfOthers) {
   const auto write_tile = [&](const std::string& tile, int x0, int changed_column) {
     TestImage image{.width = 32, .height = 32, .channels = 1, .type = OIIO::TypeDesc::UINT16};
@@ -573,9 +576,9 @@ TEST_F(BakeCommandTest, ThreadsAndRepetitionDoNotChangeAByte) {
   EXPECT_FALSE(once == bake("f.ndf.exr", {"--iterations", "29"})) << "a setting is without effect";
 }
 
-// Returns the peak of the Blinn-Phong highlight with s = 2 / alpha^2 - 2 on stored lobes, shaded by
-// docs/reference/file_format.md. The lobes of a flat place agree in direction except for rounding, so the peak is at
-// the mean normal.
+// Returns the peak of the Blinn-Phong highlight with s = 2 / alpha^2 - 2 on stored lobes, which are shaded as
+// docs/reference/file_format.md says. The lobes of a flat place agree in direction except for rounding, so the peak is
+// at the mean normal.
 double highlight_peak(const std::vector<glm::dvec4>& lobes, double exponent) {
   const double cosine = (exponent + 1.0) / (exponent + 2.0);
   glm::dvec3 at(0.0);

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum bake --manifest and its check in a build pipeline: which maps are left unchanged, baked or failed, the
-// reasons,
-// and the reports.
+// Tests multum bake --manifest and its check in a build pipeline: which maps are unchanged, baked or failed, the
+// reasons, and the reports.
 #include <fmt/format.h>
 
 #include <filesystem>
@@ -17,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Two maps, baked to out/. The first map has colours.
+// Makes two maps, which are baked to out/. The first map has colours.
 class BakeManifestCommandTest : public CliTest {
  protected:
   void SetUp() override {
@@ -26,7 +25,7 @@ class BakeManifestCommandTest : public CliTest {
     make_map("b", 16);
     write_manifest("");
   }
-  // `more`: additional keys of map b.
+  // `more` holds additional keys of map b.
   void write_manifest(const std::string& more) const {
     write_bytes(path("maps.toml"),
                 "[defaults]\ngreen = \"up\"\n[[map]]\ninput = \"a_normal.png\"\nalbedo = \"a_albedo.png\"\n"
@@ -49,15 +48,15 @@ class BakeManifestCommandTest : public CliTest {
     static const std::unique_ptr<TemporaryFolder> baked = bake_once();
     for (const char* name : {"a.ndf.exr", "b.ndf.exr"}) fs::copy_file(*baked / name, path("out/") + name);
   }
-  // Modification times of all files in the folder and in out/, except for the check's own reports.
+  // Returns the modification times of all files in the folder and in out/, except for the check's own reports.
   std::map<std::string, fs::file_time_type> times() const {
     std::map<std::string, fs::file_time_type> found;
     for (const auto& entry : fs::recursive_directory_iterator(folder_.path()))
       if (entry.is_regular_file()) found[entry.path().string()] = entry.last_write_time();
     return found;
   }
-  // Damages the middle of the pixels, which follow the last part's header. Flips one bit in each of 64 bytes: a single
-  // bit may be in the header of a part or of a tile, and then change no value that is read.
+  // Damages the middle of the pixels, which follow the last part's header. Flips one bit in each of 64 bytes, because a
+  // single bit could be in the header of a part or of a tile and change no value that is read.
   void damage(const std::string& name) const {
     std::string bytes = read_bytes(path(name));
     const std::size_t header = bytes.rfind(std::string("chlist") + '\0');
@@ -71,8 +70,8 @@ class BakeManifestCommandTest : public CliTest {
     const ProgramResult made = multum({"testmap", path(name), "--size", std::to_string(size), "--seed", "8"});
     ASSERT_EQ(made.exit_code, 0) << made.err;
   }
-  // Expects that the check finds `state` for b with the reasons `why`, finds no problem with a, and passes after a
-  // repair.
+  // Expects that the check finds `state` for map b with the reasons `why`, finds no problem with map a, and passes
+  // after a repair.
   void expect_finding(const std::string& state, const std::vector<std::string>& why) const {
     const auto before = times();
     const ProgramResult dry = bake({"--check", "--dry-run"});
@@ -251,8 +250,8 @@ TEST_F(BakeManifestCommandTest, OneBadMapDoesNotStopTheOthers) {
   EXPECT_EQ(bake({"--check", "--dry-run"}).exit_code, 3) << "an unreadable source is reported before a missing file";
 }
 
-// A map that a bake would refuse is failed instead of missing, with the reason, whether or not the bake is tried. In a
-// report it is an error; a map that a bake would repair is a failure.
+// A map that a bake would refuse counts as failed, not as missing, and the reason is given, whether or not the bake is
+// tried. In a report, such a map is an error, whereas a map that a bake would repair is a failure.
 TEST_F(BakeManifestCommandTest, WhatCannotBeBakedSaysWhyItIsMissing) {
   bake_all();
   fs::remove(path("out/a.ndf.exr"));
@@ -305,7 +304,7 @@ TEST_F(BakeManifestCommandTest, MakesTheFoldersOfItsOutputs) {
   expect_says(read_bytes(path("summary.md")), {" | - |\n"});
 }
 
-// A target is an assertion about the map: missing it is a failure, not an error.
+// A target is an assertion about the map, so a missed target is a failure, not an error.
 TEST_F(BakeManifestCommandTest, AMissedTargetIsAFailureOfTheReport) {
   write_manifest("target_error = 0.00001\nndf = \"moments\"\n");
   EXPECT_EQ(bake({"--junit", path("junit.xml")}).exit_code, 5);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// When the decoding child fails, a command refuses the file or blames the machine, with the matching exit code. It
-// leaves no trace: an older output stays unchanged.
+// When the decoding child fails, a command refuses the file or blames the machine, with the matching exit code. The
+// command leaves no trace: an older output stays unchanged.
 #include "host/foundation/base/processes/sanitizers.h"
 #include "tests/cli/program.h"
 #include "tests/unit/fields/inference/animation_test_scene.h"
@@ -13,8 +13,8 @@ namespace fs = std::filesystem;
 class DecodingFailureTest : public CliTest {
  protected:
   // Installs the programs in a folder of their own. There multum-decode is failing_helper, which fails in the way that
-  // its
-  // file name says (tests/unit/foundation/sandbox/failing_helper.cpp). Empty `decoder`: no multum-decode.
+  // its file name says (tests/unit/foundation/sandbox/failing_helper.cpp). If `decoder` is empty, multum-decode is
+  // missing.
   void install(const std::string& decoder) {
     fs::remove_all(path("bin"));
     fs::create_directories(path("bin"));

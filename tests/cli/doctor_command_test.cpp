@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum doctor: a working machine, and machines that lack something.
+// Tests multum doctor on a working machine, and on machines that lack something.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -15,7 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// By area: one text per finding, with its state, what was found and the advice.
+// Holds texts by area, one per finding, with its state, what was found and the advice.
 using Findings = std::map<std::string, std::vector<std::string>>;
 
 Findings findings_of(const std::string& out) {

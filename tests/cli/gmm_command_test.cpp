@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum bake --ndf gmm: its file, its figures, its similarities with lobes, and its refusals.
+// Tests multum bake --ndf gmm: its file, its figures, its similarities with lobes, and its refusals.
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -28,7 +28,7 @@ TEST_F(GmmCommandTest, BakesVerifiesAndSaysWhatItHolds) {
   const auto report = nlohmann::json::parse(read_bytes(path("map.json")));
   EXPECT_EQ(report["counts"]["nonfinite"], 0);
   EXPECT_GT(report["launches"]["movmf_em_texels"], 0);
-  // 7 levels: 4 BRDFs, plain and coloured, at 4 points; the last level has only one point.
+  // Each of 7 levels has errors of 4 BRDFs, plain and coloured, at 4 points. Only the last level has a single point.
   EXPECT_EQ(report["measured_error"].size(), (6u * 4u + 1u) * 8u);
   for (const auto& row : report["measured_error"]) EXPECT_LT(row["relative_l1"].get<double>(), 1.0) << row.dump();
   const ProgramResult info = multum({"info", path("map.ndf.exr")});

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum infer, from a folder of ray-traced pictures to pictures drawn by GL: results, omissions, reuse of an earlier
-// run, and refusals.
+// Tests multum infer, from a folder of ray-traced pictures to pictures drawn by GL: results, omissions, reuse of an
+// earlier run, and refusals.
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
@@ -37,7 +37,8 @@ class InferCommandTest : public TracedSceneTest {
     std::sort(names.begin(), names.end());
     return names;
   }
-  // Root mean square difference of the drawn and the ray-traced frame, linear, where objects cover whole pixels.
+  // Returns the root mean square difference of the drawn and the ray-traced frame, in linear values, over pixels that
+  // objects cover completely.
   double frame_error(const std::string& sample, const std::string& file) const {
     const std::string frame = path("frame.exr");
     const ProgramResult result = run_program({std::string(MULTUM_BIN_DIR) + "/multum-view", "sample", path("out"),
@@ -87,7 +88,7 @@ TEST_F(InferCommandTest, FramesLookAsTheyWereTraced) {
     EXPECT_LT(ground.at(name), 0.5 * ground.at("forward mapping, " + name)) << name;
 }
 
-// Every two views have their own texture coordinates, and their own textures.
+// Each pair of views has its own texture coordinates and its own textures.
 TEST_F(InferCommandTest, BlocksOfViewsAreInferredApartAndDrawnTogether) {
   TracedScene scene;
   scene.views = 3;
@@ -134,7 +135,7 @@ TEST_F(InferCommandTest, GoesOnWhereItWasAndBytesAreTheSame) {
   const auto kept_time = fs::last_write_time(kept);
   fs::remove(lost);
   write_bytes(path("out/matrices/v01_p00_board.fmx"), "damaged");
-  // A texture that is cut short but has its keys.
+  // This texture is cut short but still has its keys.
   const std::string cut = path("out/textures/board/diffuse_light00.exr"), whole = read_bytes(cut);
   write_bytes(cut, whole.substr(0, whole.size() - 100));
   const std::string cut_matrix = path("out/matrices/v00_p00_board.fmx"), whole_matrix = read_bytes(cut_matrix);
@@ -154,13 +155,13 @@ TEST_F(InferCommandTest, GoesOnWhereItWasAndBytesAreTheSame) {
   EXPECT_NE(fs::last_write_time(kept), kept_time);
 }
 
-// The run is interrupted, then killed, after some of 24 textures: a texture takes some milliseconds, and so does the
-// check for it.
+// The run is interrupted, and later killed, after some of 24 textures. A texture takes some milliseconds, and so does
+// the check for it.
 TEST_F(InferCommandTest, AKilledRunLeavesNothingHalfWrittenAndIsGoneOnWith) {
   TracedScene scene;
   scene.lights = 6;
   write_scene(scene);
-  constexpr std::size_t kTextures = 24;  // per light: one of the ground; one plus one per view of the board
+  constexpr std::size_t kTextures = 24;  // per light, the ground has one, and the board has one plus one per view
   // Counts finished textures: a file that a killed program was writing does not have its final name yet.
   const auto named_textures = [&] {
     std::vector<std::string> names;
@@ -198,10 +199,10 @@ TEST_F(InferCommandTest, AKilledRunLeavesNothingHalfWrittenAndIsGoneOnWith) {
   EXPECT_EQ(named_textures().size(), kTextures);
 }
 
-// Ctrl-C on a terminal reaches multum-view too, which is not a failure of multum-view.
+// Ctrl-C on a terminal also reaches multum-view. If multum-view then ends, this is not a failure.
 TEST_F(InferCommandTest, CancelledWhileTheViewerRunsIsCancelled) {
   write_scene({});
-  // A viewer that ends as after Ctrl-C, and signals multum as the terminal would.
+  // This viewer ends as if by Ctrl-C, and signals multum as the terminal would.
   fs::create_directory(path("bin"));
   for (const char* program : {"multum", "multum-decode"})
     fs::copy_file(std::string(MULTUM_BIN_DIR) + "/" + program, path("bin/") + program);
@@ -234,14 +235,14 @@ TEST_F(InferCommandTest, PixelsThatAreNoNumbersAreRepairedAndCounted) {
   ASSERT_EQ(result.exit_code, 0) << result.err;
   EXPECT_LT(frame_error("0,1", "rad_v00_p01.exr"), 0.01);
   const nlohmann::json report = nlohmann::json::parse(std::ifstream(path("out/report.json")));
-  // Two in each of the four pictures.
+  // Two pixels of each of the four pictures are not finite.
   EXPECT_EQ(report["segmentation"]["not_finite_pixels"], 8) << report["segmentation"];
   EXPECT_EQ(report["segmentation"]["repaired_pixels"], 8);
   EXPECT_GT(report["nan_depths"], 0);
 }
 
-// Such images do not say how much of a pixel an object covers; multum takes this from the geometry. Otherwise the
-// board's gloss would also appear on the ground, where they share pixels.
+// Such images do not say how much of a pixel an object covers, so multum takes this from the geometry. Otherwise the
+// board's gloss would also appear on the ground, where both share pixels.
 TEST_F(InferCommandTest, ObjectIndexImagesAreUnmixedByTheGeometry) {
   TracedScene scene;
   scene.has_object_index = true;
@@ -293,9 +294,8 @@ TEST_F(InferCommandTest, HeldOutViewsAreReported) {
       squares += held_out * count;
       pixels += count;
     }
-  // The held-out view drawn, where objects cover whole pixels, has a lower error: 0.0034 instead of the report's
-  // 0.0043.
-  // The views that were solved for have a tenth of this error.
+  // The picture drawn from the held-out view has a lower error than the report states (0.0034 instead of 0.0043),
+  // because only pixels that objects cover completely are compared. The solved views have a tenth of this error.
   const double drawn = frame_error("v01_p00", "rad_v01_p00.exr");
   EXPECT_NEAR(drawn / (std::sqrt(squares / pixels) / 255.0), 0.8, 0.2);
   EXPECT_LT(frame_error("v00_p00", "rad_v00_p00.exr"), 0.2 * drawn);

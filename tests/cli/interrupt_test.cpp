@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Interrupted bakes. kill -9 leaves at most a hidden temporary file named .multum-tmp-PID-NUMBER-PLACE-NAME, and
+// Tests interrupted bakes. kill -9 leaves at most a hidden temporary file named .multum-tmp-PID-NUMBER-PLACE-NAME, and
 // finished rows in .multum-partial-NAME; the next bake of NAME removes both. SIGINT and SIGTERM leave nothing.
 #include <signal.h>
 
@@ -23,7 +23,7 @@ class InterruptTest : public CliTest {
     std::filesystem::create_directory(path("out"));
     make_map("map", 512);
   }
-  // The bake is long enough to be interrupted, in its last stage too: the best compression makes writing slow.
+  // The bake is long enough to be interrupted, even in its last stage, because the best compression makes writing slow.
   std::vector<std::string> command() const {
     return multum_command({"bake", path("map_normal.png"), "--albedo", path("map_albedo.png"), "-o",
                            path("out/map.ndf.exr"), "--no-measure", "--compression", "zip:8"});
@@ -71,7 +71,7 @@ TEST_F(InterruptTest, Kill9LeavesNothingUnderTheFinalName) {
     const ProgramResult result = bake.wait();
     if (result.signal == SIGKILL && !std::filesystem::exists(path("out/map.ndf.exr"))) {
       ++killed;
-    } else {  // the run was faster than the first one: the file is complete, even if the kill came while the run ended
+    } else {  // this run was faster than the first one, so the file is complete even after a late kill
       EXPECT_TRUE(result.signal == SIGKILL || result.exit_code == 0) << result.exit_code;
       EXPECT_TRUE(read_bytes(path("out/map.ndf.exr")) == finished) << "kill " << i;
     }
@@ -112,7 +112,7 @@ TEST_F(InterruptTest, SigintAndSigtermLeaveNothing) {
   const double whole = now() - start;
   std::filesystem::remove(path("out/map.ndf.exr"));
   for (const int signal : {SIGINT, SIGTERM})
-    for (const double share : {0.0, 0.1, 0.25, 2.0}) {  // 2: while writing
+    for (const double share : {0.0, 0.1, 0.25, 2.0}) {  // 2 stands for the time of writing
       SCOPED_TRACE("signal " + std::to_string(signal) + ", after " + std::to_string(share) + " of the bake");
       write_bytes(path("out/map.ndf.exr"), "an older file");
       Program bake(command());

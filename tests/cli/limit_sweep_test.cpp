@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Runs every command under small limits of the shell (ulimit -f, -v, -n). The command succeeds or says what is missing,
-// with the exit code for the machine; no signal ends it, and no half-written file is left.
+// Runs every command under small limits of the shell (ulimit -f, -v, -n). The command succeeds, or says what is missing
+// and exits with the code for faults of the machine. No signal ends it, and no half-written file is left.
 
 #include "host/foundation/base/processes/sanitizers.h"
 #include "tests/cli/program.h"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Commands that run out of a resource: disk space during a bake, memory, open files, a writable folder, name length.
-// The error is clear and has an exit code; there is no signal and no half-written file.
+// Tests commands that run out of a resource: disk space during a bake, memory, open files, a writable folder, name
+// length. The error is clear and has an exit code; no signal ends the program, and no half-written file is left.
 #include <sys/mount.h>
 
 #include "host/foundation/base/processes/sanitizers.h"
@@ -74,8 +74,8 @@ TEST_F(LimitsTest, TooLittleMemoryNamesWhatIsNeeded) {
   expect_failed(run_program(bake({"--memory", "much"})), {"--memory", "much"});
 }
 
-// A name is too long for a file, whatever the command is. The command tries nothing, and no other machine would accept
-// the name.
+// Every command refuses a name that is too long for a file before it does any work. No other machine would accept the
+// name.
 TEST_F(LimitsTest, NamesThatAreTooLongAreOfTheCommandLine) {
   const std::string name(256, 'x');
   std::string deep;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum bake --roughness and --weights: the contents of the file, and how changes are recognised, in manifests and for
-// every representation.
+// Tests multum bake --roughness and --weights: the contents of the file, and the recognition of changes in manifests
+// and for every representation.
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -19,7 +19,8 @@ class MaterialsCommandTest : public CliTest {
  protected:
   void SetUp() override {
     make_map("map", 64);
-    // glTF's order of channels: occlusion, roughness, metalness; then weights of four BRDFs.
+    // The first file has glTF's order of channels (occlusion, roughness, metalness), the second file the weights of
+    // four BRDFs.
     write_waves("orm.png", 3, 0.5);
     write_waves("weights.png", 4, 1.0);
   }
@@ -169,8 +170,8 @@ TEST_F(MaterialsCommandTest, WhatCannotBeIsRefusedBeforeAnythingIsFitted) {
   EXPECT_FALSE(std::filesystem::exists(path("a.ndf.exr")));
 }
 
-// Gloss is 1 - roughness, for the command line, manifests and reports. A bake with one does not count as a bake with
-// the other.
+// Gloss is 1 - roughness, for the command line, manifests and reports. A bake with a gloss map does not count as a bake
+// with the same map as roughness.
 TEST_F(MaterialsCommandTest, GlossIsRoughnessTheOtherWayRound) {
   TestImage rough{.width = 64, .height = 64, .channels = 1, .type = OIIO::TypeDesc::FLOAT}, gloss = rough;
   for (int i = 0; i < 64 * 64; ++i) {
@@ -211,8 +212,8 @@ TEST_F(MaterialsCommandTest, GlossIsRoughnessTheOtherWayRound) {
   EXPECT_TRUE(contains(bake_with("b.ndf.exr", {"--gloss", path("gloss.exr")}).out, "unchanged"));
 }
 
-// Roughness widens the lobes and blurs diffuse light. Where roughness varies, the map's mean does not correct all of
-// it.
+// Roughness widens the lobes and so blurs diffuse light. The correction uses the map's mean roughness, so an error
+// remains where roughness varies.
 TEST_F(MaterialsCommandTest, AnErrorOfDiffuseLightIsWarnedOf) {
   const auto warned = [&](float rougher) {
     TestImage rough{.width = 64, .height = 64, .channels = 1, .type = OIIO::TypeDesc::FLOAT};
@@ -230,7 +231,7 @@ TEST_F(MaterialsCommandTest, AnErrorOfDiffuseLightIsWarnedOf) {
   expect_says(warned(1.0f), {"map_normal.png: ", "diffuse light", "levels 0 and 1", "--roughness"});
 }
 
-// Roughness 0 and 1: single directions, and the widest lobes.
+// Roughness 0 gives single directions, and roughness 1 gives the widest lobes.
 TEST_F(MaterialsCommandTest, NoneAndAllOfIt) {
   for (const char* ndf : {"gmm", "sh"})
     for (const float value : {0.0f, 1.0f}) {
@@ -263,7 +264,7 @@ weights = ""
   ASSERT_EQ(multum({"bake", "--manifest", path("maps.toml")}).exit_code, 0);
   EXPECT_EQ(read_baked_header(path("a.ndf.exr")).format_version(), 4);
   EXPECT_EQ(read_baked_header(path("b.ndf.exr")).format_version(), 3);
-  // The same bake as from the command line.
+  // The manifest gives the same bake as the command line.
   EXPECT_TRUE(contains(bake("a.ndf.exr", {"--lobes", "2", "--no-start-search", "--weights", path("weights.png"),
                                           "--roughness", path("orm.png") + ":G"})
                            .out,

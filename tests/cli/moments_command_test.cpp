@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum bake --ndf moments: its file, its figures, changes that it recognises, refusals, and maketx --bumpslopes.
+// Tests multum bake --ndf moments: its file, its figures, changes that it recognises, refusals, and maketx
+// --bumpslopes.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -16,7 +17,7 @@
 namespace multum::testing {
 namespace {
 
-// Flips a bit near the end of the file: headers come first and are long, and the end is pixels.
+// Flips a bit near the end of the file, which holds pixels; the long headers come first.
 void flip_a_pixel(std::string& bytes) {
   char& byte = bytes[bytes.size() - 2000];
   byte = static_cast<char>(byte ^ 16);
@@ -52,7 +53,8 @@ TEST_F(MomentsCommandTest, BakesVerifiesAndSaysWhatItHolds) {
   EXPECT_EQ(report["counts"]["nonfinite"], 0);
   EXPECT_GT(report["launches"]["mip_levels"], 0);
   EXPECT_FALSE(report["launches"].contains("movmf_em_texels")) << "nothing is fitted";
-  // 7 levels: 3 ways to shade 4 BRDFs, plain and coloured, at 4 points; the last level has only one point.
+  // Each of 7 levels has errors of 3 ways to shade 4 BRDFs, plain and coloured, at 4 points. Only the last level has a
+  // single point.
   EXPECT_EQ(report["measured_error"].size(), (6u * 4u + 1u) * 24u);
   for (const auto& row : report["measured_error"]) {
     EXPECT_TRUE(std::isfinite(row["relative_l1"].get<double>()));
@@ -62,7 +64,7 @@ TEST_F(MomentsCommandTest, BakesVerifiesAndSaysWhatItHolds) {
   const ProgramResult info = multum({"info", path("map.ndf.exr")});
   for (const char* line :
        {"representation  moments: mean normal, first and second moments of slopes, mean colour", "64 x 64, 7 levels",
-        "encoding        half; at a slope b, keeps deviations of slopes down to 0.0442 b",
+        "encoding        half; at a slope b, keeps slope deviations down to 0.0442 b",
         "\"representation\":\"moments\""})
     EXPECT_TRUE(contains(info.out, line)) << line << " is not in\n" << info.out;
   const std::string table = result.out.substr(result.out.find("measured error"));

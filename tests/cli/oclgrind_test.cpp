@@ -2,9 +2,9 @@
 // Runs every kernel once under oclgrind, a simulator that finds errors which drivers do not report: accesses outside
 // buffers, data races, wrong calls. Whole bakes run in it, as a user would start them.
 //
-// Without --uninitialized: with it, oclgrind 21.10 (Debian 12) stops at LLVM's freeze instruction. Without optimisation
-// it also reports buffers over the program's own memory (CL_MEM_USE_HOST_PTR) and structs passed by value as
-// uninitialised, tens of thousands of times.
+// The option --uninitialized is not used, because with it oclgrind 21.10 (Debian 12) stops at LLVM's freeze
+// instruction. Without optimisation, it also reports tens of thousands of values as uninitialised: buffers over the
+// program's own memory (CL_MEM_USE_HOST_PTR) and structs passed by value.
 #include <nlohmann/json.hpp>
 #include <regex>
 
@@ -57,7 +57,7 @@ class OclgrindTest : public CliTest {
     for (const auto& [kernel, count] : report["launches"].items()) launched_.insert(kernel);
   }
 
-  // Runs a command that makes a pyramid in oclgrind, and collects the launched kernels.
+  // Makes a pyramid by a command under oclgrind, and collects the launched kernels.
   void make_pyramid(std::vector<std::string> command) {
     command.insert(command.end(), {"--report", path("report.json"), "-o", path("pyramid.exr")});
     simulate(multum_command(command));
@@ -75,7 +75,7 @@ class OclgrindTest : public CliTest {
   std::set<std::string> launched_;
 };
 
-// A map of six normals, in tiles of three pixels by four.
+// Makes a map of six normals, in tiles of 3 x 4 pixels.
 TestImage few_normals(int width, int height) {
   TestImage all = normal_image(width, height), image = all;
   for (int y = 0; y < height; ++y)
@@ -97,8 +97,8 @@ std::set<std::string> all_kernels() {
 }
 
 TEST_F(OclgrindTest, EveryKernelRunsWithoutComplaint) {
-  // The coarsest texel has few normals. It is binned by a team, or fitted in chunks, in 60 iterations.
-  write_maps("odd", normal_image(35, 31));  // texels cover fractions
+  // The coarsest texel has few normals. A team bins it, or it is fitted in chunks, in 60 iterations.
+  write_maps("odd", normal_image(35, 31));  // coarse texels cover fractions of finer ones
   write_maps("odd_of_few", few_normals(35, 31));
   write_maps("even_of_few", few_normals(64, 32));
   write_maps("even", normal_image(32, 16));
@@ -137,7 +137,7 @@ TEST_F(OclgrindTest, EveryKernelRunsWithoutComplaint) {
   make_pyramid({"mip", path("odd_albedo.png")});
   make_pyramid({"reflectance", "--light", "0,0.6,0.8", "--light", "1,0,-0.2", "--size", "9"});
 
-  // Adds the kernels that only tests launch, and those of texture inference; oclgrind's counts name them.
+  // Adds the kernels that only tests launch, and the kernels of texture inference. oclgrind's counts name them.
   const std::regex counted("kernel '(\\w+)'");
   const std::string programs = MULTUM_BIN_DIR;
   for (const std::vector<std::string>& command :

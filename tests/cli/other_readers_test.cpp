@@ -146,7 +146,9 @@ void expect_level(const MovmfLevel& level, const MovmfMipmap& header, FloatStrea
       ASSERT_EQ(amplitude, lobe[i].w);
       sums[i] += static_cast<double>(amplitude);
     }
-  for (const double sum : sums) ASSERT_NEAR(sum, 1.0, is_half ? 1.0 / 2048.0 : 2e-6);  // as `multum verify` allows
+  for (const double sum : sums)
+    ASSERT_NEAR(sum, 1.0, is_half ? 1.0 / 2048.0 : 2e-6);  // the tolerance of `multum
+                                                           // verify`
   for (std::size_t j = 0; j < lobes; ++j)
     for (std::size_t i = 0; i < texels; ++i) {
       const glm::dvec4 stored(level.lobes[j][i]);
@@ -323,7 +325,7 @@ with open(sys.argv[3], "wb") as out:
 print(json.dumps(sorted(matrix[0])))
 )";
 
-// Returns a matrix of 3 pixels out of 3 x 2; the texture of 3 x 2 has 7 texels.
+// Returns a matrix for 3 of the 3 x 2 pixels. With its mip levels, the texture of 3 x 2 has 7 texels.
 FilterMatrix three_pixels() {
   FilterMatrix matrix;
   matrix.width = 3;

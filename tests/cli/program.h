@@ -63,7 +63,8 @@ inline void expect_refusal(const ProgramResult& result, int exit_code, const std
   expect_says(result.err, parts);
 }
 
-/// Tests of `multum`: a folder, and commands in it. All tests share one cache of built programs in the build folder.
+/// Base class of tests of `multum`, which run commands in a folder. All tests share one cache of built programs in the
+/// build folder.
 class CliTest : public ::testing::Test {
  protected:
   CliTest();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum mip, reflectance, lod and materials: their files as other programs read them, recognised changes, and
-// refusals.
+// Tests multum mip, reflectance, lod and materials: their files as other programs read them, changes that they
+// recognise, and refusals.
 #include <OpenImageIO/imageio.h>
 
 #include <cmath>
@@ -32,7 +32,7 @@ class PyramidCommandTest : public CliTest {
   void write(const std::string& name, const TestImage& image) const { write_test_image(path(name), image); }
 };
 
-// OpenImageIO reads every level, linear, with the wrap modes. The last texel is the mean in linear light.
+// OpenImageIO reads the linear values of every level, and the wrap modes. The last texel is the mean in linear light.
 TEST_F(PyramidCommandTest, OpenImageIoReadsTheLevels) {
   write("a.png", ramp());
   const ProgramResult result =
@@ -158,7 +158,7 @@ TEST_F(PyramidCommandTest, ReflectanceRemembersItsLights) {
   EXPECT_NE(multum(command).out.find("unchanged"), std::string::npos);
 }
 
-// A model of two materials with normal maps: one is embedded, the other is a separate file and scaled.
+// Returns a model of two materials with normal maps. One map is embedded; the other is a separate file and scaled.
 std::string model(const std::string& more) {
   return R"({"asset":{"version":"2.0"},"materials":[)"
          R"({"name":"steel","normalTexture":{"index":0,"scale":0.5},"pbrMetallicRoughness":{"metallicFactor":0.25}},)"

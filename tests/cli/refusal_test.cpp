@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Everything that multum refuses: exit code and message say why, and no file is left behind or overwritten.
+// Tests everything that multum refuses. Exit code and message say why, and no file is left behind or overwritten.
 #include <sys/resource.h>
 
 #include <limits>
@@ -92,7 +92,7 @@ TEST_F(RefusalTest, DamagedInputs) {
 TEST_F(RefusalTest, TooManyRepairsAndTooManyTexels) {
   TestImage map = normal_image(64, 64, true);
   map.type = OIIO::TypeDesc::FLOAT;
-  for (int i = 0; i < 64; ++i) map.at(i, 7, 1) = std::numeric_limits<float>::quiet_NaN();  // 1.6 % of all
+  for (int i = 0; i < 64; ++i) map.at(i, 7, 1) = std::numeric_limits<float>::quiet_NaN();  // 1.6 % of all texels
   write_test_image(path("nan.exr"), map);
   expect_refused(path("nan.exr"), {}, kInput, {"nan.exr", "64 ", "at most", "--repair-max"});
   expect_refused(path("nan.exr"), {"--checknan"}, kInput, {"nan.exr", "column 0, row 7", "finite"});
@@ -158,7 +158,7 @@ TEST_F(RefusalTest, OutputsThatCannotBe) {
 TEST_F(RefusalTest, AFullDiskLeavesTheOlderFile) {
   const std::string output = path("out/map.ndf.exr");
   std::vector<std::string> command = multum_command({"bake", path("map_normal.png"), "-o", output, "--quiet"});
-  ASSERT_EQ(run_program(command).exit_code, 0);  // builds kernels: compilers write files too
+  ASSERT_EQ(run_program(command).exit_code, 0);  // builds the kernels first, because compilers write files too
   write_bytes(output, "an older file");
   // A limit on file sizes simulates the full disk: write() fails in the middle of the file.
   command.insert(command.begin(), {"bash", "-c", "trap '' XFSZ; ulimit -f 64; exec \"$@\"", "bash"});

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bakes that continue: after a kill, with --resume, and after an edit, with --region and --onto.
+// Tests bakes that continue: after a kill with --resume, and after an edit with --region and --onto.
 #include <fmt/format.h>
 #include <signal.h>
 
@@ -31,7 +31,7 @@ class ResumeTest : public CliTest {
     return multum_command(arguments);
   }
   std::string partial() const { return path(".multum-partial-map.ndf.exr"); }
-  // Records of finished rows, and the offset of their rows in the file.
+  // Holds the records of finished rows, and the offset of these rows in the file.
   struct Kept {
     RowBlock rows;
     std::uint64_t begin;
@@ -123,7 +123,7 @@ TEST_F(ResumeTest, DamagedRowsAreFittedAgain) {
   }
 }
 
-// A farm sends SIGTERM before it kills: docs/reference/exit_codes.md.
+// A farm sends SIGTERM before it kills (docs/reference/exit_codes.md).
 TEST_F(ResumeTest, ATerminatedBakeLeavesWhatResumeTakes) {
   make_map("map", 512);
   const auto bake = [&](const std::vector<std::string>& more) {
@@ -131,7 +131,7 @@ TEST_F(ResumeTest, ATerminatedBakeLeavesWhatResumeTakes) {
     arguments.insert(arguments.end(), more.begin(), more.end());
     return multum_command(arguments);
   };
-  // A bake with a target writes next to the output, under its own name.
+  // A bake with a target writes its rows next to the output, under a name of its own.
   for (const auto& [options, name] : std::vector<std::pair<std::vector<std::string>, std::string>>{
            {{"--no-measure", "--refine"}, "map.ndf.exr"},
            {{"--no-measure", "--ndf", "gmm"}, "map.ndf.exr"},
@@ -158,7 +158,7 @@ TEST_F(ResumeTest, ATerminatedBakeLeavesWhatResumeTakes) {
   }
 }
 
-// With a scene's target too: the trials are repeated, and the bake continues.
+// If a scene has a target, the trials are repeated, and the bake continues.
 TEST_F(ResumeTest, ATerminatedSceneGoesOn) {
   make_map("map", 512);
   std::ofstream(path("scene.toml")) << "[camera]\nresolution = [96, 72]\n[budget]\ntarget_error = 0.3\n"
@@ -185,7 +185,7 @@ TEST_F(ResumeTest, ATerminatedSceneGoesOn) {
   EXPECT_GT(nlohmann::json::parse(in).at("maps").at(0).at("bake").at("rows_resumed").get<int>(), 100);
 }
 
-// Finished maps are in place; the stopped map continues.
+// Finished maps are kept, and the bake of the stopped map continues.
 TEST_F(ResumeTest, ATerminatedSetGoesOn) {
   make_map("map", 512);
   for (const char* tile : {"1001", "1002"})
@@ -266,7 +266,7 @@ class RegionTest : public CliTest {
   void SetUp() override {
     make_map("map", kSide);
     NormalMapSettings reading;
-    reading.green = GreenAxis::kUp;  // as written: texels that are not edited stay unchanged
+    reading.green = GreenAxis::kUp;  // as the map is written, so that texels that are not edited stay unchanged
     NormalMap map = read_normal_map(path("map_normal.png"), reading, 1, nullptr);
     for (int y = 0; y < kSide; ++y)
       for (int x = 0; x < kSide; ++x) {
@@ -286,7 +286,7 @@ class RegionTest : public CliTest {
     arguments.insert(arguments.end(), more.begin(), more.end());
     return multum(arguments);
   }
-  // Errors over the whole map: means over points and levels, by BRDF.
+  // Returns errors over the whole map, as means over points and levels, by BRDF.
   std::map<std::string, double> errors(const std::string& output) const {
     std::ifstream in(path(output + ".json"));
     std::map<std::string, double> sums;
@@ -321,7 +321,7 @@ TEST_F(RegionTest, OnlyTheRegionItsHaloAndItsAncestorsChange) {
   }
 }
 
-// The error is at most 1 % of its value higher than that of a full bake.
+// The error is at most 1 % higher than the error of a full bake.
 TEST_F(RegionTest, IsNearlyAsGoodAsAWholeBake) {
   ASSERT_EQ(bake("edited.png", "new.ndf.exr", region_).exit_code, 0);
   ASSERT_EQ(bake("edited.png", "whole.ndf.exr", {}).exit_code, 0);
@@ -337,7 +337,7 @@ TEST_F(RegionTest, OntoItselfAndTwiceIsRecognisedAsUnchanged) {
   EXPECT_EQ(from.source_name, "edited.png");
 }
 
-// Otherwise the file would claim to be of the edited map, and still hold the old map outside the region.
+// Otherwise the file would claim to be baked from the edited map, but still hold the old map outside the region.
 TEST_F(RegionTest, ARegionThatMissesAnEditIsRefused) {
   const ProgramResult right = bake("edited.png", "auto.ndf.exr", {"--region", "auto", "--onto", path("old.ndf.exr")});
   ASSERT_EQ(right.exit_code, 0) << right.err;
@@ -398,7 +398,7 @@ TEST_F(RegionTest, WeightsOfTheRegionChange) {
   const MovmfMipmap old = read_movmf_mipmap(path("old.ndf.exr")), now = read_movmf_mipmap(path("new.ndf.exr")),
                     whole = read_movmf_mipmap(path("whole.ndf.exr"));
   constexpr std::size_t kLevel = 3, kWidth = kSide >> kLevel;
-  // Sums over the lobes, for a texel in the region's middle and for the first texel.
+  // Returns sums over the lobes, for a texel in the region's middle and for the first texel.
   const auto first_weight = [&](const MovmfMipmap& mipmap, std::size_t texel) {
     float sum = 0.0f;
     for (const std::vector<float>& lobe : mipmap.levels[kLevel].weights) sum += lobe[texel * 3];

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum plan and multum bake scene.toml: the pictures of six scenes are compared with those of the default bake, and
+// Tests multum plan and multum bake scene.toml. Compares the pictures of six scenes with those of the default bake, and
 // their launches and builds with the plan.
 #include <fmt/format.h>
 
@@ -24,20 +24,21 @@ constexpr char kObject[] =
 constexpr char kSky[] = "[environment]\nfile = \"sky.exr\"\n";
 constexpr char kSun[] = "[[light]]\ndirection = [0.3, 0.8, 0.5]\n";
 
-constexpr double kFarther = 16.0;  // shows coarser levels; the nearest distance magnifies the finest one
+constexpr double kFarther = 16.0;  // shows coarser levels; the nearest distance magnifies the finest level
 
 struct SceneCase {
   std::string name;
   std::string normal = "map";  // NORMAL_normal.png
-  std::string albedo = "";     // file name; empty: none
+  std::string albedo = "";     // file name; empty without a map
   std::string material = "brdf = \"blinn-phong\"\nexponent = 100\n";
   std::string distance = "0.4, 20";
   std::string light = kSun;
   std::string object = "";       // more keys
-  double difference_max = 1e-5;  // from the default bake's pictures: 1.5 times the measured difference, or none
+  double difference_max = 1e-5;  // limit of the difference from the default bake's pictures: 1.5 times the measured
+                                 // difference, or almost 0
 };
 
-// Texts that a shader's code and active uniforms contain if, and only if, an effect is needed.
+// A shader's code and active uniforms contain these texts if, and only if, an effect is needed.
 struct EffectMark {
   const char *effect, *mark;
 };
@@ -68,7 +69,7 @@ class SceneCommandTest : public CliTest {
     write_bytes(path(c.name + ".toml"), text);
     return path(c.name + ".toml");
   }
-  // A scene with an object that names its own materials.
+  // Makes a scene with an object that names its own materials.
   static std::string with_object(const std::string& materials) {
     return "[[object]]\nname = \"front\"\nmap = \"wall\"\n" + materials + "\nwidth = 2.0\ndistance = [0.4, 20]\n";
   }
@@ -95,7 +96,7 @@ class SceneCommandTest : public CliTest {
   static std::vector<std::string> viewer(const std::string& plan) {
     return {std::string(MULTUM_BIN_DIR) + "/multum-view", "scene", plan, "--context", "osmesa", "--evaluations", "0"};
   }
-  // `repeat` 0: the plan's repeats, from the nearest distance.
+  // If `repeat` is 0, the picture has the plan's repeats, seen from the nearest distance.
   std::vector<float> draw(const std::string& plan, double repeat = 0.0) const {
     std::vector<std::string> command = viewer(plan);
     command.insert(command.end(), {"-o", path("picture.exr"), "--shaders", path("shaders.json")});
@@ -110,7 +111,7 @@ class SceneCommandTest : public CliTest {
     return values;
   }
 
-  // Relative L1 error of a plan's picture against normals that are shaded one by one.
+  // Returns the relative L1 error of a plan's picture compared with normals that are shaded one by one.
   double error_of_picture(const std::string& plan, double repeat) const {
     std::vector<std::string> command = viewer(plan);
     command.insert(command.end(),
@@ -138,7 +139,7 @@ class SceneCommandTest : public CliTest {
         ++decided;
         EXPECT_EQ(std::regex_search(held, std::regex(mark.mark)), effect["needed"].get<bool>()) << effect << held;
       }
-    EXPECT_GE(decided, std::size(kMarks) - 1);  // colours of lobes are decided only where there are colours
+    EXPECT_GE(decided, std::size(kMarks) - 1);  // whether lobes have colours is decided only for maps with colours
     // Levels that are not stored are never visible.
     EXPECT_EQ(held.find("normal_map"), std::string::npos);
   }
@@ -186,17 +187,16 @@ class SceneCommandTest : public CliTest {
     view.erase("fixed-fresnel");
     write_bytes(path(c.name + "/default.json"), plan.dump());
     hold_picture(c, "near", picture, draw(path(c.name + "/default.json")), stated, planned);
-    // From a larger distance, where pixels hold several texels: coarser levels.
+    // From a larger distance, pixels hold several texels and show coarser levels.
     const double repeat = kFarther * view["repeat"].get<double>();
     hold_picture(c, "far", draw(path(c.name + "/plan.json"), repeat), draw(path(c.name + "/default.json"), repeat),
                  stated, planned);
-    // The stated errors were measured on these same bakes. Against normals that are shaded one by one, the scene's
-    // picture
-    // may not have a higher error.
+    // The stated errors were measured on these same bakes. Compared with normals that are shaded one by one, the
+    // scene's picture must not have a higher error.
     if (!is_fresnel_fixed) {  // else the reference has a fixed Fresnel term too
       const double own = error_of_picture(path(c.name + "/plan.json"), repeat),
                    usual = error_of_picture(path(c.name + "/default.json"), repeat);
-      EXPECT_LT(own, usual + 0.012);  // 5.5 and 4.5 % with diffuse light, else equal
+      EXPECT_LT(own, usual + 0.012);  // with diffuse light the errors are 5.5 and 4.5 %, otherwise equal
     }
     return report;
   }
@@ -278,7 +278,7 @@ TEST_F(SceneCommandTest, AnEnvironmentNeedsNoLights) {
   }
 }
 
-// Four directions with their own colours, seen from near, need exactly the default bake's file.
+// Four directions with their own colours, seen from near, need exactly the file of the default bake.
 TEST_F(SceneCommandTest, EverythingIsTheDefaultBake) {
   write_image("four_normal.png", 64, [](int x, int y, int c) {
     return c == 0 ? (x % 2 == 0 ? 0.2f : 0.8f) : c == 1 ? (y % 2 == 0 ? 0.2f : 0.8f) : 0.7646f;
@@ -297,7 +297,8 @@ TEST_F(SceneCommandTest, EverythingIsTheDefaultBake) {
   EXPECT_EQ(json("every/plan.json")["maps"][0]["stated_difference"], 0.0);
 }
 
-// A metal seen from almost straight above: F varies too little to need code. For other materials it varies more.
+// For a metal seen from almost straight above, the Fresnel factor F varies too little to need code. For other materials
+// it varies more.
 TEST_F(SceneCommandTest, FresnelIsANumberWhereItDiffersLittle) {
   SceneCase scene{
       .name = "metal", .material = "brdf = \"ggx\"\nroughness = 0.4\nf0 = 0.97\ndiffuse = 0\n", .difference_max = 0.02};
@@ -365,7 +366,8 @@ TEST_F(SceneCommandTest, ABudgetOfTimeIsKeptOrRefused) {
   EXPECT_FALSE(fs::exists(path("none/plan.json")));
 }
 
-// Estimates are close. Plan and report state the settings that the trials chose, then and when no work is left.
+// Estimates are close. Plan and report state the settings that the trials chose, both after the trials and in a later
+// run that has no work left.
 TEST_F(SceneCommandTest, ATargetIsReachedByTrialsThatAreReported) {
   SceneCase scene{.name = "target"};
   scene.material = "brdf = \"blinn-phong\"\nexponent = 100\n[budget]\ntarget_error = 0.25\n";
@@ -397,7 +399,7 @@ TEST_F(SceneCommandTest, ATargetIsReachedByTrialsThatAreReported) {
   }
 }
 
-// One lobe is estimated to be enough, and was baked before there was a target: its measured error decides. Estimates
+// One lobe is estimated to be enough, and a bake with one lobe already exists, so its measured error decides. Estimates
 // stop at s = 200; for s = 3000 they are less certain than a bake's measurement.
 TEST_F(SceneCommandTest, WhatIsThereIsHeldToANewTarget) {
   SceneCase scene{.name = "one"};
@@ -428,7 +430,7 @@ TEST_F(SceneCommandTest, WhatIsThereIsHeldToANewTarget) {
   EXPECT_LE(better, target);
 }
 
-// Basis BRDFs with their own colours: red for the first weight, blue for the second.
+// The basis BRDFs have their own colours: red for the first weight, blue for the second.
 TEST_F(SceneCommandTest, EveryMaterialKeepsItsColour) {
   write_image("flat_normal.png", 64, [](int, int, int c) { return c == 2 ? 1.0f : 128.0f / 255.0f; });
   const auto weights = OIIO::ImageOutput::create(path("weights.tif"));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum selftest as a user runs it: its output, its files and its refusals. tests/hard_cases/selftest_test.cpp tests
-// that a broken guard is named.
+// Tests multum selftest as a user runs it: its output, its files and its refusals. tests/hard_cases/selftest_test.cpp
+// tests that a broken guard is named.
 #include <gtest/gtest.h>
 
 #include <filesystem>

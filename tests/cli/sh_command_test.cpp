@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum bake --ndf sh: its file, its figures, recognised changes, and refusals.
+// Tests multum bake --ndf sh: its file, its figures, changes that it recognises, and refusals.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -39,12 +39,13 @@ TEST_F(ShCommandTest, BakesVerifiesAndSaysWhatItHolds) {
   EXPECT_GT(report["launches"]["sh_project"], 0);
   EXPECT_GT(report["launches"]["mip_levels"], 0);
   EXPECT_FALSE(report["launches"].contains("moment_finest"));
-  // 7 levels: 4 BRDFs, plain and coloured, at 4 points; the last level has only one point.
+  // Each of 7 levels has errors of 4 BRDFs, plain and coloured, at 4 points. Only the last level has a single point.
   EXPECT_EQ(report["measured_error"].size(), (6u * 4u + 1u) * 8u);
   for (const auto& row : report["measured_error"]) {
     EXPECT_TRUE(std::isfinite(row["relative_l1"].get<double>()));
     EXPECT_LT(row["relative_l1"].get<double>(), 2.0) << row.dump();
-    // For every level. A coloured error compares the product of two averages, as in any file with one colour per texel.
+    // This holds for every level. A coloured error compares the product of two averages, as in any file with one colour
+    // per texel.
     if (row["brdf"] == "lambert") {
       EXPECT_LT(row["relative_l1"].get<double>(), 0.015) << row.dump();
     }
@@ -74,7 +75,7 @@ TEST_F(ShCommandTest, OrdersAreOtherFilesWhoseFirstCoefficientsAreTheSame) {
   for (std::size_t l = 0; l < two.levels.size(); ++l)
     for (std::size_t p = 0; p < two.levels[l].parts.size(); ++p)
       EXPECT_TRUE(two.levels[l].parts[p] == four.levels[l].parts[p]) << l;
-  // Another order over the same file is baked, and baked back again.
+  // A bake with another order replaces the file, and a second bake restores it.
   EXPECT_FALSE(contains(bake("map_normal.png", "four.ndf.exr", {"-d", "float", "--sh-order", "3"}).out, "unchanged"));
   EXPECT_NE(hash("four.ndf.exr"), first);
   ASSERT_EQ(bake("map_normal.png", "four.ndf.exr", {"-d", "float", "--no-measure"}).exit_code, 0);

@@ -25,7 +25,7 @@ std::string reached_code(const std::string& fragment, const std::string& scratch
     std::size_t end = begin + static_cast<std::size_t>(i->length());
     for (int depth = 1; depth > 0 && end < text.size(); ++end)
       depth += text[end] == '{' ? 1 : text[end] == '}' ? -1 : 0;
-    functions[(*i)[1]] += text.substr(begin, end - begin) + "\n";  // overloads together
+    functions[(*i)[1]] += text.substr(begin, end - begin) + "\n";  // overloads of a name are kept together
   }
   std::string code;
   std::set<std::string> reached;

@@ -6,7 +6,8 @@
 
 namespace multum::testing {
 
-/// `fragment`: flags as #define and all texts, from multum-view --shaders. `scratch`: a file to write.
+/// `fragment` holds the flags as #define lines and all texts, as multum-view --shaders writes them. `scratch` is a file
+/// that may be overwritten.
 std::string reached_code(const std::string& fragment, const std::string& scratch);
 
 }  // namespace multum::testing

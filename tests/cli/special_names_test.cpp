@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Names that are not UTF-8 are baked and reported; names with control characters are not written. Every command refuses
-// files that are not regular, and at once: a program that waited for them would never end.
+// Files with names that are not UTF-8 are baked and reported. No file with control characters in its name is written.
+// Every command refuses files that are not regular at once, because a program that waited for them would never end.
 #include <sys/stat.h>
 
 #include <nlohmann/json.hpp>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bakes of the surface between texels, as renderers show it magnified: `multum bake --surface interpolated`.
+// Tests bakes of the surface between texels, which renderers show when they magnify: `multum bake --surface
+// interpolated`.
 #include <OpenImageIO/imagebuf.h>
 #include <gtest/gtest.h>
 
@@ -25,7 +26,7 @@ constexpr int kSize = 128;
 
 class SurfaceCommandTest : public CliTest {
  protected:
-  /// White noise: texels are independent, which makes the surface between them much smoother than the texels.
+  /// In white noise texels are independent, so the surface between them is much smoother than the texels.
   void write_noise(float slope) const {
     std::mt19937 random(11);
     std::normal_distribution<float> slopes(0.0f, slope);
@@ -52,8 +53,8 @@ class SurfaceCommandTest : public CliTest {
   }
 };
 
-// In each direction, two of three points are independent halves of neighbours: the variance is (2/3)^2 of the texels'
-// variance.
+// In each direction, two of three points are means of two independent neighbours, which halves their variance. In both
+// directions together, the variance is (2/3)^2 of the texels' variance.
 TEST_F(SurfaceCommandTest, OfWhiteNoiseTheVarianceIsFourNinths) {
   write_noise(0.1f);
   bake("texels.ndf.exr", {"--first-level", "1", "--no-measure"});
@@ -121,7 +122,7 @@ TEST_F(SurfaceCommandTest, SharesAndOtherNdfsAreOfTheSameSurface) {
   }
 }
 
-// Level 0 is the map's own; coarser levels are smoother, because the interpolated normals spread less.
+// Level 0 is the map itself. Coarser levels are smoother, because the interpolated normals spread less.
 TEST_F(SurfaceCommandTest, ExportedLobesAreOfTheSurfaceFromLevel1On) {
   write_noise(0.3f);
   const auto roughness = [&](const std::string& surface, const char* level) {
@@ -164,7 +165,7 @@ TEST_F(SurfaceCommandTest, TexelsAndPointsAreNotMixed) {
   expect_refusal(multum({"bake", "--manifest", path("maps.toml")}), testing::kInput,
                  {"maps.toml:5", "first_level", "1 or more"});
   std::filesystem::remove(path("maps.toml"));
-  // A bake of the texels does not pass for a bake of the surface.
+  // A bake of the texels does not count as a bake of the surface.
   bake("map.ndf.exr", {"--first-level", "1"});
   const std::string texels = testing::read_bytes(path("map.ndf.exr"));
   bake("map.ndf.exr", {"--first-level", "1", "--surface", "interpolated"});
@@ -220,7 +221,7 @@ TEST_F(SurfaceCommandTest, ColoursAreTakenAtTheSamePoints) {
   for (std::size_t j = 0; j < level.lobes.size(); ++j)
     for (std::size_t i = 0; i < level.lobes[j].size(); ++i) {
       const glm::vec4& lobe = level.lobes[j][i];
-      const glm::vec3& colour = level.colours[j][i];  // times the amplitude
+      const glm::vec3& colour = level.colours[j][i];  // the colour times the amplitude
       if (lobe.w < 1e-3f) continue;
       sum += static_cast<double>(lobe.x / lobe.w * (colour.z - colour.x));
       mean += static_cast<double>(colour.x + colour.z), texels += static_cast<double>(lobe.w);

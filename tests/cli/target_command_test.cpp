@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bakes with a target: met, refused with the best result, or written all the same.
+// Tests bakes with a target: the target is met, or the bake is refused and states the best result, or the file is
+// written all the same.
 #include <nlohmann/json.hpp>
 #include <regex>
 #include <sstream>
@@ -86,7 +87,7 @@ TEST_F(TargetCommandTest, LeavesWhatWasChosenForTheSame) {
   EXPECT_FALSE(is_unchanged(bake({"--target-error", "0.5", "--ndf", "vmf", "--align", "0.2"}))) << "another prior";
   ASSERT_EQ(bake({"--target-error", "0.5", "--ndf", "vmf", "--brdf", "lambert"}).exit_code, 0);
   EXPECT_FALSE(is_unchanged(bake(wide))) << "another BRDF";
-  // A file that misses its target is not accepted as up to date by a second run either.
+  // A second run does not accept a file that misses its target as up to date.
   const std::vector<std::string> missed = {"--target-error", "0.00001", "--ndf", "moments", "--best-effort"};
   EXPECT_EQ(bake(missed).exit_code, 5);
   EXPECT_EQ(bake(missed).exit_code, 5);
@@ -140,7 +141,7 @@ TEST_F(TargetCommandTest, PlainBakesSayTheirErrorWithItsInterval) {
     const bool is_sampled = size > 32;
     const std::string interval = is_sampled ? " \\+- [0-9.]+" : "";
     const std::regex line(
-        "error of pixels, [^\n]*\n  blinn-phong:20 +[0-9.]+ \\+- [0-9.]+ %; 95 % of pixels within [0-9.]+ %; "
+        "error of pixels [^\n]*\n  blinn-phong:20 +[0-9.]+ \\+- [0-9.]+ %; 95 % of pixels within [0-9.]+ %; "
         "worst: [0-9.]+ % for pixels that cover \\d+ to \\d+ texels\n");
     std::smatch said, stated_line;
     EXPECT_TRUE(std::regex_search(plain.out, said, line)) << plain.out;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Names and texts with control characters: escaped on a terminal, unchanged in a pipe.
+// Tests names and texts with control characters, which are escaped on a terminal and unchanged in a pipe.
 #include <regex>
 #include <sstream>
 
@@ -8,7 +8,7 @@
 namespace multum::testing {
 namespace {
 
-// ESC, and a C1 character as UTF-8 and as one byte, which 8-bit terminals read as ESC [.
+// The name has ESC, and a C1 character as UTF-8 and as one byte; 8-bit terminals read this character as ESC [.
 const std::string kName =
     "q\x1b[31m\xc2\x9b"
     "2J\x9b"
@@ -20,7 +20,7 @@ class TerminalTest : public CliTest {
   void SetUp() override {
     if (!has_pseudo_terminals()) GTEST_SKIP() << "there are no pseudo terminals";
   }
-  // On a terminal no control character arrives, and the text around it does; a pipe gets the name itself.
+  // A terminal gets the text around a control character, but no control character. A pipe gets the name itself.
   void expect_shown(const std::vector<std::string>& arguments, int exit_code) const {
     const ProgramResult shown = run_on_terminal(multum_command(arguments));
     EXPECT_EQ(shown.exit_code, exit_code) << shown.out;

@@ -59,7 +59,7 @@ glm::dmat4 camera_of(int view, double shift) {
                      glm::dvec3(shift, 0.3, 0.2), glm::dvec3(0.0, 0.0, 1.0));
 }
 
-// Radiance of a diffuse surface, the same from every direction.
+// Returns the radiance of a diffuse surface, which is the same from every direction.
 glm::dvec3 diffuse_of(int object, const Hit& hit, int light) {
   const double level = 0.6 + 0.3 * light;
   if (object == 1) return level * glm::dvec3(0.3, 0.3 + 0.1 * hit.v, 0.5);
@@ -67,7 +67,7 @@ glm::dvec3 diffuse_of(int object, const Hit& hit, int light) {
   return level * glm::dvec3(0.35 + 0.25 * waves, 0.3 - 0.1 * waves, 0.25);
 }
 
-// A soft highlight on the board that moves with the eye and the light.
+// Returns a soft highlight on the board, which moves with the eye and the light.
 glm::dvec3 glossy_of(int object, const Hit& hit, int view, int light) {
   if (object != 1) return glm::dvec3(0.0);
   const double du = hit.u - 0.4 - 0.05 * view, dv = hit.v - 0.5 - 0.1 * light;
@@ -85,7 +85,7 @@ struct Sub {
   Hit hit;
 };
 
-// The sub-pixels of one view, row by row.
+// Holds the sub-pixels of one view, row by row.
 class View {
  public:
   View(const TracedScene& scene, int number) : scene_(scene), number_(number) {

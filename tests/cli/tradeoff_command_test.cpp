@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A sweep of settings: its page, its figures, its fronts, and that no temporary file remains.
+// Tests a sweep of settings: its page, its figures and its fronts. No temporary file remains.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -92,7 +92,7 @@ TEST_F(TradeoffCommandTest, AHostileNameStaysText) {
 // Page and JSON mark rows within all budgets, and the most accurate of these is chosen. More lobes fit without level 0.
 // Trial bakes print no warnings on stderr.
 TEST_F(TradeoffCommandTest, MarksWhatKeepsToBudgets) {
-  // Slopes are so slight that lobes are sharper than the storage can keep: each bake of lobes has a warning.
+  // Slopes are so slight that lobes are sharper than the storage can represent, so each bake of lobes prints a warning.
   TestImage slight{.width = 32, .height = 32, .channels = 3, .type = OIIO::TypeDesc::UINT16};
   for (int i = 0; i < 32 * 32; ++i)
     for (const double v : {0.004 * std::sin(0.7 * i), 0.004 * std::cos(1.9 * i), 1.0})
@@ -137,7 +137,8 @@ TEST_F(TradeoffCommandTest, MarksWhatKeepsToBudgets) {
   EXPECT_EQ(json["rows"].at(json["chosen"].get<std::size_t>())["relative_l1"], best);
   ASSERT_EQ(bytes.size(), 4u) << "two and four lobes, with level 0 and without";
   EXPECT_LT((bytes[{4, 1}]), (bytes[{2, 0}]));
-  // For 32 x 32 texels, level 0 is the normal map: 64 blocks of BC5. The others have four lobes of 8 bytes per texel.
+  // For 32 x 32 texels, level 0 is the normal map: 64 blocks of BC5. The other levels have four lobes of 8 bytes per
+  // texel.
   EXPECT_EQ((bytes[{4, 1}]), 64u * 16u + 4u * 8u * (256u + 64u + 16u + 4u + 1u));
   const std::string kept = fmt::format("{} of {} settings", fitting, json["rows"].size());
   expect_says(swept.out, {"within 0.03147 MiB on the GPU, 1e+07 ms of baking: " + kept, " MiB  ", "chosen: "});

@@ -5,8 +5,8 @@
   tutorials_test.py PAGE PROGRAMS      # PROGRAMS: folder of multum; exit code 77: skipped, with the reason on stdout
 
 - All ```sh blocks run in order, in one shell (bash -eu), in one empty folder.
-- A ```text block right after a ```sh block shows its output. Each line must be a line of the real output. Numbers may
-  differ, and runs of spaces and dashes. A line that ends in " ..." shows only its beginning; "..." stands for any
+- A ```text block right after a ```sh block shows its output. Each line must be a line of the real output. Numbers, and
+  runs of spaces and dashes, may differ. A line that ends in " ..." shows only its beginning; "..." stands for any
   lines.
 - <!-- page: URL title: TEXT --> opens URL in headless Chromium. The page's title must become TEXT, without errors.
 - <!-- needs: PROGRAM... --> skips the test where one of these programs is missing.
@@ -50,7 +50,7 @@ def parse(text):
 
 
 def plain(line):
-    """The line without what may differ: numbers, and the spaces and dashes that align columns."""
+    """Returns the line without the parts that may differ: numbers, and the spaces and dashes that align columns."""
     return re.sub(r"[\s-]+", " ", re.sub(r"\d+(\.\d+)?(e[+-]?\d+)?", "#", line)).strip()
 
 
@@ -183,7 +183,7 @@ def run(steps, programs, folder, registry):
 
 
 def read_until_exit(shell):
-    """Output until the shell ends. Its servers may keep the pipe open: the last step's line ends the reading too."""
+    """Returns the output until the shell ends. Does not wait for its servers, which may keep the pipe open."""
     pieces = []
     reader = threading.Thread(target=lambda: pieces.extend(iter(lambda: shell.stdout.read1(65536), b"")), daemon=True)
     reader.start()

@@ -80,7 +80,7 @@ void decode_chunk(std::span<const std::uint8_t> bytes) {
   const auto texture = chunk->texture(chunk->sample_count() - 1);
   MULTUM_CHECK(texture.size() == 3 * format->width * format->height);
   mip_levels(format->width, format->height, texture);
-  // A player's requests: single images and a sum of them, all within limits.
+  // Makes a player's requests: single images and a sum of them, all within limits.
   MULTUM_CHECK(chunk->image(chunk->plan().image_count() - 1).size() == texture.size());
   MULTUM_CHECK(chunk->image_sum(0).size() == texture.size());
   bool ran_out = false;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Simulates a corrupted decoder: the bytes after the reader's choice are its answer to "open", and its pixels. They go
-// through everything that reads pictures: sizes, bands, encodings, heights, colours, weights, Cryptomatte.
+// Simulates a corrupted decoder. The first byte chooses the reader; the other bytes are the decoder's answer to "open"
+// and its pixels. They go through all code that reads pictures: sizes, bands, encodings, heights, colours, weights,
+// Cryptomatte.
 #include <algorithm>
 #include <cstring>
 #include <numeric>

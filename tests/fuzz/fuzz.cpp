@@ -59,7 +59,7 @@ Input split(const std::uint8_t* data, std::size_t size, unsigned count) {
 
 }  // namespace multum::fuzz
 
-// Called by libFuzzer. For tools/fuzz, `--seeds=FOLDER` writes the seeds there and ends.
+// libFuzzer calls this function. For tools/fuzz, `--seeds=FOLDER` writes the seeds there and ends.
 extern "C" int LLVMFuzzerInitialize(int* argc, char*** argv) {
   constexpr std::string_view kOption = "--seeds=";
   for (int i = 1; i < *argc; ++i) {

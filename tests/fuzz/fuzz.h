@@ -20,14 +20,15 @@ namespace multum::fuzz {
 /// byte chooses the reader.
 std::vector<std::string> seeds();
 
-/// Writes the input to a file, in memory if possible, with the same path each time. `name`: such as "input.gltf".
+/// Writes the input to a file, in memory if possible, with the same path each time. An example of `name` is
+/// "input.gltf".
 std::string input_file(const char* name, std::string_view bytes);
 /// Returns the contents of a file that a seed's writer has made.
 std::string file_bytes(const std::string& path);
 /// Returns the process's temporary folder, which is removed with the process.
 const std::string& scratch_folder();
 
-/// The chosen one of `count` readers, and the rest of the input. An empty input chooses the first reader.
+/// Holds the chosen one of `count` readers, and the rest of the input. An empty input chooses the first reader.
 struct Input {
   unsigned kind;
   std::string_view bytes;

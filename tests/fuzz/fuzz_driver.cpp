@@ -32,8 +32,8 @@ class Mutator {
     constexpr std::size_t kSizeMax = 1 << 16;
     const std::size_t at = below(input.size());
     switch (below(6)) {
-      case 0: input.resize(at); break;  // cut
-      case 1:                           // a bit
+      case 0: input.resize(at); break;  // cuts the input
+      case 1:                           // flips a bit
         if (!input.empty()) input[at] = static_cast<char>(input[at] ^ (1 << below(8)));
         break;
       case 2: absurd_number(input, at); break;
@@ -43,7 +43,7 @@ class Mutator {
         for (std::size_t left = below(100); left > 0 && input.size() < kSizeMax; --left) input.insert(at, piece);
         break;
       }
-      default: {  // a piece of another place
+      default: {  // copies a piece from another place
         const std::string piece = input.substr(below(input.size()), 1 + below(32));
         input.replace(at, std::min(piece.size(), input.size() - at), piece);
       }

@@ -14,8 +14,8 @@ namespace {
 
 constexpr const char* kNames[] = {"input.gltf", "input.glb"};
 
-// Two materials that share one image with other users, an unknown extension, sparse accessors, several buffers, a node
-// with a skin. Only the beginning of each image is read.
+// The model has two materials that share one image with other users, an unknown extension, sparse accessors, several
+// buffers, and a node with a skin. Only the beginning of each image is read.
 constexpr char kModel[] =
     R"({{"asset":{{"version":"2.0"}},"extensionsUsed":["ACME_x","KHR_texture_transform"],"materials":[)"
     R"({{"normalTexture":{{"index":0,"scale":2}},"occlusionTexture":{{"index":1}},"pbrMetallicRoughness":)"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Fuzzes what the service reads from requests: JSON bodies, queries, paths, addresses; and its settings file.
+// Fuzzes the service's readers of requests (JSON bodies, queries, paths, addresses) and of its settings file.
 // tests/service/fault_injection/fuzz.py sends whole requests to a running service.
 #include <nlohmann/json.hpp>
 

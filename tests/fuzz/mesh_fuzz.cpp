@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Fuzzes meshes of glTF, whole and by object, as multum-decode reads them; multum-decode's answers, as its client reads
-// them; and materials. OBJ has a fuzzer of its own: assimp fills 32 MiB for each file, which takes ten times as long as
-// everything here.
+// Fuzzes meshes of glTF, whole and by object, as multum-decode reads them. Also fuzzes multum-decode's answers, as its
+// client reads them, and materials. OBJ has a fuzzer of its own: assimp fills 32 MiB for each file, which takes ten
+// times as long as everything here.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -14,7 +14,7 @@
 namespace multum {
 namespace {
 
-// A triangle: positions, coordinates, indices.
+// Returns a triangle: positions, coordinates, indices.
 std::string buffer() {
   const float numbers[] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 1};
   const std::uint16_t indices[] = {0, 1, 2, 0};

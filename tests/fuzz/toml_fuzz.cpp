@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Fuzzes readers of files that people write: manifests of bakes, jobs of texture inference, scenes; and of files that a
-// killed bake leaves. kReaders has a row for each reader.
+// Fuzzes readers of files that people write (manifests of bakes, jobs of texture inference, scenes), and of files that
+// a killed bake leaves. kReaders has a row for each reader.
 #include <filesystem>
 #include <fstream>
 #include <functional>
@@ -126,7 +126,8 @@ direction = [0.3, 0.8, 0.5]
 [environment]
 file = "sky.exr"
 )";
-// Structure that counts towards the limits (host/foundation/toml/toml_limits.h), and text that only looks like it.
+// Contains structure that counts towards the limits (host/foundation/toml/toml_limits.h), and text that only looks like
+// structure.
 constexpr char kNested[] = R"([[a.b]]
 c.d = [[1, {e.f = "x.[{", g = []}], '''y]'''] # h.i = [[
 "j.k" = """m" "" \\"""

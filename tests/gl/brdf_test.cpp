@@ -48,7 +48,8 @@ void add_angles(double spread, double theta_max, int count, ShaderHarnessInput& 
   }
 }
 
-/// Relative L1 error in per cent over the hemisphere, weighted by solid angle; add_angles() made the angles.
+/// Returns the relative L1 error in per cent over the hemisphere, weighted by solid angle; add_angles() made the
+/// angles.
 double relative_l1(const std::vector<double>& angles, const std::vector<double>& values,
                    const std::vector<double>& exact) {
   double off = 0.0, total = 0.0;
@@ -68,7 +69,7 @@ std::string terms_expression(const std::vector<VmfTerm>& terms) {
   return "vec4(" + sum + ")";
 }
 
-// The project's own bound: error within 5 % for alpha 0.05 to 0.4, kappa 3 to 2000 and at most four terms.
+// The project's own bound is an error of 5 % for alpha 0.05 to 0.4, kappa 3 to 2000 and at most four terms.
 TEST_F(BrdfTest, GgxOfFourTermsIsNearTheExactConvolution) {
   double worst[kBrdfTermCountMax] = {};
   for (const double alpha : {0.05, 0.1, 0.2, 0.3, 0.4}) {

@@ -112,7 +112,7 @@ Errors errors_over(double roughness, double kappa,
   return {off / total, off_cosine / total_cosine};
 }
 
-// The bounds of docs/contributing/ALGORITHMS.md: of the density, and of the highlight by the lobe's width.
+// Tests the bounds of docs/contributing/ALGORITHMS.md for the density, and for the highlight by the lobe's width.
 TEST_F(CharlieTest, IsNearTheExactConvolutionAtEveryRoughness) {
   double worst = 0.0, worst_of_sharp = 0.0;
   std::map<double, double> highlight;
@@ -168,8 +168,9 @@ TEST_F(CharlieTest, HardCasesAreFinite) {
   }
 }
 
-// Tests the sum of four vMFs, which error measurements use, over a lobe: relative L1 error over the hemisphere of h.
-// docs/contributing/ALGORITHMS.md states the error by roughness, as a maximum over all lobes and under sharp lobes.
+// Tests the sum of four vMFs, which error measurements use, over a lobe, by the relative L1 error over the hemisphere
+// of h. docs/contributing/ALGORITHMS.md states the error by roughness, as a maximum over all lobes and under sharp
+// lobes.
 TEST(CharlieTerms, AreAsFarOffAsStated) {
   struct Bounds {
     double any, sharp;

@@ -46,7 +46,7 @@ TEST_P(ContextTest, ExtensionsAreWholeNames) {
   EXPECT_FALSE(has_gl_extension(context->functions(), "GL_EXT_texture_filter"));
 }
 
-// With debug output a driver waits for each call, so that timings grow.
+// With debug output a driver waits for each call, so everything takes longer.
 TEST_P(ContextTest, DebugOutputIsOnOnlyWhereItIsWanted) {
   for (const DebugOutput debug : {DebugOutput::kOff, DebugOutput::kOn}) {
     const auto context = make_headless_context(GetParam(), debug);
@@ -118,7 +118,7 @@ TEST(Context, NamesRoundTrip) {
   EXPECT_FALSE(find_choice(kContextBackends, "glx").has_value());
 }
 
-// A fake driver of version 3.3 without any other feature.
+// Imitates a driver of version 3.3 without any other feature.
 GLint fake_major = 3;
 const char* fake_missing = "";
 void APIENTRY fake_get_integer(GLenum name, GLint* value) { *value = name == GL_MAJOR_VERSION ? fake_major : 5; }
@@ -147,7 +147,8 @@ TEST(Loader, RefusesOldVersionsAndMissingFunctions) {
   EXPECT_EQ(load_failure(), "the GL driver has no function glDrawElements");
 }
 
-// A fake EGL with three displays: the first two give contexts of unusable drivers, the last one a usable context.
+// Imitates EGL with three displays. The first two give contexts of unusable drivers, and the last one gives a usable
+// context.
 EGLDisplay fake_displays[3];
 EGLDisplay fake_current = EGL_NO_DISPLAY;
 int fake_contexts = 0;

@@ -14,7 +14,8 @@
 namespace multum::gl {
 namespace {
 
-/// A scene that draws one normal per pixel; the taps of the texture filter are averaged before the normal is drawn.
+/// Returns a scene that draws one normal per pixel. The taps of the texture filter are averaged before the normal is
+/// drawn.
 RenderScene one_normal_scene() {
   RenderScene scene = distant_scene();
   scene.filter.shades_taps = false;

@@ -105,7 +105,7 @@ glm::dvec3 exact_radiance(const EnvironmentMap& map, const RenderScene& scene, c
   return sum;
 }
 
-// Seen from above, the direction ahead over the plane, +Y, turns to the left, -X.
+// Seen from above, a turn moves the direction ahead (+Y) to the left (-X).
 TEST(EnvironmentAxes, TurnCounterclockwise) {
   RenderScene scene;
   const std::array<glm::vec3, 3> before = environment_axes(scene);
@@ -219,9 +219,9 @@ double light_of(const FloatImage& image) {
   return sum;
 }
 
-// The errors are those of the approximations. A flat map has these errors too: 12 % at s = 100, where one lookup falls
-// between two levels and the table scales all light alike. The three highlights of prefiltered levels have errors of 9,
-// 14 and 15 % if the level is wrong by one half. The errors are 8.8, 17 and 2 % if the spread is half as wide.
+// The errors come from the approximations. A flat map has these errors too: 12 % at s = 100, where one lookup falls
+// between two levels and the table scales all light alike. If the level is wrong by one half, the three highlights of
+// prefiltered levels have errors of 9, 14 and 15 %. If the spread is half as wide, their errors are 8.8, 17 and 2 %.
 TEST_P(EnvironmentTest, ASkyIsFilteredNearlyAsBruteForceHasIt) {
   if (GetParam() != test_backend()) GTEST_SKIP() << "one context is enough: the pictures are equal";
   scene_.environment = make_environment_light(make_sky(64, 0.3));
@@ -235,18 +235,18 @@ TEST_P(EnvironmentTest, ASkyIsFilteredNearlyAsBruteForceHasIt) {
   scene_.brdf.specular = glm::vec3(0.0f);
   const FloatImage diffuse = reference(map, 512);
   EXPECT_LT(error(EnvironmentMode::kHarmonics, diffuse), 0.03);
-  EXPECT_NEAR(light(EnvironmentMode::kHarmonics, diffuse), 1.0, 0.005);  // 0.05 %
+  EXPECT_NEAR(light(EnvironmentMode::kHarmonics, diffuse), 1.0, 0.005);  // measured: 0.05 %
   scene_.brdf.diffuse = glm::vec3(0.0f);
   scene_.brdf.specular = glm::vec3(1.0f);
   scene_.brdf.exponent = 12.0f;
   const FloatImage broad = reference(map, 512);
-  EXPECT_LT(error(EnvironmentMode::kHarmonics, broad), 0.065);   // 5.2 %
-  EXPECT_LT(error(EnvironmentMode::kPrefiltered, broad), 0.06);  // 4.7 %
+  EXPECT_LT(error(EnvironmentMode::kHarmonics, broad), 0.065);   // measured: 5.2 %
+  EXPECT_LT(error(EnvironmentMode::kPrefiltered, broad), 0.06);  // measured: 4.7 %
   EXPECT_NEAR(light(EnvironmentMode::kHarmonics, broad), 1.0, 0.02);
   EXPECT_NEAR(light(EnvironmentMode::kPrefiltered, broad), 1.0, 0.05);
   scene_.brdf.exponent = 100.0f;
   const FloatImage sharp = reference(map, 512);
-  EXPECT_LT(error(EnvironmentMode::kPrefiltered, sharp), 0.12);  // 10.4 %
+  EXPECT_LT(error(EnvironmentMode::kPrefiltered, sharp), 0.12);  // measured: 10.4 %
   EXPECT_NEAR(light(EnvironmentMode::kPrefiltered, sharp), 1.0, 0.05);
   // Harmonics up to order 8 are too smooth for a sharp highlight; prefiltered levels follow it.
   EXPECT_GT(error(EnvironmentMode::kHarmonics, sharp), error(EnvironmentMode::kPrefiltered, sharp));
@@ -257,7 +257,8 @@ TEST_P(EnvironmentTest, AMirrorShowsTheMap) {
   if (GetParam() != test_backend()) GTEST_SKIP() << "one context is enough: the pictures are equal";
   make_glossy(30000.0f);
   const TestMap flat = make_flat_map(4);
-  EXPECT_LT(picture_error(lobes(flat, EnvironmentMode::kPrefiltered), reference(flat, 64)).relative_l1, 0.03);  // 2.0 %
+  EXPECT_LT(picture_error(lobes(flat, EnvironmentMode::kPrefiltered), reference(flat, 64)).relative_l1,
+            0.03);  // measured: 2.0 %
 }
 
 // A highlight spread wide by the normals takes 3 x 3 lookups: the error is 8.2 %, or 13.6 % with lookups too close.

@@ -42,7 +42,7 @@ MeshData turning_quad(float size) {
   return data;
 }
 
-// The scene that draws turning_quad(6).
+// Returns the scene that draws turning_quad(6).
 RenderScene turning_scene() {
   RenderScene scene;
   scene.camera.eye = {0.0f, 3.0f, 30.0f};
@@ -124,7 +124,8 @@ TEST_P(EvaluationsTest, NormalsThatScatterAreShadedAsLobes) {
   const FloatImage usual = drawn(lobes, scene, filter_of(0));
   EXPECT_LT(error_of(drawn(lobes, scene, filter_of(2)), usual), 1e-3);
   EXPECT_GT(error_of(drawn(lobes, scene, filter_of(1)), usual), 0.05);
-  // Tilts of half a degree are alike: 1 - |r| is 4e-5. With points each has one lobe, and the picture hardly changes.
+  // Tilts of half a degree are alike: 1 - |r| is 4e-5. If evaluations are spent on points, each point has one lobe, and
+  // the picture hardly changes.
   const TestMap alike = make_two_tilt_map(16, 0.5, StorageEncoding::kFloat, false);
   const MovmfMaterial narrow(context_->functions(), alike.mipmap, 1.0f);
   EXPECT_LT(error_of(drawn(narrow, scene, filter_of(2)), drawn(narrow, scene, filter_of(0))), 0.01);

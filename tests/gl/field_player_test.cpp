@@ -24,7 +24,7 @@ class FieldPlayerTest : public ::testing::TestWithParam<ContextBackend> {
   static std::vector<double> point(std::size_t sample) {
     return {static_cast<double>(sample / testing::kFieldLights), static_cast<double>(sample % testing::kFieldLights)};
   }
-  /// Unpacks a layer at a sample; empty if the sample has no such layer.
+  /// Unpacks a layer at a sample. Returns an empty result if the sample does not have the layer.
   std::vector<float> unpacked(PackedFieldFile& file, std::size_t layer, std::size_t sample) const {
     const PackedLayer& described = description_.layers[layer];
     if (!described.is_seen(sample)) return {};
@@ -82,7 +82,8 @@ TEST_P(FieldPlayerTest, TexturesAreThoseOfUnpacking) {
           continue;
         }
         ASSERT_EQ(found[t].size(), expected[t].size());
-        // Half floats change images by at most 1/16 of 255 each, and radiance by 2.2 times that share.
+        // Half floats change each image by at most 1/16, where the full range is 255. They change radiance by 2.2 times
+        // that share.
         for (std::size_t i = 0; i < found[t].size(); ++i)
           ASSERT_NEAR(found[t][i], expected[t][i], 2e-3f * expected[t][i] + 2e-4f);
       }

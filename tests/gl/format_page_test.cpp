@@ -90,7 +90,7 @@ GLuint linked(const GlFunctions& gl, bool is_es) {
   return program;
 }
 
-// The drawn map: two texels of two lobes each, and a pixel midway between them.
+// The drawn map has two texels of two lobes each, and the pixel is midway between them.
 struct Lobe {
   glm::dvec3 mean;  // a r
   double amplitude;
@@ -175,7 +175,8 @@ TEST(FormatPage, ItsShaderShadesAsTheIntegralDoes) {
       check_gl(gl, "the page's shader");
       const FloatImage image = framebuffer.read();
       gl.DeleteProgram(program);
-      // Lambert's fit has an error of at most 0.22 %, and the highlight's fit at s = 40 one of 0.5 %.
+      // The fit of Lambert's cosine has an error of at most 0.22 %, and the fit of the highlight at s = 40 has an error
+      // of 0.5 %.
       for (glm::length_t c = 0; c < 3; ++c)
         EXPECT_NEAR(static_cast<double>(image.rgba[static_cast<std::size_t>(c)]) / expected[c], 1.0, 0.006) << c;
       EXPECT_EQ(image.rgba[3], 1.0f);

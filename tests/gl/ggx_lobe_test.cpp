@@ -52,7 +52,7 @@ class GgxLobeTest : public testing::Test {
   std::optional<Texture> table_;
 };
 
-/// Angles from the lobe's mean and the solid angle of each ring; rings are denser near 0.
+/// Holds the angle from the lobe's mean and the solid angle of each ring. Rings are denser near 0.
 struct Rings {
   std::vector<double> angles, weights;
 };
@@ -107,7 +107,7 @@ TEST_F(GgxLobeTest, FitsAreToTheReference) {
     for (const double kappa : {0.3, 5.0, 80.0, 2000.0})
       for (const double theta : {0.0, 0.02, 0.3, 1.2, 1.5}) {
         const double exact = reference::convolved_ggx(alpha, kappa, theta);
-        // The error of the reference's midpoint rule.
+        // The bound is the error of the reference's midpoint rule.
         EXPECT_NEAR(convolved_ggx_facets(alpha, kappa, theta) / exact, 1.0, 3e-4)
             << "alpha " << alpha << " kappa " << kappa << " theta " << theta;
       }
@@ -179,7 +179,8 @@ TEST_F(GgxLobeTest, TheHighlightInDoubleIsTheShaders) {
       const glm::dvec3 light(input.b[i]);
       const double exact = GgxOverLobe(glm::dvec4(input.a[i]), static_cast<double>(alpha))
                                .specular(light, view, glm::normalize(light + view));
-      // The filter's eight bits again, and float: |r| is known to 1e-7, one thousandth of the smallest spread here.
+      // The tolerance covers the filter's eight bits again, and the rounding of |r| to floats: 1e-7 is one thousandth
+      // of the smallest spread here.
       ASSERT_NEAR(values[i], exact, 0.03 * exact + 1e-5) << i << ", roughness " << roughness;
     }
   }

@@ -49,7 +49,7 @@ class GmmTest : public testing::TestWithParam<ContextBackend> {
 INSTANTIATE_TEST_SUITE_P(Backends, GmmTest, testing::ValuesIn(test_backends()),
                          [](const auto& test) { return std::string(context_backend_name(test.param)); });
 
-// All normals are upright: only the Gaussian's shape differs from Blinn-Phong, by 6 % at s = 20 and 1 % at 100.
+// All normals are upright, so only the Gaussian's shape differs from Blinn-Phong, by 6 % at s = 20 and 1 % at s = 100.
 TEST_P(GmmTest, AFlatMapIsNearTheReference) {
   const TestMap map = make_flat_map(16);
   RenderScene scene;
@@ -61,7 +61,7 @@ TEST_P(GmmTest, AFlatMapIsNearTheReference) {
   }
 }
 
-// Two tilts of 25 degrees in equal shares: two Gaussians, but averaged normals have one. Facets are foreshortened.
+// Two tilts of 25 degrees in equal shares give two Gaussians, but averaged normals give one. Facets are foreshortened.
 TEST_P(GmmTest, TwoTiltsAreNearTheReference) {
   for (const StorageEncoding encoding : {StorageEncoding::kSnorm16, StorageEncoding::kHalf, StorageEncoding::kFloat}) {
     const TestMap map = make_two_tilt_map(64, 25.0, encoding, true);
@@ -70,9 +70,10 @@ TEST_P(GmmTest, TwoTiltsAreNearTheReference) {
   }
 }
 
-// Compares Fresnel, shadowing and Lambert without a highlight with lobes, which have both, and with the reference. With
-// 512 samples per pixel, the reference's noise is 0.4 % (Lambert's error). A Gaussian is not exactly the shape of
-// Torrance and Sparrow's facets: 2.1 % of their error, on a flat map too (AFlatMapIsNearTheReference).
+// Compares pictures of Gaussians with those of lobes and with the reference, for BRDFs with Fresnel and shadowing, and
+// for Lambert's BRDF without a highlight. With 512 samples per pixel, the reference's noise is 0.4 % (Lambert's error).
+// A Gaussian is not exactly the shape of Torrance and Sparrow's facets, which causes an error of 2.1 %, even on a flat
+// map (AFlatMapIsNearTheReference).
 TEST_P(GmmTest, OtherBrdfsAreNearLobesAndTheReference) {
   const TestMap map = make_two_tilt_map(16, 15.0, StorageEncoding::kFloat, false);
   RenderScene scene = distant_scene();

@@ -76,8 +76,8 @@ TEST_P(LayerSumTest, EqualsTheDecoderAndItsMipLevels) {
       for (std::size_t i = 0; i < found.size() / 4; ++i, ++at)
         for (std::size_t c = 0; c < 3; ++c) {
           const float value = expected[3 * at + c];
-          // A half float rounds by at most 2^-12 of the value, once more per level; llvmpipe's pow has an error of up
-          // to 2e-4.
+          // Rounding to a half float changes a value by at most 2^-12 of itself, once more per level. llvmpipe's pow
+          // has an error of up to 2e-4.
           ASSERT_NEAR(found[4 * i + c], value, 1e-3f * value + 1e-6f) << "level " << l << " texel " << i;
           bias += static_cast<double>(found[4 * i + c] - value) / static_cast<double>(value + 1e-3f);
         }

@@ -85,7 +85,7 @@ TEST(Mesh, RefusesWhatCannotCarryAMap) {
 /// Returns glTF with an inline buffer: one right triangle and one whose last index is `index`.
 std::string two_triangles(char index) {
   const char indices[12] = {0, 0, 1, 0, 2, 0, 0, 0, 1, 0, index, 0};
-  // Positions (0,0,0) (1,0,0) (0,1,0) and uvs (0,0) (1,0) (0,1): 60 bytes.
+  // Positions (0,0,0) (1,0,0) (0,1,0) and uvs (0,0) (1,0) (0,1) take 60 bytes.
   const std::string base64 =
       "AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAAAAAAAAAAAA"
       "AIA/AAAAAAAAAAAAAIA/" +

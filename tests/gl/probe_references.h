@@ -10,7 +10,7 @@
 
 namespace multum::gl {
 
-/// Weights by texel, for every pixel of the picture.
+/// Holds the weights by texel, for every pixel of the picture.
 using ProbeRows = std::vector<std::map<std::uint32_t, double>>;
 
 struct ProbeCase {

@@ -201,8 +201,8 @@ TEST_P(RenderTest, ColoursFollowTheirLobes) {
 }
 
 TEST_P(RenderTest, FirstRowOfTheMapIsItsTop) {
-  // Seen from straight above, image up = growing v: the map's first row, white, is in the picture's upper half. Normals
-  // that lean up (+Y) face a light that shines from the picture's upper edge.
+  // The view is from straight above, and v grows upwards in the picture. The map's first row, white, is in the
+  // picture's upper half. Normals that lean up (+Y) face a light that shines from the picture's upper edge.
   TestMap map = make_flat_map(2);
   map.image.albedo = {glm::vec3(1.0f), glm::vec3(1.0f), glm::vec3(0.1f), glm::vec3(0.1f)};
   MovmfLevel& finest = map.mipmap.levels[0];
@@ -258,8 +258,8 @@ TEST_P(RenderTest, MomentsEqualTheBaselines) {
   }
 }
 
-/// A plain from near to far with every level of detail, magnification included; slopes of up to 0.8 are never in
-/// shadow.
+/// Returns a plain from near to far with every level of detail, including magnification. Slopes of up to 0.8 are never
+/// in shadow.
 RenderScene plain_scene() {
   RenderScene scene;
   scene.uv_scale = 60.0f;
@@ -297,8 +297,8 @@ TEST_P(RenderTest, MomentsThatBeginAtACoarserLevel) {
 }
 
 TEST_P(RenderTest, WrapModesEqualReference) {
-  // Seen from straight above, with a corner of the map in the middle of the picture. The map's last row and column end
-  // at x = -10 and y = 40, and three quarters of the picture are beyond the border.
+  // The view is from straight above, with a corner of the map in the middle of the picture. The map's last row and
+  // column end at x = -10 and y = 40, and three quarters of the picture are beyond the border.
   RenderScene scene;
   scene.camera.eye = {-10.0f, 40.0f, 30.0f};
   scene.camera.target = {-10.0f, 40.0f, 0.0f};
@@ -325,14 +325,14 @@ TEST_P(RenderTest, WrapModesEqualReference) {
     EXPECT_GT(picture_error(exact[i], exact[0]).relative_l1, 0.1) << "the modes must give different pictures";
 }
 
-// Diffuse light on mild slopes is linear in the mean normal. Hence a lobe that the hardware mixed from two levels
-// equals a mix of two shaded lobes; only wrong weights or a wrong level would show.
+// Diffuse light on mild slopes is linear in the mean normal. Hence shading a lobe that the hardware mixed from two
+// levels equals mixing two shaded lobes. Only wrong weights or a wrong level would show.
 TEST_P(RenderTest, TheNormalMapsLevelsMixWithTheLobesAsTrilinearFilteringMixes) {
   const TestMap map = make_noise_map(64, 0.4f, WrapMode::kPeriodic);
   RenderScene scene = plain_scene();
   scene.uv_scale = 350.0f;  // never magnified: a magnified normal map is narrower
   const FloatImage whole = movmf(map, scene);
-  // A control that the picture can show an error: levels that are too coarse by one.
+  // As a control that the picture can show an error, levels are too coarse by one.
   TestMap blurred = map;
   for (glm::vec4& lobe : blurred.mipmap.levels[0].lobes[0]) lobe = glm::vec4(0.0f, 0.0f, 0.95f, 1.0f);
   EXPECT_GT(picture_error(movmf(blurred, scene), whole).relative_l1, 0.002);
@@ -379,7 +379,7 @@ TEST_P(RenderTest, BeyondABlackBorderTheNormalMapHasNoMaterialEither) {
   look_from_above(scene, 1.6, 16, kRenderHeight);
   scene.camera.eye = {-10.0f, 40.0f, 30.0f};
   scene.camera.target = {-10.0f, 40.0f, 0.0f};
-  scene.uv_scale *= 2.0f;  // from half as high
+  scene.uv_scale *= 2.0f;  // from half the height
   const FloatImage whole = movmf(map, scene), coarse = movmf_from(1, map, scene);
   EXPECT_EQ(coarse.rgba[4 * (kRenderHeight / 4 * kRenderWidth + kRenderWidth * 3 / 4)], 0.0f);
   EXPECT_LT(picture_error(coarse, whole).relative_l1, 1e-5);

@@ -71,8 +71,8 @@ INSTANTIATE_TEST_SUITE_P(Contexts, ShRenderTest, testing::ValuesIn(test_backends
   return backend.param == ContextBackend::kOsmesa ? "Osmesa" : "Egl";
 });
 
-// Highlights as broad as the order allows: each higher order has a lower error. Sharp highlights are blurred, and a
-// warning says so.
+// If highlights are as broad as the order allows, each higher order has a lower error. Sharp highlights are blurred,
+// and a warning says so.
 TEST_P(ShRenderTest, OrdersDrawWhatTheyHave) {
   const TestMap map = make_two_tilt_map(32, 25.0, StorageEncoding::kFloat, false);
   const RenderScene broad = scene_of(10.0f), sharp = scene_of(200.0f);

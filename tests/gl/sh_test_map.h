@@ -7,8 +7,8 @@
 
 namespace multum::gl {
 
-/// Projects the image's normals; every level is the mean of the finest. The sides are powers of two. A mean_cosine
-/// below 1 includes the width of a BRDF with this mean cosine everywhere.
+/// Projects the image's normals; every level is an average of the finest level. The sides are powers of two. A
+/// mean_cosine below 1 includes the width of a BRDF with this mean cosine everywhere.
 ShMipmap make_harmonics(const NormalImage& image, int order, StorageEncoding encoding, double mean_cosine = 1.0);
 
 }  // namespace multum::gl

@@ -18,18 +18,18 @@ namespace multum::gl {
 struct ShaderHarnessInput {
   std::string expression;               // a vec4 of the vec4s a and b; may call functions of common/ and brdf/
   std::vector<glm::vec4> a;             // at most 16384 elements
-  std::vector<glm::vec4> b;             // as many
+  std::vector<glm::vec4> b;             // as many elements as `a`
   const Texture* texture = nullptr;     // bound to the sampler `map`
-  std::vector<SourceEdit> edits = {};   // of kGlslFormulas: remove a guard
+  std::vector<SourceEdit> edits = {};   // edits of kGlslFormulas that remove a guard
   std::vector<std::string> flags = {};  // #define lines
   std::string formulas = {};            // more shader text, which may read `map`
   std::function<void(const ShaderProgram& program)> set_uniforms = {};  // also binds textures, from unit 3 on
 };
 
-/// The name by which edits refer to the text of all formulas.
+/// Edits refer to the text of all formulas by this name.
 constexpr char kGlslFormulas[] = "formulas";
 
-/// Evaluates the expression. The output is poisoned with NaN first, so that an element without a fragment shows.
+/// Evaluates the expression. The output is poisoned with NaN first, so that an element without a fragment is noticed.
 std::vector<glm::vec4> evaluate_shader(const GlFunctions& gl, const ShaderHarnessInput& input);
 
 }  // namespace multum::gl

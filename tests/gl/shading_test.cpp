@@ -74,8 +74,8 @@ TEST_F(ShadingTest, BlinnPhongEqualsItsFormulaInDouble) {
       const std::vector<double> values = evaluate("multum_movmf_blinn_phong(a, b.xyz, b.w)", cases);
       for (std::size_t i = 0; i < values.size(); ++i) {
         const double expected = reference::product_blinn_phong(s, spread, cases[i].theta);
-        // The inverse's 2.3e-4 counts twice (scale, exponent); spread = a - |a r| is rounded to 1e-7, compared with
-        // 1/(s+2).
+        // The inverse's error of 2.3e-4 counts twice, in scale and exponent. The spread a - |a r| is rounded to 1e-7,
+        // which matters compared with 1/(s+2).
         EXPECT_NEAR(values[i], expected, peak * (6e-4 + 4e-7 * (s + 2.0)))
             << "s " << s << " spread " << spread << " theta " << cases[i].theta;
       }
@@ -92,12 +92,12 @@ TEST_F(ShadingTest, CosinePowerKeepsItsPrecisionAtHighExponents) {
     const double s = static_cast<double>(input.b[i].x);
     const double e = static_cast<double>(input.b[i].y);
     const double expected = (s + 1.0) / (2.0 * std::numbers::pi) * std::exp(s * std::log1p(-e));
-    // The argument of exp() is up to 6 and rounded; the plain log(1 - e) has an error of 6e-3 at s = 1e5.
+    // The argument of exp() is up to 6 and rounded. A plain log(1 - e) would have an error of 6e-3 at s = 1e5.
     EXPECT_NEAR(static_cast<double>(values[i].x) / expected, 1.0, 1e-5) << "s " << s << " e " << e;
   }
 }
 
-/// Relative L1 error in per cent over the hemisphere around the mean, weighted by solid angle.
+/// Returns the relative L1 error in per cent over the hemisphere around the mean, weighted by solid angle.
 double relative_l1(const std::vector<Case>& cases, const std::vector<double>& values,
                    const std::vector<double>& exact) {
   double off = 0.0;
@@ -110,8 +110,8 @@ double relative_l1(const std::vector<Case>& cases, const std::vector<double>& va
 }
 
 TEST_F(ShadingTest, BlinnPhongIsNearTheExactConvolution) {
-  // Bounds: the table of tools/lab/fit_shading.py, rounded up. The paper's equation 20 errs by 3 to 70 % for kappa <=
-  // 50.
+  // The bounds are the table of tools/lab/fit_shading.py, rounded up. The paper's equation 20 has errors of 3 to 70 %
+  // for kappa <= 50.
   const struct {
     double s;
     double bound;
@@ -161,7 +161,8 @@ TEST_F(ShadingTest, TorranceSparrowIsNearTheExactConvolution) {
       std::vector<double> exact;
       for (const Case& c : cases) exact.push_back(reference::convolved_vmf(kappa_f, kappa, c.theta));
       const std::vector<double> values = evaluate("multum_movmf_torrance_sparrow(a, b.xyz, b.w)", cases);
-      // The convolution of two broad lobes of similar width is not exactly a vMF: 3.2 % at sigma 0.2, kappa 5.
+      // The convolution of two broad lobes of similar width is not exactly a vMF; the error is 3.2 % at sigma 0.2 and
+      // kappa 5.
       EXPECT_LT(relative_l1(cases, values, exact), kappa == 5.0 ? 3.5 : 1.5) << "sigma " << sigma << " kappa " << kappa;
     }
 }

@@ -57,7 +57,7 @@ TEST(TangentSpace, CornersWeighByTheirAngles) {
   expect_near(leaning[1], mixed(45, 45));
   expect_near(leaning[2], mixed(45, 45));
   expect_near(leaning[4], glm::vec4(second, 0, 1));
-  // A sharper corner counts for less: b moved far out along x, with u still x.
+  // A sharper corner counts for less. Here b is moved far out along x, and u is still x.
   const Corner far{{2, 0, 0}, {2, 0}};
   const std::vector<glm::vec4> weighed = mikk_tangents(flat({a, far, c, far, e, c}));
   // far: first triangle between (-2, 0) and (-2, 1), second between (-1, 1) and (-2, 1).
@@ -68,7 +68,7 @@ TEST(TangentSpace, CornersWeighByTheirAngles) {
   expect_near(weighed[1], glm::vec4(glm::normalize(first_angle * glm::vec2(1, 0) + second_angle * third), 0, 1));
 }
 
-// A chart and its mirror image share the seam's vertices with all attributes: positions, normals, coordinates.
+// A chart and its mirror image share all attributes of the seam's vertices: positions, normals, coordinates.
 TEST(TangentSpace, MirroredChartsDoNotMix) {
   const Corner top{{0, 1, 0}, {0, 1}}, bottom{{0, 0, 0}, {0, 0}}, right{{1, 0, 0}, {1, 0}}, left{{-1, 0, 0}, {1, 0}};
   const std::vector<glm::vec4> tangents = mikk_tangents(flat({bottom, right, top, bottom, top, left}));

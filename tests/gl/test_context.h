@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The GL contexts that tests run on: OSMesa and EGL, or only the one that MULTUM_TEST_GL names (osmesa or egl). Set the
-// variable where a machine has only one, or to test the GPU behind EGL.
+// Lists the GL contexts that tests run on: OSMesa and EGL, or only the one that MULTUM_TEST_GL names (osmesa or egl).
+// Set the variable where a machine has only one, or to test the GPU behind EGL.
 #pragma once
 
 #include <cstdlib>
@@ -30,7 +30,7 @@ inline std::unique_ptr<HeadlessContext> make_test_context(ContextBackend backend
   return make_headless_context(backend, DebugOutput::kOn);
 }
 
-/// The back-end for tests that need only one context.
+/// Returns the back-end for tests that need only one context.
 inline ContextBackend test_backend() { return test_backends().front(); }
 
 }  // namespace multum::gl

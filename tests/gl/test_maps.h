@@ -8,7 +8,7 @@
 
 namespace multum::gl {
 
-/// Makes a square of side `size` that faces +Z; its near edge is along X through the origin. uv 0 to 1.
+/// Makes a square of side `size` that faces +Z; its near edge is along X through the origin. Its uv go from 0 to 1.
 MeshData make_quad(float size);
 
 struct TestMap {
@@ -16,21 +16,21 @@ struct TestMap {
   MovmfMipmap mipmap;
 };
 
-/// Every normal (0, 0, 1): one lobe of |r| = 1.
+/// Every normal is (0, 0, 1), which gives one lobe of |r| = 1.
 TestMap make_flat_map(int size);
 
-/// One lobe per texel, from unit normals with a box filter. The sides are equal powers of two.
+/// Returns one lobe per texel, from unit normals with a box filter. The sides are equal powers of two.
 TestMap make_one_lobe_map(NormalImage image);
 
-/// Random normals, at most `slope` steep along each axis. One lobe. `size` is a power of two.
+/// Returns random normals with slopes of at most `slope` along each axis, as one lobe. `size` is a power of two.
 TestMap make_noise_map(int size, float slope, WrapMode wrap);
 
-/// One wave along each axis, 0 at the borders: smooth under every wrap mode, but a different map if mirrored. One lobe.
-/// `size` is a power of two.
+/// Returns one wave along each axis, 0 at the borders, as one lobe. It is smooth under every wrap mode, but a different
+/// map if mirrored. `size` is a power of two.
 TestMap make_wave_map(int size, WrapMode wrap);
 
-/// A checkerboard of texels tilted by +angle and -angle (degrees) about Y, red and blue if `coloured`. Two lobes of |r|
-/// = 1 and, from level 1 on, amplitude 1/2 each. `size` is a power of two.
+/// Returns a checkerboard of texels tilted by +angle and -angle (degrees) about Y, red and blue if `coloured`. It has
+/// two lobes of |r| = 1, whose amplitudes are 1/2 from level 1 on. `size` is a power of two.
 TestMap make_two_tilt_map(int size, double angle_degrees, StorageEncoding encoding, bool coloured);
 
 /// Makes a baked file of moments of the image's normals; every level is the mean of the finest. The sides are powers of
@@ -41,7 +41,7 @@ MomentMipmap make_moments(const NormalImage& image, StorageEncoding encoding);
 /// facets.
 MovmfMipmap as_gaussians(MovmfMipmap mipmap);
 
-/// A view from far enough that a pixel covers several texels of a 64-texel unit everywhere: level 1 and coarser.
+/// Returns a view from so far that every pixel covers several texels of a 64-texel unit and shows level 1 or coarser.
 RenderScene distant_scene();
 
 /// Turns the camera down to the plane from 60 above it. In a picture of `height` pixels, each pixel covers `texels` of

@@ -55,7 +55,7 @@ class TextureFilterTest : public testing::TestWithParam<ContextBackend> {
   std::unique_ptr<Renderer> renderer_;
 };
 
-// Random colours under a flat map: filtering is linear in colours, and no highlight hides them.
+// Returns random colours under a flat map, because filtering is linear in colours and no highlight hides them.
 NormalImage coloured_image(int size) {
   NormalImage image{size, size, {}, {}};
   std::mt19937 random(3);
@@ -187,8 +187,8 @@ TEST_P(TextureFilterTest, ColoursOfAnotherSizeHaveTheirOwnLevel) {
     EXPECT_LT(error_of(drawn(lobes, matt_scene(), filter), drawn(averages, matt_scene(), filter)), 2e-3);
 }
 
-// Two tilts, magnified. Lobes blend the light of the surrounding texels, as the blended reference does; facets have
-// edges; the normal between two opposite tilts is upright.
+// Magnifies two tilts. Lobes blend the light of the surrounding texels, as the blended reference does. Facets have
+// edges, and the normal between two opposite tilts is upright.
 TEST_P(TextureFilterTest, ReferencesBetweenTexels) {
   using Sampling = NormalMaterial::Sampling;
   const TestMap map = make_two_tilt_map(16, 25.0, StorageEncoding::kFloat, false);
@@ -211,8 +211,8 @@ TEST_P(TextureFilterTest, ReferencesBetweenTexels) {
   EXPECT_LT(nearest, 0.02);
 }
 
-// Four quarters of one normal each, or alternating texels, from very near. Lobes match the interpolation of engines as
-// closely as averaged normals do.
+// Draws four quarters of one normal each, or alternating texels, from very near. Lobes match the interpolation of
+// engines as closely as averaged normals do.
 TEST_P(TextureFilterTest, AMagnifiedSurfaceIsThatOfAveragedNormals) {
   NormalImage quarters = make_flat_map(16).image;
   const double tilt = glm::radians(25.0);
@@ -257,7 +257,8 @@ INSTANTIATE_TEST_SUITE_P(Backends, TextureFilterTest, testing::ValuesIn(test_bac
                          [](const auto& test) { return std::string(context_backend_name(test.param)); });
 
 TEST(ReferenceSampling, OffsetsHaveTheirFiltersVariance) {
-  // The variance of a Gaussian of 1/2 cut off at three standard deviations: 1/4 (1 - 6 phi(3) / (2 Phi(3) - 1)).
+  // A Gaussian of 1/2 that is cut off at three standard deviations has the variance
+  // 1/4 (1 - 6 phi(3) / (2 Phi(3) - 1)).
   const double phi = std::exp(-4.5) / std::sqrt(2.0 * M_PI);
   const double cut = 0.25 * (1.0 - 6.0 * phi / std::erf(3.0 / std::sqrt(2.0)));
   for (const auto& [filter, variance, width] :

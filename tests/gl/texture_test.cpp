@@ -151,8 +151,8 @@ TEST_P(TextureTest, FiltersLikeDoublePrecision) {
         error_max = std::max(error_max, std::abs(off));
         ASSERT_FALSE(std::isnan(off));
       }
-    // s * width is rounded at up to 2.5 * 37 texels: an error of 8e-6 texels times differences of up to 2, a few times
-    // over.
+    // s * width, up to 2.5 * 37 texels, is rounded by 8e-6 texels. This error is multiplied by differences of up to 2
+    // and occurs a few times.
     EXPECT_LT(error_max, filter_tolerance(*context_, 3e-5, 2e-2)) << wrap_mode_name(wrap);
   }
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The hard cases of fitting, each as a whole bake: results are finite, conserved, and right where the answer is known
+// Bakes the hard cases of fitting. Results are finite, conserve the averages, and are right where the answer is known
 // in closed form.
 #include <gtest/gtest.h>
 
@@ -47,7 +47,7 @@ Baked bake(const NormalMap& map, int lobes, Variant variant) {
   return baked;
 }
 
-// Returns 1 - |r| of the mixture of lobes that point in one direction, weighted.
+// Returns the weighted 1 - |r| of the mixture of lobes that point in one direction.
 double spread_of(const MovmfLevel& level, std::size_t texel) {
   double spread = 0.0;
   for (const auto& lobe : level.lobes) {
@@ -71,7 +71,7 @@ INSTANTIATE_TEST_SUITE_P(Variants, HardCaseTest,
                                                                          : "Vector";
                          });
 
-// kappa -> infinity; J > number of distinct normals; identical starting lobes.
+// Tests kappa -> infinity, more lobes J than distinct normals, and identical starting lobes.
 TEST_P(HardCaseTest, AllNormalsEqual) {
   for (double degrees : {0.0, 30.0, 60.0, 89.0}) {
     const glm::dvec3 n = glm::dvec3(glm::vec3(tilted(degrees)));
@@ -80,8 +80,8 @@ TEST_P(HardCaseTest, AllNormalsEqual) {
       for (std::size_t i = 0; i < level.lobes[0].size(); ++i) {
         EXPECT_LT(spread_of(level, i), 1e-6) << degrees << " degrees, level of width " << level.width;
         for (const auto& lobe : level.lobes)
-          // A thousand equal additions round alike: up to 1024 * 2^-25 = 3.1e-5 relative, one storage step; measured:
-          // 1.1e-5.
+          // A thousand equal additions round in the same direction, with a relative error of up to 1024 * 2^-25 =
+          // 3.1e-5, one storage step. The measured error is 1.1e-5.
           if (lobe[i].w > 1e-3f) {
             EXPECT_LT(glm::length(glm::dvec3(lobe[i]) / glm::length(glm::dvec3(lobe[i])) - n), 3.1e-5);
           }
@@ -89,7 +89,7 @@ TEST_P(HardCaseTest, AllNormalsEqual) {
   }
 }
 
-// Two tilts in equal shares: two lobes must find them, whatever is between.
+// Two lobes must find two tilts in equal shares, whatever is between the tilts.
 TEST_P(HardCaseTest, TwoOppositeTilts) {
   for (double degrees : {10.0, 45.0, 80.0, 89.9}) {
     const glm::dvec3 a = tilted(degrees, 0.0), b = tilted(degrees, M_PI);
@@ -102,7 +102,7 @@ TEST_P(HardCaseTest, TwoOppositeTilts) {
   }
 }
 
-// One lobe for two opposite normals on the equator: r -> 0, kappa -> 0, no direction.
+// One lobe for two opposite normals on the equator has no direction: r -> 0 and kappa -> 0.
 TEST_P(HardCaseTest, OppositeNormalsOnTheEquatorWithOneLobe) {
   const Baked baked =
       bake(make_map(16, 16, [](int x, int) { return glm::dvec3((x & 1) != 0 ? 1.0 : -1.0, 0.0, 0.0); }), 1, GetParam());
@@ -144,8 +144,9 @@ glm::dvec3 mean_of(const MovmfLevel& level, std::size_t texel) {
   return sum;
 }
 
-// N = 1, 2, 3 normals in all. With as many lobes, each lobe finds one normal; a single lobe has their mean. Sums of
-// three floats and EM's last step round to 1e-6; two of these normals in one lobe would give a spread of at least 0.01.
+// There are N = 1, 2 or 3 normals in all. With N lobes, each lobe finds one normal; a single lobe has their mean. Sums
+// of three floats and EM's last step round by 1e-6. Two of these normals in one lobe would give a spread of at least
+// 0.01.
 TEST_P(HardCaseTest, MapsOfOneTwoAndThreeTexels) {
   const auto normal = [](int x) { return tilted(20.0 * x, 1.0 * x); };
   for (int width : {1, 2, 3})
@@ -163,7 +164,7 @@ TEST_P(HardCaseTest, MapsOfOneTwoAndThreeTexels) {
     }
 }
 
-// A tiny spread must be measured and not lost to rounding: normals within 0.4 degrees of their mean, |r| = 1 - 1.2e-5.
+// A tiny spread must not be lost to rounding. Normals are within 0.4 degrees of their mean, and |r| = 1 - 1.2e-5.
 TEST_P(HardCaseTest, NearlyEqualNormalsKeepTheirSpread) {
   const NormalMap map = make_map(64, 64, [](int x, int y) { return tilted(40.0 + 0.2 * ((x * 7 + y * 3) % 5), 0.2); });
   const Baked baked = bake(map, 1, GetParam());
@@ -172,12 +173,14 @@ TEST_P(HardCaseTest, NearlyEqualNormalsKeepTheirSpread) {
   for (std::size_t i = 0; i < map.x.size(); ++i)
     mean += glm::normalize(glm::dvec3(map.x[i], map.y[i], map.z[i])) / 4096.0;
   const double exact = 1.0 - glm::length(mean);
-  // The kernels store 1 - |r| next to r. Their result is a r itself in floats: +-3e-7 of this spread's 1.2e-5.
+  // The kernels store 1 - |r| next to r. Their result is a r itself in floats, which keeps this spread of 1.2e-5 to
+  // +-3e-7.
   EXPECT_NEAR(spread_of(top, 0) / exact, 1.0, 0.05) << "exact spread " << exact;
 }
 
-// Amplitudes that fade: one normal in 4096 differs from the others. It keeps a lobe with its exact share on every level
-// (to a percent; floats have 1e-6). The mean includes it: without it, the coarsest mean would have an error of 2.6e-4.
+// Tests amplitudes that fade: one normal in 4096 differs from the others. On every level it keeps a lobe with its
+// share, to a percent, although floats are exact to 1e-6. The mean includes this normal; without it, the coarsest mean
+// would have an error of 2.6e-4.
 TEST_P(HardCaseTest, ALobeOfOneNormalInThousands) {
   const auto normal = [](int x, int y) { return x == 5 && y == 7 ? tilted(70) : tilted(5, 0.01 * x); };
   const Baked baked = bake(make_map(64, 64, normal), 4, GetParam());
@@ -196,14 +199,14 @@ TEST_P(HardCaseTest, ALobeOfOneNormalInThousands) {
   }
 }
 
-// Samples shorter than 1 (mean vectors of rough places): the spread is kept, and |r| = 0.9 everywhere stays 0.9.
+// The spread of samples shorter than 1 (mean vectors of rough places) is kept: |r| = 0.9 everywhere stays 0.9.
 TEST_P(HardCaseTest, SamplesShorterThanOne) {
   const Baked baked = bake(make_map(32, 32, [](int, int) { return 0.9 * tilted(30); }), 3, GetParam());
   const MovmfLevel& top = baked.mipmap.levels.back();
   EXPECT_NEAR(spread_of(top, 0), 0.1, 1e-4);
 }
 
-// Strips of 1 x N and N x 1, with powers of two and other sizes, down to one texel.
+// Tests strips of 1 x N and N x 1, with powers of two and other sizes, down to one texel.
 TEST_P(HardCaseTest, Strips) {
   for (int length : {2, 3, 37, 64, 1000, 2048})
     for (bool upright : {false, true}) {

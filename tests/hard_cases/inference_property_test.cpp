@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Properties of the kernels of texture inference; numerical_property_test.cpp has those of the bakes.
+// Tests properties of the kernels of texture inference; numerical_property_test.cpp tests the kernels of bakes.
 #include <gtest/gtest.h>
 #include <rapidcheck.h>
 #include <rapidcheck/gtest.h>
@@ -17,7 +17,7 @@ namespace {
 using testing::decades;
 using testing::test_device;
 
-// Rows of any length, also empty ones, and weights of either sign over twelve decades.
+// Rows have any length and may be empty. Weights of either sign cover twelve decades.
 RC_GTEST_PROP(InferenceProperty, ProductsAreSums, ()) {
   SparseRows rows;
   const auto lengths = *rc::gen::nonEmpty(rc::gen::container<std::vector<int>>(rc::gen::inRange(0, 20)));

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Properties of kernels on random inputs, which RapidCheck shrinks after a failure. The seed is fixed, so every run is
-// the same. RC_PARAMS="seed=N max_success=3000" in the environment sets another; a failure prints its own.
+// Tests properties of kernels on random inputs, which RapidCheck shrinks after a failure. The seed is fixed, so every
+// run is the same. RC_PARAMS="seed=N max_success=3000" in the environment sets another seed; a failure prints the seed
+// that it used.
 #include <gtest/gtest.h>
 #include <rapidcheck.h>
 #include <rapidcheck/gtest.h>
@@ -46,7 +47,7 @@ EmTexel random_texel(int kappa_decades) {
   return texel;
 }
 
-// For any start: shares sum to 1, no r is longer than 1, and first moments equal those of the normals.
+// For any start, shares sum to 1, no r is longer than 1, and first moments equal those of the normals.
 RC_GTEST_PROP(EmProperty, MomentsAreKept, ()) {
   const EmTexel texel = random_texel(6);
   EmSettings settings;
@@ -69,7 +70,7 @@ RC_GTEST_PROP(EmProperty, MomentsAreKept, ()) {
   }
 }
 
-// A single E-step amplifies no error; exponents of kappa 100 have an error of 100 * 2.4e-7.
+// A single E-step does not amplify errors. At kappa 100, exponents have an error of 100 * 2.4e-7.
 RC_GTEST_PROP(EmProperty, OneStepEqualsTheReference, ()) {
   const EmTexel texel = random_texel(2);
   EmSettings settings;
@@ -79,8 +80,8 @@ RC_GTEST_PROP(EmProperty, OneStepEqualsTheReference, ()) {
   RC_ASSERT(worst.value() <= 5e-5);
 }
 
-// Compares with the formula in double, for any lobe, exponent and direction. Rounding of (a r, a) is 1.2e-7 of a
-// spread.
+// Compares with the formula in double, for any lobe, exponent and direction. Rounding (a r, a) to floats moves a spread
+// by 1.2e-7.
 RC_GTEST_PROP(ShadingProperty, EqualsItsFormula, ()) {
   const glm::dvec3 mu = *directions();
   const double spread = *rc::gen::oneOf(decades(-6, 0), rc::gen::element(0.0, 0.5, 1.0)), s = *decades(0, 5);
@@ -105,7 +106,7 @@ RC_GTEST_PROP(ShadingProperty, LambertIsBetweenNothingAndOne, ()) {
     RC_ASSERT(value >= -1e-6 && value <= 1.0 + 1e-6);
 }
 
-// Amplitudes of a stored texel sum to 1, and one direction keeps its length.
+// Amplitudes of a stored texel sum to 1, and a lobe of a single direction keeps its length.
 RC_GTEST_PROP(StorageProperty, SnormSumsToOneAndKeepsDirections, ()) {
   MovmfLevel level;
   level.width = level.height = 1;
@@ -124,7 +125,7 @@ RC_GTEST_PROP(StorageProperty, SnormSumsToOneAndKeepsDirections, ()) {
   RC_ASSERT(steps == 32767.0);
 }
 
-// Every block of a row of any width, with values of either sign over forty decades.
+// Tests every block of a row of any width, with values of either sign over forty decades.
 RC_GTEST_PROP(BoxProperty, BlocksAreSums, ()) {
   const RowBlocks blocks(*rc::gen::inRange(1, 400));
   std::vector<float> row(static_cast<std::size_t>(blocks.block_count(0)));
@@ -142,7 +143,7 @@ RC_GTEST_PROP(BoxProperty, BlocksAreSums, ()) {
     }
 }
 
-// For a normal of any direction and length: slopes of at most 20, no variance below 0, and an unchanged normal.
+// A normal of any direction and length gives slopes of at most 20 and no variance below 0, and stays unchanged.
 RC_GTEST_PROP(MomentProperty, SlopesHaveTheirBounds, ()) {
   const double length = *rc::gen::oneOf(decades(-30, 0), rc::gen::element(0.0, 0.5, 1.0, 1.0 + 0x1p-20));
   const bool shortened = *rc::gen::arbitrary<bool>();
@@ -157,7 +158,7 @@ RC_GTEST_PROP(MomentProperty, SlopesHaveTheirBounds, ()) {
   for (int k = 0; k < 3; ++k) RC_ASSERT(m[static_cast<std::size_t>(MULTUM_MOMENT_NORMAL + k)] == n[k]);
 }
 
-// For any moments, even impossible ones, and any half vector: never below 0, never above the BRDF's peak.
+// For any moments, even impossible ones, and any half vector, the value is never below 0 or above the BRDF's peak.
 RC_GTEST_PROP(MomentProperty, LeanIsBetweenNothingAndItsPeak, ()) {
   const auto any = [](double low) {
     return static_cast<float>(*rc::gen::oneOf(decades(-6, 2), rc::gen::element(0.0, 1.0)) *
@@ -172,7 +173,7 @@ RC_GTEST_PROP(MomentProperty, LeanIsBetweenNothingAndItsPeak, ()) {
   RC_ASSERT(values[0] >= 0.0 && values[0] <= peak * (1.0 + 1e-5));
 }
 
-// For any lobes, sizes and chunks: the lobes together get all of a texel's colours.
+// For any lobes, sizes and chunks, the lobes together get all of a texel's colours.
 RC_GTEST_PROP(FeatureProperty, LobesShareOutAllColours, ()) {
   const EmTexel texel = random_texel(6);
   FeatureMap map{*rc::gen::inRange(1, 30), *rc::gen::inRange(1, 30), 1, 1, *rc::gen::inRange(1, 9), 1, {}, {}};

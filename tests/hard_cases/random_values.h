@@ -9,10 +9,10 @@
 
 namespace multum::testing {
 
-// Set before the first property, when RapidCheck reads it.
+// Must be set before the first property, when RapidCheck reads it.
 inline const int g_seeded = setenv("RC_PARAMS", "seed=20261122 max_success=300", 0);
 
-// Generates 10^low to 10^high.
+// Generates numbers from 10^low to 10^high.
 inline rc::Gen<double> decades(int low, int high) {
   return rc::gen::map(rc::gen::inRange(100 * low, 100 * high + 1), [](int e) { return std::pow(10.0, 0.01 * e); });
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Every numerical case of the kernels keeps its bound, and breaks the bound without its guard: a case that could not
-// fail would prove nothing. docs/contributing/STABILITY.md has exactly these cases.
+// Every numerical case of the kernels stays within its bound, and exceeds the bound without its guard. A case that
+// could not fail would prove nothing. docs/contributing/STABILITY.md has exactly these cases.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -29,7 +29,7 @@ namespace {
 using testing::test_device;
 
 #ifdef MULTUM_HAS_FIELDS
-// Registered before the suite below asks for the cases.
+// The cases are registered before the suite below asks for them.
 const bool g_has_field_cases = (register_field_cases(), true);
 #else
 const bool g_has_field_cases = false;

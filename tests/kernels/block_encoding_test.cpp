@@ -26,9 +26,9 @@ using reference::BlockValues;
 using testing::test_device;
 using testing::uniform24;
 
-constexpr std::size_t kBlocks = 24;  // of a kind
+constexpr std::size_t kBlocks = 24;  // blocks of each kind
 
-// The content of one channel of a kind of blocks: a place on a slope with waves, and noise.
+// Describes one channel of a kind of blocks: a place on a slope with waves, and noise.
 struct Relief {
   double middle, range, noise;  // 0 to 255
 };
@@ -252,8 +252,8 @@ TEST(BlockEncoding, Bc7IsNearWhatASearchFinds) {
   }
 }
 
-// The same search with the third channel in alpha. The error equals that of blocks of colours if both choose modes 4, 5
-// or 6 and blue is 1.
+// Repeats the search with the third channel in alpha. The error equals that of blocks of colours if both choose modes
+// 4, 5 or 6 and blue is 1.
 TEST(BlockEncoding, Bc7HasTheThirdChannelAsAlpha) {
   std::mt19937 random(34);
   BlockEncoder encoder(test_device());
@@ -279,7 +279,7 @@ TEST(BlockEncoding, Bc7HasTheThirdChannelAsAlpha) {
       EXPECT_FALSE(has_two_lines) << "mode 1 has no alpha";
       sum += error;
     }
-    // The error without mode 1, which has two lines: 4.4 times as high at the edge of a metal.
+    // Without mode 1, which has two lines, the error is 4.4 times as high at the edge of a metal.
     EXPECT_LT(sum, 6.0 * sum_of(as_colours) + 1.0) << kind.name;
   }
 }
@@ -290,7 +290,7 @@ TEST(BlockEncoding, FillsUpBlocks) {
   std::vector<glm::vec4> texels(15, glm::vec4(0.25f));
   std::vector<glm::vec4> whole(32, glm::vec4(0.25f));
   texels[14] = glm::vec4(0.75f);
-  // 5 x 3 texels: the last texel fills the lower right of the second block.
+  // In a texture of 5 x 3 texels, the last texel fills the lower right of the second block.
   const std::vector<std::uint8_t> filled = encoder.encode(TexelFormat::kBc4, 5, 3, texels);
   for (std::size_t row = 2; row < 4; ++row)
     for (std::size_t column = 4; column < 8; ++column) whole[8 * row + column] = glm::vec4(0.75f);

@@ -23,7 +23,7 @@ STACK_MAX = 512
 # movmf_refine solves for 4 numbers per lobe: the triangle of 32 x 32 sums of 8 lobes, and five sets of lobes. The sets
 # are the lobes of EM, of neighbours and of the step, the best lobes, and the pooled lobes with their derivatives.
 STACK_MAX_OF = {"movmf_refine": 5120}
-REGISTERS_MAX = 255  # of one work-item of NVIDIA's GPUs
+REGISTERS_MAX = 255  # registers of one work-item on NVIDIA's GPUs
 CLANG = ["clang", "-x", "cl", "-Xclang", "-finclude-default-header", "-Wall", "-Werror", "-Wno-unused-function"]
 
 
@@ -53,7 +53,8 @@ def spirv(source, definitions, standard, folder):
                       "-DMULTUM_VECTOR_WIDTH=1", *definitions, str(source), "-o", str(bitcode)]]
     translator = shutil.which("llvm-spirv-14") or shutil.which("llvm-spirv")
     if translator:
-        # Not an OpenCL profile: these lack 64-bit atomics, an extension that movmf_bin_add uses.
+        # This is not an OpenCL profile, because such profiles lack 64-bit atomics, an extension that movmf_bin_add
+        # uses.
         version, environment = ("1.0", "spv1.0") if standard == "CL1.2" else ("1.2", "spv1.2")
         steps.append([translator, f"--spirv-max-version={version}", str(bitcode), "-o", str(module)])
         if shutil.which("spirv-val"):

@@ -48,7 +48,7 @@ MovmfSettings settings_of(const LevelFit& how, int lobe_count) {
   return settings;
 }
 
-// A schedule of this one level.
+// Makes a schedule of this one level.
 MipSchedule one_level_schedule(const NormalMap& map, const MovmfSettings& settings, const LevelFit& how) {
   MipSchedule schedule = make_mip_schedule(map.width, map.height, settings);
   std::erase_if(schedule.levels, [&](const LevelSchedule& level) { return level.level != how.level; });
@@ -100,7 +100,7 @@ std::vector<MultumVmfLobe> fit_with_kernels(const NormalMap& map, const std::vec
   const MultumMovmfFit& fit = level.fit;
   const std::size_t texels = static_cast<std::size_t>(fit.width) * static_cast<std::size_t>(fit.height);
   const std::size_t lobe_row = static_cast<std::size_t>(fit.width) * sizeof(MultumVmfLobe);
-  // Neighbours of lower colour rank are read as if they were fitted: the prior sees only zeros there.
+  // Neighbours of lower colour rank are read as if they were fitted, so the prior sees only zeros there.
   StepWindows windows;
   windows.lobes = window_of(device, lobe_count, lobe_row, fit.height, nullptr);
   windows.alignment_vectors = window_of(device, lobe_count, lobe_row, fit.height, nullptr);

@@ -29,7 +29,7 @@ struct LevelFit {
 };
 
 /// Fits every texel of a level in one step from `parent` lobes [lobe][parent texel]. No neighbours are fitted yet, so
-/// that the prior comes only from the parent. Returns [lobe][texel].
+/// the prior comes only from the parent. Returns [lobe][texel].
 std::vector<MultumVmfLobe> fit_with_kernels(const NormalMap& map, const std::vector<MultumVmfLobe>& parent,
                                             int lobe_count, const LevelFit& how);
 

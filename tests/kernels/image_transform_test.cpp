@@ -65,8 +65,9 @@ std::vector<CoefficientLayout> layouts() {
   return all;
 }
 
-// The error relative to the largest magnitude of the plane's transform. A sum of 32 terms runs twice, over rounded
-// cosines and samples of up to 650 that may cancel: at most 64 roundings of 6e-8, typically 8.
+// The largest error relative to the largest magnitude of the plane's transform. Two passes add up 32 terms each, of
+// rounded cosines and of samples up to 650 that may cancel. This makes at most 64 roundings of 6e-8, and typically adds
+// up to 8.
 constexpr double kTransformError = 1e-6;
 
 void expect_reference(const CoefficientLayout& layout, std::size_t count, std::mt19937& random) {

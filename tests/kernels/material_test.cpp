@@ -97,7 +97,8 @@ TEST_P(Families, EmOfShortenedNormalsEqualsReference) {
       how.scalar = scalar;
       const auto found = fit_with_kernels(map, parent, 3, how);
       ASSERT_EQ(found.size(), expected.size());
-      // The bounds of movmf_em_test, times the number of copies by which differences of log densities count.
+      // The bounds are those of movmf_em_test times the number of copies, by which differences of log densities are
+      // multiplied.
       for (std::size_t i = 0; i < found.size(); ++i)
         EXPECT_LT(error_of(found[i], expected[i]), 4e-4) << level << ": " << i;
     }
@@ -235,7 +236,7 @@ TEST(Weights, MomentsAndHarmonicsAverageThem) {
     EXPECT_EQ(harmonics.levels[l].weights, mipmap.levels[l].weights) << l;
 }
 
-// Gaussians keep E[p] and E[|p|^2 + 2 v].
+// Gaussians conserve E[p] and E[|p|^2 + 2 v].
 TEST_P(Families, MomentsOverAllLobesAreThoseOfTheRoughNormals) {
   const NormalMap map = shortened(bumpy_map(128, 128, 39), 40);
   const bool planar = GetParam() == Representation::kGmm;
@@ -257,7 +258,8 @@ TEST_P(Families, MomentsOverAllLobesAreThoseOfTheRoughNormals) {
   }
 }
 
-// Half the texels of a flat map are sharp and half are rough: lobes separate them at fine levels and at binned ones.
+// Half the texels of a flat map are sharp and half are rough. Lobes separate the two halves at fine levels and at
+// binned ones.
 TEST_P(Families, LobesTellSharpFromRough) {
   const bool planar = GetParam() == Representation::kGmm;
   double sharp = mean_cosine_of_roughness(0.2), rough = mean_cosine_of_roughness(0.8);
@@ -348,15 +350,16 @@ TEST(Roughness, HarmonicsAreThoseOfTheFacets) {
       for (int m = -l; m <= l; ++m) {
         const auto k = static_cast<std::size_t>(sh_coefficient(l, m));
         const double expected = zonal[static_cast<std::size_t>(l)] * basis[k];
-        // The tolerance is the quadrature's own error; the case harmonics-of-rough-normals
-        // (host/lab/selftest/sh_cases.cpp) bounds the kernel's error, 5e-5.
+        // The tolerance is the quadrature's own error. The case harmonics-of-rough-normals
+        // (host/lab/selftest/sh_cases.cpp) limits the kernel's error to 5e-5.
         EXPECT_NEAR(rough.levels[0].value(static_cast<int>(k), i), expected, 5e-4) << kappa << ": " << l << ", " << m;
         means[k] += expected / static_cast<double>(map.x.size());
       }
   }
   for (std::size_t k = 0; k < means.size(); ++k)
     EXPECT_NEAR(rough.levels.back().value(static_cast<int>(k), 0), means[k], 2e-4) << k;
-  // A roughness of 0 everywhere gives the same bytes as no roughness, since a length of 1 is a direction.
+  // A roughness of 0 everywhere gives the same bytes as no roughness, because a normal of length 1 is a single
+  // direction.
   unit.is_shortened = true;
   const ShMipmap none = bake_sh(test_device(), kOrder, unit, nullptr, inputs, report, nullptr);
   unit.is_shortened = false;
@@ -384,7 +387,7 @@ TEST(Roughness, HarmonicsOfRoughNormalsAreLitAsSmoothOnesAre) {
   }
 }
 
-// Errors at texel centres of levels 2 and 5 of the four-quarter map of 256 with 4 lobes. The table is in
+// Tests errors at texel centres of levels 2 and 5 of the four-quarter map of 256 with 4 lobes. The table is in
 // docs/contributing/ALGORITHMS.md, "Roughness and material features"; its figures are rounded and use another seed of
 // noise. Varying roughness multiplies the error by up to four. If a sample were one facet, the error would be 12.4 %
 // instead of the stated 6.8 %.
@@ -421,8 +424,8 @@ TEST(Roughness, ErrorsAreThoseOfTheTable) {
   EXPECT_LT(waves.first, noise.first);
 }
 
-// Lobes cannot follow random normals, so that varying roughness does not raise the measured error.
-// ErrorsAreThoseOfTheTable covers other maps.
+// Lobes cannot follow random normals, so varying roughness does not raise the measured error. ErrorsAreThoseOfTheTable
+// covers other maps.
 TEST(Roughness, OfNoisyNormalsAVaryingMapIsAsGoodAsAConstantOne) {
   const NormalMap bumps = bumpy_map(128, 128, 44);
   const auto error_with = [&](const std::function<double(int, int)>& roughness) {

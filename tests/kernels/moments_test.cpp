@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Compares kernels/moments.cl with averages in double, for sizes that nest and sizes that do not, with bands of any
-// height.
+// Compares kernels/moments.cl with averages in double. Sizes nest or do not nest, and bands have any height.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -30,7 +29,7 @@ MomentMipmap bake(const NormalMap& map, const ColourMap* albedo = nullptr, const
 }
 
 // Sums are pairwise along a row of up to 2^15 texels and compensated down the rows, with two roundings at the ends.
-// Each step errs by some 2^-24 of the largest term that the texel covers.
+// Each step has an error of about 2^-24 of the largest term that the texel covers.
 constexpr double kMomentTolerance = 1.5e-6;
 
 void expect_near_reference(const NormalMap& map, const ColourMap* albedo, const MomentMipmap& baked) {
@@ -151,7 +150,7 @@ TEST(MomentClosedFormTest, AConstantMapHasNoVariance) {
         const SlopeMoments& m = level.slopes[i];
         EXPECT_NEAR(static_cast<double>(m.s), -n.x / n.z, 1e-6);
         EXPECT_NEAR(static_cast<double>(m.t), -n.y / n.z, 1e-6);
-        // One hundredth of the least documented slope deviation in floats, squared.
+        // The square of a hundredth of the least slope deviation that is documented for floats.
         EXPECT_NEAR(static_cast<double>(m.ss - m.s * m.s), 0.0, 1e-6);
         EXPECT_NEAR(static_cast<double>(m.tt - m.t * m.t), 0.0, 1e-6);
         EXPECT_NEAR(static_cast<double>(glm::length(level.normals[i])), 1.0, 1e-6);
@@ -159,7 +158,8 @@ TEST(MomentClosedFormTest, AConstantMapHasNoVariance) {
   }
 }
 
-// A V-groove of slopes +b and -b: E[b] = 0 and E[b^2] = b^2 exactly from level 1 on; powers of two need no rounding.
+// In a V-groove of slopes +b and -b, E[b] = 0 and E[b^2] = b^2 exactly from level 1 on, because powers of two need no
+// rounding.
 TEST(MomentClosedFormTest, AGrooveHasTheSquareOfItsSlope) {
   const MomentMipmap baked =
       bake(make_map(64, 32, [](int x, int) { return glm::dvec3(x % 2 == 0 ? 0.6 : -0.6, 0.0, 0.8); }));
@@ -175,9 +175,9 @@ TEST(MomentClosedFormTest, AGrooveHasTheSquareOfItsSlope) {
     }
 }
 
-// A cap of a sphere around the pole, with distance r from the pole: the slope is r / sqrt(1 - r^2). Over the disc of
-// radius R the mean of |b|^2 is -1 - ln(1 - R^2) / R^2, and that of n_z is 2 (1 - (1 - R^2)^1.5) / (3 R^2). The square
-// around the disc is flat outside it. 256 texels across resolve the disc's edge to about 1 %.
+// On a cap of a sphere around the pole, the slope at distance r from the pole is r / sqrt(1 - r^2). Over the disc of
+// radius R the mean of |b|^2 is -1 - ln(1 - R^2) / R^2, and the mean of n_z is 2 (1 - (1 - R^2)^1.5) / (3 R^2). The
+// square around the disc is flat outside it. 256 texels across resolve the disc's edge to about 1 %.
 TEST(MomentClosedFormTest, AHemispheresCapHasItsIntegrals) {
   constexpr int kSize = 256;
   constexpr double kRadius = 0.9;

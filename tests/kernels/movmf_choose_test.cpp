@@ -35,7 +35,7 @@ void PrintTo(const ChoiceCase& c, std::ostream* out) {
        << (c.order == MULTUM_ORDER_AGAIN ? ", again" : "");
 }
 
-// A level whose texels of colour (1, 0) are to be fitted; some texels of other colours are done.
+// Holds a level whose texels of colour (1, 0) are to be fitted; some texels of other colours are already fitted.
 struct ChoiceLevel {
   ChoiceCase which;
   int parent_width, parent_height;
@@ -51,7 +51,7 @@ Lobes random_lobes(int lobe_count, int texels, bool planar, std::mt19937& random
   const auto uniform = [&] { return static_cast<float>(random() >> 8) * 0x1p-24f; };
   Lobes lobes(static_cast<std::size_t>(lobe_count * texels));
   for (std::size_t i = 0; i < lobes.size(); ++i) {
-    // Lobe j is near one direction everywhere, as in aligned levels; one in five is dead.
+    // Lobe j is near one direction everywhere, as in aligned levels. One lobe in five is dead.
     const auto turn = 6.28f * static_cast<float>(i / static_cast<std::size_t>(texels)) / static_cast<float>(lobe_count);
     const glm::vec3 near(std::cos(turn), std::sin(turn), 1.0f);
     const glm::vec3 r = glm::normalize(near + 0.8f * glm::vec3(uniform() - 0.5f, uniform() - 0.5f, 0.0f));
@@ -194,8 +194,8 @@ std::vector<glm::dvec3> covered(const ChoiceLevel& level, const std::vector<floa
 
 class MovmfChooseTest : public ::testing::TestWithParam<ChoiceCase> {};
 
-// Rounding moves a way's cost by some 1e-6 from the reference's cost, so that either of two closer ways may win.
-// Whichever way wins, lobes are the means of their normals.
+// Rounding moves a way's cost by about 1e-6 from the reference's cost, so either of two ways may win if their costs are
+// closer than this. Whichever way wins, lobes are the means of their normals.
 TEST_P(MovmfChooseTest, TakesTheLeastOfAllWays) {
   const ChoiceCase c = GetParam();
   const ChoiceLevel level = random_level(c, 20061u + static_cast<unsigned>(c.lobes));

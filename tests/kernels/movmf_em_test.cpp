@@ -60,9 +60,9 @@ void PrintTo(const Case& c, std::ostream* out) {
 
 class MovmfEmTest : public ::testing::TestWithParam<Case> {};
 
-// Tolerances: one E-step in fp32 errs by some 1e-6 in each sum. EM amplifies that by at most the growth of its
-// differences between iterations, below 10 over 4 iterations on these maps. Hence 2e-5 would do; the bound is 1e-4 for
-// (a r, a). One lobe in 200 may be where two lobes compete evenly; its bound is 1e-2.
+// The reasons for the tolerances: one E-step in single precision has an error of about 1e-6 in each sum. Over 4
+// iterations on these maps, EM amplifies differences by less than 10. Hence 2e-5 would be enough; the bound is 1e-4 for
+// (a r, a). For one lobe in 200, which may compete evenly with another lobe, the bound is 1e-2.
 TEST_P(MovmfEmTest, EqualsReference) {
   const Case c = GetParam();
   const unsigned seed = 20061u + static_cast<unsigned>(c.width * 7 + c.level);
@@ -115,7 +115,7 @@ INSTANTIATE_TEST_SUITE_P(Maps, MovmfEmTest,
                                            Case{1, 37, 1, 4}, Case{64, 1, 3, 2},
                                            Case{50, 70, 2, 2, FitMethod::kChunks}));
 
-// The same test for planar Gaussians, whose lobes and references are (mean x, mean y, sigma^2).
+// Repeats the test for planar Gaussians, whose lobes and references are (mean x, mean y, sigma^2).
 INSTANTIATE_TEST_SUITE_P(
     Gaussians, MovmfEmTest,
     ::testing::Values(Case{32, 32, 1, 4, FitMethod::kTexels, kGmm}, Case{32, 32, 3, 8, FitMethod::kTexels, kGmm},
@@ -143,7 +143,8 @@ double difference(const MultumVmfLobe& lobe, const reference::Moments& expected)
   return std::max(std::abs(a - expected.amplitude), glm::length(a * r - expected.amplitude * expected.r));
 }
 
-// The part of r whose sum over a texel's lobes does not depend on the shares; for Gaussians it includes E[x^2 + y^2].
+// Returns the part of r whose sum over the lobes of a texel does not depend on the shares. For Gaussians this part
+// includes E[x^2 + y^2].
 glm::dvec3 kept_by_shares(const glm::dvec3& r, Representation representation) {
   return representation == kGmm ? glm::dvec3(r.x, r.y, 2.0 * r.z + r.x * r.x + r.y * r.y) : r;
 }
@@ -181,9 +182,9 @@ class BinnedTest : public ::testing::TestWithParam<BinnedCase> {
   LevelFit how_ = binned_fit(GetParam().level, GetParam().representation);
 };
 
-// Binned texels lose only the place of a normal within its cell: 4 iterations end close to the reference, which uses
-// every normal. Cells are 1/31 of the mean extent, lobes about a quarter. The blur is some 1/100 of a lobe's spread and
-// moves the share of two competing lobes by less. Each texel's mean normal is exact.
+// Binned texels lose only the place of a normal within its cell, so 4 iterations end close to the reference, which uses
+// every normal. A cell is 1/31 of the mean extent, and a lobe about a quarter. This blurs a lobe by about 1/100 of its
+// spread, and moves the share of two competing lobes by less. Each texel's mean normal is exact.
 TEST_P(BinnedTest, EqualsReferenceClosely) {
   how_.iterations = 4;
   const auto expected = fit_with_reference(map_, parent_, lobes_, how_);
@@ -214,7 +215,7 @@ TEST_P(BinnedTest, ScalarEqualsVectorBitForBit) {
   EXPECT_EQ(0, std::memcmp(vector.data(), scalar.data(), vector.size() * sizeof(MultumVmfLobe)));
 }
 
-// The map is read in bands of rows. Sums are whole numbers, so that the bands' height does not change the result.
+// The map is read in bands of rows. Sums are whole numbers, so the bands' height does not change the result.
 TEST_P(BinnedTest, BandsOfAnyHeightGiveTheSameBytes) {
   const int all_rows = how_.bin_rows;
   for (const bool scalar : {false, true}) {
@@ -253,7 +254,7 @@ TEST(CondensedFlatTest, OneNormalStaysWhole) {
   }
 }
 
-// A texel stops once it has settled, whatever its group does: variants agree, and fewer iterations change little.
+// A texel stops once it has settled, whatever its group does. Hence variants agree, and fewer iterations change little.
 TEST(SettledTest, ScalarEqualsVectorAndTheLongRunIsNear) {
   const NormalMap map = random_map(128, 128, 15);
   const auto parent = random_parent(map, 3, 4, 16);

@@ -65,8 +65,8 @@ double weight_of(const RefinedTexel& texel) {
   return total;
 }
 
-// A place in a level at which a texel has this number of neighbours, in the order of movmf_refine.cl: left, right,
-// above, below. In a level that repeats, all four exist.
+// Describes a place in a level at which a texel has this number of neighbours, in the order of movmf_refine.cl: left,
+// right, above, below. In a level that repeats, all four exist.
 struct Place {
   int width, height, x, y;
   bool repeats;
@@ -109,7 +109,7 @@ std::vector<MultumVmfLobe> run_kernel(const RefinedTexel& texel, int vector_widt
   std::size_t beside = 0;
   for (const auto& [dx, dy] : {std::pair(-1, 0), std::pair(1, 0), std::pair(0, -1), std::pair(0, 1)})
     if (place.is_there(dx, dy)) put(texel.beside.at(beside++), static_cast<std::size_t>(place.number(dx, dy)));
-  // Poison: the values of texels that are not in the list must stay.
+  // Fills all values with poison. The values of texels that are not in the list must stay.
   std::vector<MultumVmfLobe> refined(lobe_count * level_size, MultumVmfLobe{7.0f, 7.0f, 7.0f, 7.0f});
   MultumMovmfFit fit = {};
   fit.map_width = fit.width = place.width;
@@ -160,8 +160,9 @@ double difference(const std::vector<MultumVmfLobe>& found, const std::vector<ref
   return most;
 }
 
-// A step in fp32 errs by some 1e-6 (sums of up to 300 samples) and by 3e-5 of kappa (kappa_of_mean_length). Damped
-// steps add these errors up. Near the minimum of the energy, one side may accept a step that the other side rejects.
+// A step in single precision has an error of about 1e-6 (sums of up to 300 samples) and of 3e-5 of kappa
+// (kappa_of_mean_length). These errors add up over damped steps. Near the minimum of the energy, one side may accept a
+// step that the other side rejects.
 TEST(MovmfRefineTest, EqualsReference) {
   constexpr unsigned kSeed = 20271;
   std::mt19937 random(kSeed);
@@ -205,7 +206,7 @@ TEST(MovmfRefineTest, ComesNearerAndKeepsTheMeanNormal) {
   EXPECT_GE(nearer, 8);
 }
 
-// The reference's steps end in a minimum of the energy; zero derivatives would not prove a minimum.
+// The reference's steps end in a minimum of the energy. Zero derivatives would not prove a minimum.
 TEST(MovmfRefineTest, ReferenceIsWhereNoLobeMovesNearer) {
   std::mt19937 random(7);
   const RefinedTexel texel = random_texel(100, 3, random);
@@ -231,7 +232,7 @@ TEST(MovmfRefineTest, HardCases) {
       {{{{1.0, 0.0, 0.0}, 1.0}, {{-1.0, 0.0, 0.0}, 1.0}}, {{{0.0, 0.0, 0.0}, 0.5}, {{0.0, 0.0, 0.0}, 0.5}}, {}},
       {{{up, 1.0}}, {{up, 0.5}, {0.3 * tilted, 0.5}}, {}},
       {{{{0.0, 1.0, 0.0}, 1.0}, {{0.0, -1.0, 0.0}, 3.0}}, {{{0.0, 0.9, 0.0}, 0.25}, {{0.0, -0.9, 0.0}, 0.75}}, {}}};
-  // The same texels next to a flat texel, and next to an opposite one, so that pooled lobes have no direction.
+  // Refines the same texels next to a flat texel, and next to an opposite one, so that pooled lobes have no direction.
   for (std::size_t i = 0, count = texels.size(); i < count; ++i) {
     texels.push_back(texels[i]);
     texels.back().beside = {{{up, 1.0}, {up, 0.0}}, texels[i].lobes};

@@ -50,8 +50,8 @@ TEST(NumericsTest, Log2) {
   }
 }
 
-// From kappa 0.003 (spread 0.999) to 1e6 the error is at most 4e-5 of kappa; Banerjee's formula errs by up to several
-// per cent.
+// From kappa 0.003 (spread 0.999) to 1e6 the error is at most 4e-5 of kappa. Banerjee's formula has errors of up to
+// several per cent.
 TEST(NumericsTest, KappaOfMeanLength) {
   std::vector<float> spreads;
   for (double spread = 1e-6; spread < 0.999; spread *= 1.0117) spreads.push_back(static_cast<float>(spread));

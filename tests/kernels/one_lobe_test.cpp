@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Compares kernels/one_lobe.cl with double precision, for sizes that nest and sizes that do not, with bands of any
-// height, and tests known properties of its results.
+// Compares kernels/one_lobe.cl with double precision, and tests known properties of its results. Sizes nest or do not
+// nest, and bands have any height.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -49,7 +49,7 @@ class Levels : public MaterialSink {
   std::vector<MaterialRows> levels;
 };
 
-// The other planes of a map: alpha^2, occlusion, metalness.
+// Holds the other planes of a map: alpha^2, occlusion, metalness.
 struct Material {
   std::vector<float> base_squared, occlusion, metalness;
 };
@@ -100,8 +100,8 @@ reference::OneLobe lobe_of(const MaterialRows& level, std::size_t i) {
   return lobe;
 }
 
-// EM in float and EM in double converge to the same place; rounding moves each step by some 1e-6 of the lobe's width,
-// including sums of 1024 terms. An axis is less certain the rounder the lobe is.
+// EM in float and EM in double converge to the same place. Rounding, also of sums of 1024 terms, moves each step by
+// about 1e-6 of the lobe's width. The rounder a lobe is, the less certain its axis is.
 constexpr double kTolerance = 2e-4;
 
 void expect_near_reference(const NormalMap& map, const Material* material, const OneLobeSettings& settings) {
@@ -269,7 +269,7 @@ TEST(OneLobe, IsTheLikeliest) {
   }
 }
 
-// In a map of grooves the axis is across them, where normals tilt, with one sign all over the map.
+// In a map of grooves, the axis is across the grooves, as normals tilt, with one sign all over the map.
 TEST(OneLobe, GroovesHaveOneAxis) {
   for (const double degrees : {0.0, 40.0, 90.0, 135.0}) {
     const double angle = degrees * M_PI / 180.0;

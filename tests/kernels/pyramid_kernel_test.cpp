@@ -52,7 +52,7 @@ INSTANTIATE_TEST_SUITE_P(Sizes, MipBoxTest,
                          ::testing::Values(Size{1, 1}, Size{2, 2}, Size{1, 17}, Size{33, 1}, Size{16, 64}, Size{11, 7},
                                            Size{63, 65}, Size{37, 100}));
 
-// Sums are pairwise along a row and compensated down the rows: a few roundings of numbers up to 1.5.
+// Sums are pairwise along a row and compensated down the rows, so the error is a few roundings of numbers up to 1.5.
 TEST_P(MipBoxTest, EveryTexelIsTheMeanOfWhatItCovers) {
   for (const int plane_count : {1, 3}) {
     const BoxMap map = {GetParam().width, GetParam().height, plane_count, 0};
@@ -88,7 +88,8 @@ TEST_P(MipBoxTest, BandsOfAnyHeightAreTheSameBytes) {
   EXPECT_GT(bakes, 3);
 }
 
-// The longest possible column: a plain float sum of 32768 numbers near 0.1 has a relative error of some 1e-4.
+// Tests the longest possible column. A plain float sum of its 32768 numbers near 0.1 has a relative error of about
+// 1e-4.
 TEST(MipBoxHardTest, LongColumnsKeepTheirDigits) {
   const BoxMap map = {1, 32768, 1, 0};
   std::vector<float> column;
@@ -101,8 +102,8 @@ TEST(MipBoxHardTest, LongColumnsKeepTheirDigits) {
   EXPECT_NEAR(static_cast<double>(pyramid.levels.back().values[0]), sum / map.height, 1e-8);
 }
 
-// Lights behind the surface, in the viewer's direction and opposite to it; zero light. Results are finite and not
-// negative.
+// Tests zero light, and lights behind the surface, in the viewer's direction and opposite to it. Results are finite and
+// not negative.
 TEST(ReflectanceKernelTest, LightsFromAnywhere) {
   ReflectanceJob job;
   job.size = 16;
@@ -139,8 +140,8 @@ std::vector<reference::DistantLight> reference_lights(const ReflectanceJob& job)
   return lights;
 }
 
-// Compares with the same normals in double. The remaining error is that of the cosine in float, times the exponent:
-// 1.2e-7 s of a value at the foot of a lobe. For every s this is some 1e-6 of the lobe's peak.
+// Compares with the same normals in double. The remaining error is the rounding of the cosine times the exponent s. At
+// the foot of a lobe it is 1.2e-7 s of the value, which is about 1e-6 of the lobe's peak for every s.
 TEST(ReflectanceKernelTest, TexelsEqualTheReference) {
   for (const float exponent : {1.0f, 30.0f, 1000.0f, 1e5f}) {
     const ReflectanceJob job = job_of(exponent, 37);
@@ -169,7 +170,7 @@ TEST(ReflectanceKernelTest, TexelsEqualTheReference) {
   }
 }
 
-// Levels are averages over equal solid angles, so that the highlight keeps its energy, however sharp it is.
+// Levels are averages over equal solid angles, so the highlight keeps its energy, however sharp it is.
 TEST(ReflectanceKernelTest, EnergyStays) {
   ReflectanceJob job = job_of(1000.0f, 128);
   job.lights.resize(1);
@@ -226,7 +227,8 @@ TEST(ReflectanceMappingTest, AreasAreEqual) {
   }
 }
 
-// A white surface in a white sphere of light is white from every side: E = pi L, radiance k_d L.
+// A white surface in a white sphere of light is white from every side: the irradiance E is pi L, and the radiance is
+// k_d L.
 TEST(EnvironmentLightsTest, AWhiteFurnace) {
   const EnvironmentMap white{64, 32, std::vector<glm::vec3>(64 * 32, glm::vec3(2.0f))};
   ReflectanceJob job = job_of(50.0f, 16);
@@ -237,7 +239,7 @@ TEST(EnvironmentLightsTest, AWhiteFurnace) {
   for (const float v : pyramid.levels[0].values) EXPECT_NEAR(v, 0.8f, 0.004f);
 }
 
-// A single bright texel shines from its own direction: the middle is -Z, a quarter to the right +X.
+// A single bright texel shines from its own direction: the middle of the map is -Z, and a quarter to the right is +X.
 TEST(EnvironmentLightsTest, DirectionsAreTheMaps) {
   using Case = std::pair<int, glm::dvec3>;
   for (const auto& [column, direction] : {Case{32, {0, 0, -1}}, Case{48, {1, 0, 0}}}) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Compares kernels/sh_project.cl, run with mip_box.cl, against averages of the basis in double, for sizes that nest and
-// sizes that do not, with bands of any height. Numerical cases of both: host/lab/selftest/sh_cases.cpp.
+// Compares kernels/sh_project.cl, run with mip_box.cl, with averages of the basis in double. Sizes nest or do not nest,
+// and bands have any height. host/lab/selftest/sh_cases.cpp has numerical cases of both kernels.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -36,7 +36,7 @@ glm::dvec3 normal(const NormalMap& map, std::size_t i) {
   return {static_cast<double>(map.x[i]), static_cast<double>(map.y[i]), static_cast<double>(map.z[i])};
 }
 
-// At order 20 the basis is within 1e-5 of its bound (selftest); averaging adds some 2^-24 per step.
+// At order 20 the basis is within 1e-5 of its bound (selftest); averaging adds an error of about 2^-24 per step.
 constexpr double kShTolerance = 1e-5;
 
 void expect_near_reference(const NormalMap& map, const ColourMap* albedo, const ShMipmap& baked) {
@@ -136,7 +136,7 @@ TEST_P(ShKernelTest, BandsOfAnyHeightAreTheSameBytes) {
   }
 }
 
-// A checkerboard of two opposite tilts: terms odd in x cancel to the last bit, and even terms stay.
+// On a checkerboard of two opposite tilts, terms odd in x cancel to the last bit, and even terms stay.
 TEST(ShClosedFormTest, OppositeTiltsCancelWhatIsOdd) {
   constexpr int kOrder = 8;
   const ShMipmap baked =
@@ -166,7 +166,7 @@ TEST(ZonalTest, RecurrencesEqualQuadrature) {
   EXPECT_EQ(zonal_lambert(0).size(), 1u);
 }
 
-// Han et al., section 5: 9 coefficients suffice for Lambert, and l up to 2 sqrt(s) for Blinn-Phong.
+// By section 5 of Han et al., 9 coefficients suffice for Lambert, and l up to 2 sqrt(s) for Blinn-Phong.
 TEST(ShAccuracyTest, AnOrderThatSufficesIsNear) {
   const NormalMap map = random_map(64, 64, 0.0, 41);
   const auto worst = [&](int order, const AccuracyBrdf& brdf, double exponent) {

@@ -31,11 +31,11 @@ struct Case {
   InferenceForm form;
 };
 
-// Several views of one texture, with pixels that no texture fits exactly.
+// A problem with several views of one texture, and with pixels that no texture fits exactly.
 struct Problem {
   std::vector<FilterMatrix> matrices;
   std::vector<InferenceView> views;
-  std::vector<float> colours;  // three a row
+  std::vector<float> colours;  // three per row
 
   Problem(const Case& c, unsigned seed, double low = 0.2, double high = 0.8) {
     SplitMix64 random(seed);
@@ -134,13 +134,14 @@ TEST_P(TextureInferenceTest, FindsWhatEigenFinds) {
     double worst = 0.0;
     for (std::size_t t = 0; t < found.size(); ++t)
       worst = std::max(worst, std::abs(found[t] - expected[static_cast<Eigen::Index>(t)]));
-    // Single precision times the condition number of the coarse levels, about 1e3.
+    // The tolerance is the rounding of single precision times the condition number of the coarse levels, about 1e3.
     EXPECT_LE(worst, 5e-4) << "colour " << colour;
   }
 }
 
-// Kuhn-Tucker conditions: the slope is 0 inside the bounds and points outwards at them. Range regularisation keeps
-// texels off the bounds. Where pixels pull hard a few may reach them, since g is finite there (d is not 0).
+// Tests the Kuhn-Tucker conditions: the slope is 0 inside the bounds and points outwards at them. Range regularisation
+// keeps texels away from the bounds. Where pixels pull hard, a few texels may reach the bounds, because the term g is
+// finite there (d is not 0).
 TEST_P(TextureInferenceTest, EndsWhereNothingLeadsDown) {
   const Case& c = GetParam();
   std::size_t at_bounds[2] = {0, 0};
@@ -159,7 +160,8 @@ TEST_P(TextureInferenceTest, EndsWhereNothingLeadsDown) {
         ASSERT_LE(texels[t], 1.0);
         const bool low = texels[t] == 0.0, high = texels[t] == 1.0;
         at_bounds[has_range ? 1 : 0] += low || high ? 1 : 0;
-        // g's third derivative is 6 / d^4 at the bounds: differences over 1e-6 err by 1e-7 of the range term.
+        // The third derivative of g is 6 / d^4 at the bounds, so differences over 1e-6 have an error of 1e-7 of the
+        // range term.
         const double slope = half_slope(reference, texels, t, 1e-6);
         const double tolerance = 3e-3;  // slopes at x = 0 are about 10
         EXPECT_TRUE(high || slope >= -tolerance) << "texel " << t << " slope " << slope;
@@ -218,7 +220,7 @@ TEST(TextureInference, ExactPicturesGiveTheirTextureBack) {
 }
 
 TEST(TextureInference, PyramidalRegularisationDefinesEveryTexel) {
-  // Footprints that see only the left half, which has one colour.
+  // These footprints see only the left half, which has one colour.
   FilterMatrix matrix = random_matrix(32, 16, kClamp, 3000, 7);
   const MipLayout layout = matrix.layout();
   std::vector<float> weights;
@@ -262,7 +264,8 @@ TEST(TextureInference, BlackPicturesAreBlackTextures) {
   for (const float value : result.texels) ASSERT_EQ(value, 0.0f);
 }
 
-// Without regularisation the system is singular for unseen texels: seen texels are solved, the others stay finite.
+// Without regularisation the system is singular for unseen texels. Seen texels are still solved, and the others stay
+// finite.
 TEST(TextureInference, SingularSystemsStayFinite) {
   const FilterMatrix matrix = random_matrix(64, 64, kClamp, 40, 3);
   InferenceSettings settings;

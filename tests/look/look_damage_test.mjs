@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Damages baked files and reads them with the decoder of multum look's page, without a browser. Findings are errors
-// that
-// do not say what was found and expected, NaN or infinite numbers, and files that take seconds.
+// that do not say what was found and expected, NaN or infinite numbers, and files that take seconds.
 //
 //   node look_damage_test.mjs BIN_FOLDER [RUNS] [SEED]
 import assert from "node:assert/strict";
@@ -16,7 +15,7 @@ const SLOW_MS = 5000; // the machine may be busy; a file of 16 x 16 takes some m
 const EXTREMES = [0, 1, -1, 2, 16, 255, 256, 65535, 0x7fffffff, -0x80000000, 0x7fc00000, 0x7f800000, 0x3f800000];
 let state = Number(seedText) >>> 0;
 console.log(`  seed ${state}`);
-/** Returns a number from 0 to below `count`; xorshift32, Marsaglia 2003. */
+/** Returns a number from 0 to `count` - 1 by xorshift32 (Marsaglia 2003). */
 const draw = (count) => {
   state = (state || 1) ^ (state << 13);
   state ^= state >>> 17;

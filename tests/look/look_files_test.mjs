@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Baked files on multum look's page: .ndf.exr files of every kind, decoded in the page's worker and drawn like the page
-// that multum look makes of the same file; pages of several maps; damaged and hostile files. Exit code 77: skipped.
+// Tests baked files on multum look's page: .ndf.exr files of every kind, pages of several maps, damaged and hostile
+// files. The page's worker decodes a file, and the drawing equals the page that multum look makes of the same file.
+// Exits with 77 (skipped) if something is missing.
 //
 //   node look_files_test.mjs BIN_FOLDER SCREENSHOTS
 import assert from "node:assert/strict";
@@ -13,11 +14,11 @@ import { lowContrasts } from "../service/page_contrast.mjs";
 const [bin, screenshots] = process.argv.slice(2);
 const look = await startLook(bin);
 const { inFolder, run, complaints } = look;
-// A small window, because drawing a picture takes long on a processor.
+// The window is small, because drawing a picture takes long on a processor.
 const open = (file, hash = "", more = {}) => look.open(file, hash, { width: 240, height: 600, ...more });
 mkdirSync(screenshots, { recursive: true });
-// In units of 1/255: multum look's page has lobes in BC5 and 8-bit normals; the decoded file has half
-// floats and full normals.
+// The limit is in units of 1/255. multum look's page has lobes in BC5 and 8-bit normals, whereas the decoded file has
+// half floats and full normals.
 const CLOSE = 8;
 const MEAN_MOST = 2.5, CLOSE_LEAST = 0.95;
 const SAME_MOST = 0.5; // compared with lobes that are half floats there too
@@ -33,7 +34,7 @@ function valueAt(file, name, type, from = 0) {
 }
 const changed = (file, change) => { const bytes = Buffer.from(file); return change(bytes) ?? bytes; };
 
-/** Returns the mean difference of two pages' pictures at a view, of 255, and the share of values within CLOSE. */
+/** Returns the mean difference of two pages' pictures at a view, in 1/255, and the share of values within CLOSE. */
 async function apart(one, other, hash) {
   for (const page of [one, other]) {
     await goTo(page, hash);
@@ -83,7 +84,7 @@ try {
   refused("is not the file that other.ndf.exr was baked from", "other.ndf.exr", "--source", "map_normal.png",
     "--same-source");
 
-  // A page of two maps: the list chooses one, and the address keeps the choice.
+  // On a page of two maps, the list chooses one, and the address keeps the choice.
   const both = await open("both.html");
   assert.match(await factsOf(both), /96 x 96, 2 lobes/);
   assert.deepEqual(await both.locator("#map option").allTextContents(), ["other.ndf.exr", "map.ndf.exr"]);
@@ -98,7 +99,7 @@ try {
   await kept.evaluate(() => { location.hash = "map=40"; });
   await settled(kept);
   assert.equal((await viewOf(kept)).map, 1, "values of a foreign address must be clamped");
-  // The picture equals that of the page of this map only, which reads the map instead of level 0.
+  // The picture equals the picture of a page with only this map, which reads the map instead of level 0.
   const page = await open("map.html");
   const same = await apart(page, kept, "left=export&right=lobes&map=1");
   assert.ok(same.mean < 0.05, `maps of several: ${same.mean}`);
@@ -120,7 +121,7 @@ try {
     assert.ok(mean <= MEAN_MOST && close > CLOSE_LEAST, `${hash}: mean ${mean}, within ${CLOSE}: ${close}`);
     assert.ok(same.mean <= SAME_MOST, `${hash}: mean ${same.mean} against half floats`);
   }
-  // The lobes equal those of multum export --texels rgba16f, except for the rounding of float and double sums.
+  // The lobes equal the lobes of multum export --texels rgba16f, except for the rounding of float and double sums.
   const [count, far] = await other.evaluate((base64) => {
     const halvesOf = (file) => file.levels.map((bytes) => new Uint16Array(bytes.slice().buffer));
     const value = (bits) => (bits & 0x8000 ? -1 : 1) * ((bits & 0x7c00) === 0 ? (bits & 1023) * 2 ** -24
@@ -155,7 +156,7 @@ try {
     assert.equal(await dropped(other, "packed.ndf.exr"), "", compression);
     assert.equal(await texture(), hash, compression);
   }
-  // Half floats, floats and colours.
+  // Tests half floats, floats and colours.
   for (const words of [["-d", "half"], ["-d", "float"], ["--albedo", "map_albedo.png"]]) {
     bake("kind.ndf.exr", ...words, "--force");
     assert.equal(await dropped(other, "kind.ndf.exr"), "", words.join(" "));
@@ -195,7 +196,7 @@ try {
   const tableOf = (file) => file.lastIndexOf(Buffer.from("periodic,periodic\0\0", "latin1")) + 19;
   const tileOf = (file) => Number(file.readBigUInt64LE(tableOf(file)));
   const [tableAt, tileAt] = [tableOf(good), tileOf(good)];
-  // After the tile's head and a row of lobe values, which are half floats.
+  // This place is after the tile's head and a row of lobe values, which are half floats.
   const valuesAt = tileOf(plain) + 24 + 2 * 128;
   const bomb = deflateSync(Buffer.alloc(50e6));
   assert.equal(good.readInt32LE(tileAt), 0, "the first tile's part");

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Models on multum look's page: a square model compared with the plane that the page draws by rays, a ball, a model's
-// own normal map, and damaged or hostile files. Exit code 77: skipped.
+// Tests models on multum look's page: a square model compared with the plane that the page draws by rays, a ball, a
+// model's own normal map, and damaged or hostile files. Exits with 77 (skipped) if something is missing.
 //
 //   node look_model_test.mjs BIN_FOLDER SCREENSHOTS
 import assert from "node:assert/strict";
@@ -12,8 +12,8 @@ const [bin, screenshots] = process.argv.slice(2);
 const look = await startLook(bin);
 const { inFolder, run, complaints, open } = look;
 mkdirSync(screenshots, { recursive: true });
-const MEAN_MOST = 0.5; // of 255, within the square
-const HALF_SIDE = 0.6 / Math.SQRT2; // of a square whose corners are at the radius that the page gives a model
+const MEAN_MOST = 0.5; // in units of 1/255, within the square
+const HALF_SIDE = 0.6 / Math.SQRT2; // half the side of a square with corners at the radius of models on the page
 
 /** A binary glTF: `vertices` are [position, normal or null, texture coordinates], `image` the normal map's bytes. */
 function glb(vertices, indices, { image = null, change = () => {} } = {}) {
@@ -83,7 +83,7 @@ function ball(rings = 32) {
   } });
 }
 
-/** Returns the mean difference from the picture `url` inside the square, of 255, and the largest brightness there. */
+/** Returns the mean difference from the picture `url` inside the square, in 1/255, and the largest brightness there. */
 const apart = (page, url) => page.evaluate(async ([want, half]) => {
   const image = new Image();
   image.src = want;

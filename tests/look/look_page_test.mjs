@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Walks through multum look's page in headless Chromium: pictures compared with those of multum-view, every control,
-// keys, touch, the address, dropped lobe textures, damaged files, 360 px, light and dark. Exit code 77: skipped.
-// look_files_test.mjs tests the other files.
+// keys, touch, the address, dropped lobe textures, damaged files, 360 px, light and dark. Exits with 77 (skipped) if
+// something is missing. look_files_test.mjs tests the other files.
 //
 //   node look_page_test.mjs BIN_FOLDER SCREENSHOTS
 import assert from "node:assert/strict";
@@ -15,7 +15,7 @@ const [bin, screenshots] = process.argv.slice(2);
 const look = await startLook(bin);
 const { inFolder, run, complaints } = look;
 mkdirSync(screenshots, { recursive: true });
-const CLOSE = 8; // of 255: this GL filters blocks and half floats with other roundings than llvmpipe
+const CLOSE = 8; // in units of 1/255; this GL and llvmpipe round differently when they filter blocks and half floats
 const MEAN_MOST = 1.5;
 
 const open = (hash, more) => look.open("map.html", hash, more);
@@ -33,11 +33,11 @@ try {
     assert.notEqual(await pixels(page), before, `${what} changes no picture`);
   };
 
-  // Pictures compared with multum-view's of the same file, map, camera and light.
+  // Compares pictures with those of multum-view for the same file, map, camera and light.
   const page = await open("#left=lobes&split=1");
   const [width, height] = await page.evaluate(() => globalThis.multumLook.gl.size);
   const beside = async (file, hash) => {
-    // multum-view's camera and light, unless `hash` sets others.
+    // These are multum-view's camera and light, unless `hash` sets others.
     const defaults = "elevation=21.5&distance=-0.288&exposure=0&x=0.303&y=0.808&z=0.505";
     await goTo(page, `${defaults}&${hash}`);
     await settled(page);
@@ -63,7 +63,7 @@ try {
         brightest: want.reduce((a, b, i) => (i % 4 === 3 ? a : Math.max(a, b)), 0) };
     }, readFileSync(inFolder("view.png")).toString("base64")).catch((error) => assert.fail(String(error)));
   };
-  // multum-view's plane begins at y = 0, the page's is endless.
+  // The plane of multum-view begins at y = 0, whereas the plane of the page is endless.
   for (const [name, hash] of [["lobes", "left=lobes&split=1"],
     ["steep", "left=lobes&split=1&elevation=75&distance=-0.5"],
     ["turned", "left=lobes&split=1&azimuth=30&elevation=45&distance=-0.5&exposure=0&x=-0.5&y=0.5&z=0.7071"]]) {
@@ -108,8 +108,8 @@ try {
   const facts = await factsOf(page);
   assert.match(facts, /128 x 128, 4 lobes.*all mip levels.*roughness as BC4.*lobes 0.06 MB \(BC5.*takes [\d.]+ ms/);
 
-  // The page's error against the map itself: almost 0 where texels are larger than pixels, low for lobes far away, and
-  // removed when the view changes.
+  // The page's error relative to the map itself is almost 0 where texels are larger than pixels, and low for lobes far
+  // away. It is removed when the view changes.
   const errors = async (hash) => {
     await goTo(page, hash);
     await settled(page);
@@ -122,7 +122,7 @@ try {
   };
   const [near, far] = [await errors("#distance=-2"), await errors("")];
   assert.ok(near[0] < 3 && near[1] < 3 && near[2] < 1, near);
-  // With one evaluation per lobe. With two taps that were shaded separately, the ratio was below 0.6.
+  // One evaluation per lobe is used. If two taps were shaded separately, the ratio would be below 0.6.
   assert.ok(far[1] < 0.7 * far[0] && far[2] < far[1], far);
   await changes(page, "a view after its error", () => page.locator("#exposure").fill("0"));
   assert.equal(await page.textContent("#error"), "");
@@ -155,7 +155,7 @@ try {
   }
   assert.equal(await again.locator("#problem").isVisible(), true);
 
-  // A small window, by touch, light and dark.
+  // Uses a small window by touch, in light and dark.
   for (const colorScheme of ["light", "dark"]) {
     const small = await open("", { width: 360, height: 740, colorScheme, hasTouch: true, isMobile: true });
     const [scroll, client] = await small.evaluate(() =>

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Checks the other pages of multum and its tools in headless Chromium, in narrow windows and at 200 %: no part is cut,
-// covered or beyond the window, no text reads "undefined", and the demo's figures add up. Exit code 77: skipped.
+// covered or beyond the window, no text reads "undefined", and the demo's figures add up. Exits with 77 (skipped) if
+// something is missing.
 //
 //   node pages_test.mjs BIN_FOLDER SCREENSHOTS
 import assert from "node:assert/strict";

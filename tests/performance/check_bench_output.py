@@ -94,7 +94,7 @@ def check_infer(text):
         check_spread(solver["solve_ms"])
         check_spread(solver["yardstick_solve_ms"])
         assert solver["yardstick"].startswith("LSCG per colour"), solver
-        # Both solvers take the same steps on the same system: the texels are equal up to rounding.
+        # Both solvers take the same steps on the same system, so the texels are equal up to rounding.
         assert solver["at_bounds"] == 0 and solver["largest_difference"] < 1e-3, solver
         assert abs(solver["residual"] / solver["yardstick_residual"] - 1) < 1e-3, solver
         assert [product["product"] for product in row["products"]] == ["A", "A^T", "A^T A"]
@@ -128,7 +128,7 @@ def check_document(text):
 
 
 def check_accuracy(text):
-    # The first figure of a summary line is s = 100 at the centres of level 3.
+    # The first figure of a summary line is for s = 100 at the centres of level 3.
     error = {name: float(value) for name, value in re.findall(r"^\| ([^|]+) \| ([0-9.]+) /", text, re.MULTILINE)}
     assert error["8 lobes"] < error["4 lobes"] < error["2 lobes"] < error["1 lobe"], error
     assert text.count("| fit, processor s | elapsed, s |") == 1, "only the summary may have times"
@@ -141,7 +141,7 @@ def check_accuracy(text):
     assert [row[:2] for row in rows] == [(level, s) for level in "012" for s in ("20", "100", "500")], rows
     stored = {row[:2]: [float(cell) for cell in row[2].split("|")] for row in rows}
     for s in ("20", "100", "500"):
-        # Level 2 is stored for every L, level 1 up to L = 1; files get smaller.
+        # Level 2 is stored for every L, and level 1 for L up to 1; files get smaller.
         assert stored["0", s][6] == stored["1", s][6] == stored["2", s][6], rows
         assert stored["0", s][3:6] == stored["1", s][3:6], rows
         assert stored["0", s][7:] > stored["1", s][7:] > stored["2", s][7:], rows

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Medians and quartiles, tables and commands as text, as in docs/evidence/BENCHMARKS.md.
+// Tests medians, quartiles, tables and commands as text, as in docs/evidence/BENCHMARKS.md.
 #include <gtest/gtest.h>
 
 #include "tools/lab/bench/documents/markdown_table.h"

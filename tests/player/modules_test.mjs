@@ -175,7 +175,7 @@ const steps = {
     const thing = objects.get("thing");
     near(thing.positions, [0, 2, 0, 0, 0, 0, 1, 0, 0], 0, "corners in the indices' order");
     near(thing.uvs, [32768 / 65535, 0, 0, 0, 16384 / 65535, 0], 1e-6, "texture coordinates, upwards");
-    // Rotated by 90 degrees about y: x goes to -z. Scaled by 2, and moved by the parent.
+    // The node is rotated by 90 degrees about y, so x goes to -z. It is scaled by 2, and moved by the parent.
     const corner = [0, 1, 2].map((row) => thing.objectToWorld[row] + thing.objectToWorld[12 + row]);
     near(corner, [1, 2, 3 - 2], 1e-12, "where (1, 0, 0) is");
     for (const [change, pattern] of [
@@ -291,7 +291,7 @@ const steps = {
       return sides;
     };
     assert.deepEqual(new Set(move(0.1, 100)), new Set([4]), "a fast machine uses the finest images");
-    const slow = move(30, 40); // 490 ms at first: fewer than 3 frames per second
+    const slow = move(30, 40); // 490 ms at first, which is fewer than 3 frames per second
     assert.equal(slow.at(-1), 1);
     assert.ok(slow.indexOf(1) < 10, `${slow}`);
     assert.ok(Math.abs(quality.framesPerSecond - 25) < 1, `${quality.framesPerSecond}`);
@@ -405,7 +405,7 @@ const steps = {
     assert.ok(refused > 10000, `${refused} were refused`);
   },
 
-  /** Any file is refused with a message or read: bytes change, are cut or doubled, some checksums are corrected. */
+  /** Any file is read or refused with a message. Bytes change, are cut or doubled, and some checksums are corrected. */
   async filesOfStrangersDoNotBreakIt() {
     const sound = fileOf([descriptionSection(description()), { kind: 1, layer: 0, block: 0, bytes: Buffer.from("abc") },
       { kind: 7, layer: 0, block: 0, bytes: Buffer.alloc(10) }]);

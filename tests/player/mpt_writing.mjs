@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Takes packed fields (docs/reference/packed_fields.md) apart and puts them together again, with right checksums for
-// any
-// contents.
+// any contents.
 import { deflateSync, inflateSync } from "node:zlib";
 import { sectionChecksum } from "../../runtime_gl/web/checksum.js";
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Players that `multum pack` and `multum player` write: their contents, refusals, and in headless Chromium
-// (player_test.mjs) their pictures compared with those of multum-view, controls, memory, and damage of every kind.
+// Tests the players that `multum pack` and `multum player` write: their contents and refusals. In headless Chromium,
+// player_test.mjs compares their pictures with those of multum-view, and tests controls, memory, and damage of every
+// kind.
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
@@ -75,11 +76,11 @@ TEST_F(PlayerPageTest, AFieldIsPublishedLater) {
         << entry.path();
   EXPECT_EQ(multum({"player", path("field.mpt"), "-o", path("again.html")}).exit_code, 0);
   EXPECT_TRUE(read_bytes(path("again.html")) == read_bytes(path("page.html")));
-  // A title that would end the script that contains it.
+  // This title would end the script that contains it.
   fs::copy_file(path("field.mpt"), path("<!--<script>.mpt"));
   ASSERT_EQ(multum({"player", path("<!--<script>.mpt"), "-o", path("named.html")}).exit_code, 0);
   EXPECT_EQ(read_bytes(path("named.html")).find("<!--<script>"), std::string::npos);
-  // A geometry that differs from the textures' geometry.
+  // This geometry differs from the textures' geometry.
   write_bytes(path("renders/geometry.obj"), read_bytes(path("renders/geometry.obj")) + "\n# changed\n");
   expect_refusal(multum({"player", path("field.mpt"), "-o", path("other")}), kInput,
                  {"geometry.obj", "not the geometry", "SHA-256"});

@@ -15,8 +15,9 @@ import { RangeServer } from "./range_server.mjs";
 
 const [executablePath, folder, screenshots, only = "", seconds = "10"] = process.argv.slice(2);
 const PATIENCE = 30000; // ms; the machine may be busy
-// Allowed difference from multum-view's pictures, in 8-bit values. This GL has 4 bits of sub-pixel position where the
-// other has 8, so pixels at edges differ by their coverage. Other pixels differ by rounding of half floats and of sRGB.
+// The allowed difference from multum-view's pictures, in 8-bit values. This GL has 4 bits of sub-pixel position where
+// the other has 8, so pixels at edges differ by their coverage. Other pixels differ by rounding of half floats and of
+// sRGB.
 const NEAR = 2;
 const NEAR_SHARE_LEAST = 0.995;
 const MEAN_MOST = 0.15;
@@ -30,7 +31,7 @@ const browser = await chromium.launch({
 const field = (await readdir(path.join(folder, "player"))).find((name) => name.endsWith(".mpt"));
 const bytes = await readFile(path.join(folder, "player", field));
 const expected = JSON.parse(await readFile(path.join(folder, "expected.json")));
-const complaints = []; // of all pages
+const complaints = []; // errors of all pages
 const expectedNoise = /GL Driver Message|Failed to load resource|GPU stall/;
 
 async function openPage(url, { width = 1280, height = 800, colorScheme = "light", hasTouch = false } = {}) {
@@ -196,7 +197,7 @@ const steps = {
     await page.waitForFunction(() => globalThis.multumPlayer !== undefined);
     await comparePictures(page, expected.slice(0, 1));
     await close(page);
-    // A single chunk fails: the rest plays, and a later request gets the chunk.
+    // If a single chunk fails, the rest plays, and a later request gets the chunk.
     let isThere = false;
     let failed = null;
     const other = await openPlayer(variant("chunkless", farApart, (file, count) => {
@@ -224,7 +225,7 @@ const steps = {
       Math.max(...globalThis.multumPlayer.pixels().filter((_, i) => i % 4 === 1)));
     assert.ok(picture > 60, "nothing is drawn");
     await shoot(page, "damaged");
-    // Damage with a correct checksum: the decoder decodes or refuses it, and the page survives.
+    // The decoder decodes or refuses damage with a correct checksum, and the page survives.
     for (const change of [(b) => { b[9] ^= 64; }, (b) => b.fill(255, 1, 8), (b) => { b[1] = 1; }]) {
       const own = sectionsOf(bytes);
       own[place].bytes = Buffer.from(own[place].bytes);

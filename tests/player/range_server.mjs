@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A static server on loopback for tests: serves a folder, also by ranges, and copies of it in which single files are
-// replaced or truncated.
+// A static server on loopback for tests. It serves a folder, also by ranges, and copies of the folder in which single
+// files are replaced or truncated.
 import { readFile } from "node:fs/promises";
 import http from "node:http";
 import path from "node:path";
@@ -9,7 +9,7 @@ const TYPES = { ".html": "text/html", ".js": "text/javascript", ".css": "text/cs
   ".png": "image/png" };
 
 export class RangeServer {
-  /** `folder`: the folder that / serves. */
+  /** `folder` is served at /. */
   static async start(folder) {
     const server = new RangeServer();
     Object.assign(server, { folder, copies: new Map(), requests: [] });
@@ -20,8 +20,8 @@ export class RangeServer {
   }
 
   /**
-   * Serves the folder `of` as /NAME/, with `files` instead of its own. `behave(file, count)`, with the number of
-   * earlier requests of that file, returns { cut: bytes after which the connection ends, noRanges, status }.
+   * Serves the folder `of` as /NAME/, with `files` instead of its own. `behave(file, count)` gets the number of earlier
+   * requests of that file. It returns { cut: bytes after which the connection ends, noRanges, status }.
    */
   copy(name, of, files = {}, behave = () => ({})) {
     this.copies.set(name, { of, files, behave, counts: new Map() });

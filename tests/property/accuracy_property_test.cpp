@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Measured errors on maps with known errors, also of files that leave their finest levels to the normal map. The result
-// does not depend on the order in which a meter gets its rows.
+// Tests measured errors on maps with known errors, also of files that leave their finest levels to the normal map. The
+// result does not depend on the order in which a meter gets its rows.
 #include <gtest/gtest.h>
 
 #include <glm/geometric.hpp>
@@ -178,8 +178,8 @@ TEST(AccuracyTest, HighlightsAreScaledByTheirOwnTotals) {
   for (std::size_t i = 0; i < values.size(); ++i) EXPECT_EQ(values[i], of_point[i % 7]) << i;
 }
 
-// Rows come from the last to the first, a few at a time, only if the meter asks for them, and with several thread
-// counts.
+// Rows come from the last to the first, a few at a time, and only if the meter asks for them. Several thread counts are
+// tested.
 TEST(AccuracyTest, DoesNotDependOnHowRowsCome) {
   const NormalMap map = random_map(8, 0.6);
   const ColourMap albedo = random_colours(9, 1.0);
@@ -192,7 +192,8 @@ TEST(AccuracyTest, DoesNotDependOnHowRowsCome) {
     for (MovmfLevel& level : header.levels) level.lobes = {{}};
     AccuracySettings settings;
     settings.samples_per_level = 6;
-    settings.footprints_per_octave = first_level > 0 ? 4 : 0;  // footprints need every row of a map as small as this
+    settings.footprints_per_octave = first_level > 0 ? 4 : 0;  // with footprints, a map as small as this would need all
+                                                               // of its rows
     settings.threads = 1;
     const std::vector<AccuracyRow> expected = measure_accuracy(test_device(), mipmap, map, &albedo, settings, nullptr);
     int unneeded_count = 0;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A bake in bands of rows of any height, with planes kept anywhere, gives the bytes of a bake of the whole map at once
-// (movmf_level_fit.h).
+// A bake in bands of rows of any height, with planes in memory or in files, gives the same bytes as a bake of the whole
+// map at once (movmf_level_fit.h).
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Properties of every bake, for any map: conservation, symmetry, repeatability.
+// Tests properties of every bake, for any map: conservation, symmetry, repeatability.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -59,7 +59,8 @@ INSTANTIATE_TEST_SUITE_P(Sizes, BakePropertyTest,
                          ::testing::Values(std::pair{64, 64}, std::pair{128, 32}, std::pair{50, 37}, std::pair{1, 100},
                                            std::pair{100, 1}, std::pair{1, 1}, std::pair{3, 3}, std::pair{2, 1}));
 
-// Amplitudes sum to 1, and a_j r_j to the mean normal of the covered texels: filtering and fitting conserve both.
+// Amplitudes sum to 1, and a_j r_j sum to the mean normal of the covered texels, because filtering and fitting conserve
+// both.
 TEST_P(BakePropertyTest, AmplitudesAndMeanNormalsAreConserved) {
   const auto [width, height] = GetParam();
   const NormalMap map = random_map(width, height, 11);
@@ -114,8 +115,8 @@ TEST_P(BakePropertyTest, ScalarVariantGivesTheSameBytes) {
   test_device().set_shape(LaunchShape::of(test_device().info()));
 }
 
-// Rotating by 90 degrees is exact in floats (swap and negate) and must rotate every lobe alike: the kernels prefer no
-// axis beyond the rounding of sums in x, y order. Where a texel has no more normals than lobes (levels 0 and 1), two
+// Rotating by 90 degrees is exact in floats (swap and negate) and must rotate every lobe alike. The kernels prefer no
+// axis, except that sums are rounded in x, y order. Where a texel has no more normals than lobes (levels 0 and 1), two
 // lobes may be equally good, and either may win. Start candidates of almost equal quality may also change places with
 // the rounding, so this test searches no start.
 void expect_lobes_turn(MovmfSettings settings) {
@@ -128,7 +129,7 @@ void expect_lobes_turn(MovmfSettings settings) {
   }
   const MovmfMipmap straight = bake(map, settings), rotated = bake(turned, settings);
   for (std::size_t l = 0; l < straight.levels.size(); ++l) {
-    // Mean |difference| of a lobe's values after the rotation.
+    // Returns the mean |difference| of a lobe's values after the rotation.
     double sum = 0.0;
     std::size_t count = 0;
     for (std::size_t j = 0; j < straight.levels[l].lobes.size(); ++j)
@@ -160,12 +161,11 @@ double column_difference(const MovmfLevel& level, int left, int right) {
   return sum;
 }
 
-// A periodic map is aligned across its border too, also if the width is odd and both columns have the same colour.
+// A periodic map is aligned across its border too, even if the width is odd and both columns have the same colour.
 TEST(BakePeriodicTest, LobesAreAlikeAcrossTheBorder) {
   for (int width : {128, 100}) {
-    // Two opposite facets in equal shares, which have changed places from border to border: the assignment of lobes
-    // drifts
-    // along the map.
+    // Two opposite facets in equal shares have changed places from border to border, because the assignment of lobes
+    // drifts along the map.
     std::mt19937 random(21);
     const NormalMap map = testing::make_map(width, 128, [&](int x, int) {
       const double noise = static_cast<double>(random() >> 8) * 0x1p-24 - 0.5;

@@ -52,7 +52,8 @@ std::vector<AccuracyRow> measure(const Baked& baked, std::int64_t samples_per_le
   return measure_accuracy(test_device(), baked.mipmap, baked.map, settings, nullptr);
 }
 
-// Noise that gets steeper along the short side: the cells at the border, which are cut off, differ from the others.
+// Makes noise that gets steeper along the short side. The cells at the border, which are cut off, differ from the
+// others.
 NormalMap thin_map(int length, int thickness, bool upright) {
   std::mt19937 random(5);
   const auto normal = [&](int along, int across) {
@@ -152,7 +153,8 @@ TEST(ErrorInterval, HoldsTheErrorOfAllTexels) {
   }
 }
 
-// With the sample count of every bake, level 1 of this map was once stated as 42.6 %, and is 60.9 % over all texels.
+// With the number of samples that every bake uses, the error of level 1 of this map was once stated as 42.6 %. Over all
+// texels it is 60.9 %.
 TEST(ErrorInterval, HoldsOnAThinMapWithTheBakesSamples) {
   const Baked baked = bake(thin_map(4097, 7, false));
   Coverage coverage(baked);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Compares planar Gaussians with lobes as Han et al. 2007 do in figure 7: equal on top, and worse for normals closer to
-// the rim of the disc, where a round bump on the sphere is a thin one on the plane that ends at its edge.
+// Compares planar Gaussians with lobes as Han et al. 2007 do in figure 7. Gaussians are equal for upright normals, and
+// worse for normals near the rim of the disc. There, a round bump on the sphere becomes a thin bump on the plane, which
+// the edge of the disc cuts off.
 #include <gtest/gtest.h>
 
 #include <fmt/format.h>
@@ -20,7 +21,8 @@ namespace {
 
 using testing::test_device;
 
-// Two bumps of normals, each about six degrees wide, tilted by this angle to either side; none below the horizon.
+// Makes two bumps of normals, each about six degrees wide, tilted by this angle to either side. No normal is below the
+// horizon.
 NormalMap tilted_map(double degrees) {
   std::mt19937 random(2007);
   const auto normal = [&] { return std::normal_distribution<double>(0.0, 0.1)(random); };
@@ -32,7 +34,7 @@ NormalMap tilted_map(double degrees) {
   });
 }
 
-// Directions spread evenly over the upper hemisphere: a spiral by the golden angle.
+// Returns directions spread evenly over the upper hemisphere, in a spiral by the golden angle.
 std::vector<glm::dvec3> hemisphere(int count) {
   std::vector<glm::dvec3> directions;
   for (int i = 0; i < count; ++i) {
@@ -43,8 +45,7 @@ std::vector<glm::dvec3> hemisphere(int count) {
 }
 
 // Returns the mean relative L1 error over the levels of 16 x 16 texels and coarser, over half vectors in all
-// directions,
-// by BRDF.
+// directions, by BRDF.
 std::map<std::string, double> errors_of(const NormalMap& map, Representation representation) {
   MovmfSettings settings;
   settings.representation = representation;

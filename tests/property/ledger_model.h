@@ -33,7 +33,7 @@ class LedgerModel {
   int needs_left(std::int64_t id) const;
   std::optional<TimeMs> next_due() const;
 
-  /// Null: the submission is refused.
+  /// If null, the submission is refused.
   std::optional<SubmitResult> submit(const JobSubmission& submission);
   std::optional<std::int64_t> claim(const ClaimLimits& limits, const std::string& owner, TimeMs now);
   bool begin_publishing(std::int64_t id, const std::string& owner, int attempt);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Compares random histories of a ledger with a model of it (ledger_model.h). After every step both agree on every job,
 // no job waits for one that has failed or is gone, and no number is given twice. At the end every job that may run is
-// run, and every job has ended. The seed is fixed; RC_PARAMS="seed=N max_success=20000" sets another, and a failure
-// prints its own.
+// run, and every job has ended. The seed is fixed; RC_PARAMS="seed=N max_success=20000" sets another seed, and a
+// failure prints the seed that it used.
 #include <gtest/gtest.h>
 #include <rapidcheck.h>
 #include <rapidcheck/gtest.h>
@@ -23,14 +23,14 @@ using testing::LedgerModel;
 using testing::TemporaryFolder;
 using Ids = std::vector<std::int64_t>;
 
-// Set before the first property, when RapidCheck reads it.
+// Must be set before the first property, when RapidCheck reads it.
 const int g_seeded = setenv("RC_PARAMS", "seed=20261123 max_success=400", 0);
 
 constexpr RetryPolicy kPolicy = {100, 1000};
 constexpr char kResults[] = "/data/results";
 
-// The next action, and four numbers that choose the jobs: they are taken modulo the number of jobs, so that shortened
-// sequences stay valid.
+// The next action, and four numbers that choose the jobs. The numbers are taken modulo the number of jobs, so that
+// shortened sequences stay valid.
 struct Step {
   int kind, a, b, c, d;
 };
@@ -46,7 +46,7 @@ rc::Gen<Step> steps() {
   });
 }
 
-// Made once, because each would wait for the disk.
+// An empty ledger is made only once, because making each one would wait for the disk.
 const std::string& empty_ledger() {
   static const std::string bytes = [] {
     const TemporaryFolder folder;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The error of a region that was baked again, over only its texels. The region's sides are half as long as the map's
-// sides, so its texels of all levels form a mipmap.
+// Tests the error of a region that was baked again, over only its texels. The region's sides are half as long as the
+// map's sides, so its texels of all levels form a mipmap.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Settings are chosen by what a map needs; a mosaic is made from the map; and the interval of a measured error contains
-// the error of all texels.
+// Tests that settings are chosen by the needs of a map, that a mosaic is made from the map, and that the interval of a
+// measured error contains the error of all texels.
 #include "host/bakes/settings_search/setting_choice.h"
 
 #include <gtest/gtest.h>
@@ -191,9 +191,8 @@ std::vector<std::pair<std::string, NormalMap>> maps_to_measure(int size) {
   return maps;
 }
 
-// Returns the number of successes out of `count`, at 95 % each, that chance misses only once in 10,000 times: a
-// binomial
-// sum.
+// Returns the number of successes out of `count` that chance misses only once in 10,000 times, if each success has a
+// probability of 95 %. The number comes from a binomial sum.
 int least_held(int count) {
   double below = 0.0;
   for (int held = 0; held < count; ++held) {
@@ -204,10 +203,11 @@ int least_held(int count) {
   return count;
 }
 
-// The measured footprints of a map stand for all of its footprints. Errors in units of the standard error have a mean
-// square of 1 if the interval is right, and less if evenly spread footprints know more than the interval assumes.
-// Coverage finds intervals that are half as wide on one map, or a fifth too narrow on all. The mean square also finds
-// intervals that are one and a half times too wide. `multum-bench coverage` has every real map and setting.
+// The measured footprints of a map represent all of its footprints. Errors in units of the standard error have a mean
+// square of 1 if the interval is right. The mean square is lower if evenly spread footprints know more than the
+// interval assumes. Coverage finds intervals that are half as wide on one map, or a fifth too narrow on all. The mean
+// square also finds intervals that are one and a half times too wide. `multum-bench coverage` has every real map and
+// setting.
 TEST(FootprintErrors, IntervalHoldsTheErrorOfAllFootprints) {
   constexpr int kSize = 64, kSeeds = 60, kFew = 48;
   int held_of_all = 0, all = 0;

@@ -28,8 +28,8 @@ namespace {
 
 using testing::test_device;
 
-// A rearranged map: its texel (x, y) is the texel at place(x, y, size) of the map or of a level with that size, with
-// rotated vectors. Rows go down; y of normals goes up.
+// Describes a rearranged map. Its texel (x, y) is the texel at place(x, y, size) of the map or of a level with that
+// size, with rotated vectors. Rows go down; y of normals goes up.
 struct Layout {
   const char* name;
   std::function<PlaneSize(PlaneSize)> size;
@@ -94,8 +94,8 @@ glm::dvec4 lobe_sum(const MovmfLevel& level, std::size_t texel) {
   return sum;
 }
 
-// The largest difference, over the levels that both pyramids have, between properties that do not depend on the layout,
-// or (from level 1 up) between lobes.
+// Holds the largest difference, over the levels that both pyramids have, between properties that do not depend on the
+// layout, or (from level 1 up) between lobes.
 struct Differences {
   double finest = 0.0, mean = 0.0, energy = 0.0, lobes = 0.0;
 };
@@ -134,7 +134,7 @@ AccuracySettings settings_for(const Layout& layout) {
   return settings;
 }
 
-// The difference of errors at texel centres in the levels that both pyramids have.
+// Holds the difference of errors at texel centres in the levels that both pyramids have.
 struct ErrorDifference {
   double most = 0.0;           // largest difference, absolute
   double most_of_error = 0.0;  // largest difference relative to the error, where that is above 1 %
@@ -184,7 +184,7 @@ INSTANTIATE_TEST_SUITE_P(Layouts, SymmetryTest, ::testing::Range(0, 4));
 // snorm16 keeps a value to half a step of 1/32767, so sums of four lobes differ by up to four steps per channel.
 constexpr double kStep = 1.0 / 32767.0;
 constexpr double kMeanSteps = 4.0 * 1.7321;
-// Sums of up to 4096 floats in another order: three times the measured difference of these maps.
+// Sums of up to 4096 floats are added in another order. The bound is three times the measured difference of these maps.
 constexpr double kFloatMean = 2e-6;
 
 TEST_P(SymmetryTest, MeanNormalsAndEnergyStay) {
@@ -209,9 +209,9 @@ TEST_P(SymmetryTest, MeanNormalsAndEnergyStay) {
   }
 }
 
-// Bounds on properties that are not kept; docs/contributing/ALGORITHMS.md has them. The worst differences here: 45 % of
-// a level's error, on noise of 64 x 16, where a normal of level 1 goes entirely to one lobe or another; and 3.2 % of
-// the mean.
+// Bounds on properties that are not kept; docs/contributing/ALGORITHMS.md has them. The worst differences here are 45 %
+// of a level's error and 3.2 % of the mean. The 45 % occur on noise of 64 x 16, where a normal of level 1 goes entirely
+// to one lobe or another.
 constexpr double kErrorsDiffer = 0.6, kMeansDiffer = 0.05;
 
 TEST_P(SymmetryTest, LobesDifferAndErrorsLittle) {
@@ -234,7 +234,7 @@ TEST_P(SymmetryTest, LobesDifferAndErrorsLittle) {
   }
 }
 
-// Averages prefer no direction: except for rounding, moments and harmonics have the same errors as before.
+// Averages prefer no direction. Except for rounding, moments and harmonics of the rearranged map have the same errors.
 TEST_P(SymmetryTest, AveragesErrAlike) {
   for (const auto& [name, map, halves] : cases()) {
     if (is_tiled(layout()) && !halves) continue;

@@ -64,7 +64,7 @@ class HostileTest(ClientCase):
                        stdout=subprocess.DEVNULL)
         return self.output(name + "_normal.png")
 
-    # ---- What clients send
+    # ---- Requests of clients
 
     def test_no_trailer_and_no_extension_of_a_chunk_ends_it(self):
         self.start()
@@ -332,7 +332,7 @@ class HostileTest(ClientCase):
         message = self.refused(400, "usage", [], "POST", "/v1/jobs",
                                {"type": "scene", "parameters": {"scene": path}, "output": self.output("a")})
         self.assertIn("secret.png", message)
-        # An upload cannot be an output either.
+        # An upload must not be an output either.
         self.refused(400, "usage", [], "POST", "/v1/jobs", {"type": "drill", "parameters": {}, "output": path})
 
     def test_hostile_scenes_cost_a_child(self):
@@ -426,7 +426,7 @@ class HostileTest(ClientCase):
             self.assertTrue(is_open_to("the first token of all"), text)
             self.assertFalse(is_open_to("the second token of all"), text)
             self.refused(401, "token", [], "GET", "/v1/jobs")
-        # The file of the command line may hold another token by now; an empty file is refused.
+        # The file that the command line names may hold another token by now; an empty file is refused.
         with open(first, "w", encoding="utf-8") as file:
             file.write("the third token of all\n")
         reloads("")

@@ -39,7 +39,8 @@ class JobFilesTest(ClientCase):
         with open(alone, "rb") as one, open(self.output("a.ndf.exr"), "rb") as other:
             self.assertEqual(one.read(), other.read())
         self.assertIn("written", self.client("tail", "1"))
-        # An identical submission is the same job; with another output it is a copy; with a changed map it is a new job.
+        # An identical submission is the same job. With another output it is a copy, and with a changed map it is a new
+        # job.
         again = {"type": "bake", "parameters": {"input": source, "lobes": 2}, "output": self.output("a.ndf.exr")}
         self.assertEqual(service.ask("POST", "/v1/jobs", again)[0], 200)
         copy = service.submit(**dict(again, output=self.output("b.ndf.exr")))
@@ -76,7 +77,7 @@ class JobFilesTest(ClientCase):
             if moved == "sub":
                 os.remove(self.output("sub/a.ndf.exr"))
                 made("sub/a.ndf.exr", again=True)
-                os.remove(self.output("b.ndf.exr"))  # else the result would be copied from there
+                os.remove(self.output("b.ndf.exr"))  # otherwise the result would be copied from there
             target = os.path.join(elsewhere, os.path.basename(moved))
             shutil.move(self.output(moved), target)
             os.symlink(target, self.output(moved))
@@ -89,7 +90,8 @@ class JobFilesTest(ClientCase):
         service = self.start()
         subprocess.run([MULTUM, "testmap", "--size", "32", self.output("q")], check=True, capture_output=True)
         root = os.fsencode(service.root)
-        # A name that is not UTF-8, a valid name equal to its escaped text, and a name with a character of the escape.
+        # Tests a name that is not UTF-8, a valid name equal to its escaped text, and a name with a character of the
+        # escape.
         for name, text in ((b"caf\xe9", "caf\uefe9"), ("caf\uefe9".encode(), "caf\uefee\uefbf\uefa9"),
                            ("\u4e2d".encode(), "\u4e2d")):
             with self.subTest(name=name):
@@ -225,8 +227,8 @@ class JobFilesTest(ClientCase):
         self.assertEqual(service.ask("GET", "/v1/jobs/2/result"), (200, data))
         with open(self.output("unpacked/inferred.json"), encoding="utf-8") as file:
             self.assertEqual(json.load(file)["geometry"], geometry)
-        # An identical submission is the same job; with another output it is a copy; with another texture it is a new
-        # job.
+        # An identical submission is the same job. With another output it is a copy, and with another texture it is a
+        # new job.
         again = {"type": "pack", "parameters": {"manifest": manifest, "lambda": 20}, "output": self.output("field.mpt")}
         self.assertEqual(service.ask("POST", "/v1/jobs", again)[0], 200)
         copy = service.submit(**dict(again, output=self.output("copy.mpt")))
@@ -305,7 +307,8 @@ class JobFilesTest(ClientCase):
             json.dump(field, file)
         self.refused(400, "usage", ["secret.exr", self.results()], "POST", "/v1/jobs",
                      {"type": "pack", "parameters": {"manifest": manifest}, "output": self.output("a.mpt")})
-        # Scene files outside: an existing one, a missing one, and a device. The answer reveals nothing about them.
+        # These scene files are outside: an existing one, a missing one, and a device. The answer reveals nothing about
+        # them.
         field["objects"][0]["layers"] = []
         words = set()
         for geometry in (os.path.join(self.folder, "secret.exr"), os.path.join(self.folder, "nothing.exr"),
@@ -418,7 +421,7 @@ class JobFilesTest(ClientCase):
                 self.assertEqual((status, data.decode().strip()), (200, name))
                 sent = headers["Content-Disposition"]
                 self.assertTrue(sent.isascii() and sent.startswith("attachment; filename="), sent)
-                # By RFC 6266 the extended name comes before the plain one; both are safe.
+                # RFC 6266 prefers the extended name to the plain one; both are safe.
                 found = re.fullmatch(r'attachment; filename="([ -!#$&-\[\]-~]+)"'
                                      r"(?:; filename\*=UTF-8''([\w.%-]+))?", sent)
                 self.assertIsNotNone(found, sent)
@@ -456,8 +459,8 @@ class JobFilesTest(ClientCase):
                     self.assertEqual(archive.extractfile(name).read(), file.read(), name)
                 member = archive.getmember(name)
                 self.assertEqual(member.mtime, int(os.stat(path).st_mtime))
-                # tar's checksum: the sum of unsigned bytes, with the checksum field as blanks. Readers also accept
-                # signed bytes.
+                # The checksum of tar is the sum of unsigned bytes, with blanks in the checksum field. Readers also
+                # accept signed bytes.
                 head = data[member.offset_data - 512:member.offset_data]
                 self.assertEqual(int(head[148:154], 8), sum(head[:148] + b" " * 8 + head[156:]))
         listed = subprocess.run(["tar", "tf", "-"], input=data, capture_output=True, check=False,

@@ -29,7 +29,7 @@ def png_size(data):
 
 class PicturesTest(ServiceCase):
     def start(self, viewer=None, **more):
-        """`viewer`: a shell script that replaces multum-view for this daemon; "": no multum-view."""
+        """`viewer` is a shell script that replaces multum-view for this daemon; with "", multum-view is missing."""
         multum = MULTUM
         if viewer is not None:
             multum = os.path.join(self.folder, "bin", "multum")
@@ -122,7 +122,7 @@ class PicturesTest(ServiceCase):
         self.assertEqual(self.ask(job, "render")[0], 200, "the folder must be made again")
         shutil.rmtree(os.path.join(service.data, "pictures"))
         service.stop()
-        # A limit below the size of the pictures.
+        # This limit is below the size of the pictures.
         with open(os.path.join(self.folder, "serve.toml"), "a", encoding="utf-8") as file:
             file.write('data_max = "8K"\n')
         service.start()
@@ -201,7 +201,7 @@ class PicturesTest(ServiceCase):
     def test_a_bake_of_lobes_has_a_look_page(self):
         service = self.start()
         job = self.bake(lobes=2)
-        # Older pictures exist: the oldest is removed.
+        # If older pictures exist, the oldest is removed.
         pictures = os.path.join(service.data, "pictures")
         for age in range(16):
             folder = os.path.join(pictures, f"{900 + age}-1-2-look")

@@ -32,8 +32,8 @@ class Service:
             with open(path, "w", encoding="utf-8") as file:
                 file.write(config)
             self.options += ["--config", path]
-        # Without multum's program cache: PoCL has its own cache and compiles only launched kernels. A cached program of
-        # multum would have all of its kernels compiled.
+        # Runs without multum's program cache, because PoCL has its own cache and compiles only launched kernels. For
+        # multum's cache, all kernels of a program would be compiled.
         self.environment = dict(os.environ, MULTUM_CACHE_DIR="", **(environment or {}))
         self.log_path = os.path.join(folder, "serve.log")
         self.process = None
@@ -102,7 +102,7 @@ class Service:
         return http.client.HTTPConnection("127.0.0.1", self.port, timeout=timeout)
 
     def ask(self, method, target, body=None, headers=None, connection=None, timeout=30):
-        """Returns the status and the answer: parsed if it is JSON, else bytes."""
+        """Returns the status and the answer: parsed if it is JSON, otherwise bytes."""
         use = connection or self.connection(timeout)
         data = None if body is None else json.dumps(body)
         use.request(method, target, data, headers or {})
@@ -186,7 +186,7 @@ class ClientCase(ServiceCase):
         return os.path.join(os.path.realpath(self.service.data), "results")
 
     def drill(self, seconds=0, **job):
-        """Submits a job that does nothing and ends as told."""
+        """Submits a job that does nothing and ends as its parameters say."""
         parameters = {"seconds": seconds}
         for name in ("then", "text"):
             if name in job:
@@ -211,7 +211,7 @@ class ClientCase(ServiceCase):
 
 def with_drill(document, types):
     """Returns docs/reference/openapi.json, which describes multum, with the additional job type of multum-drill.
-    `types`: the answer of /v1/types."""
+    `types` is the answer of /v1/types."""
     schemas = document["components"]["schemas"]
     schemas["DrillParameters"] = next(one["parameters"] for one in types["types"] if one["name"] == "drill")
     schemas["Submission"]["properties"]["type"]["enum"].append("drill")

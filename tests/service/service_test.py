@@ -47,7 +47,7 @@ class ServiceTest(ClientCase):
         self.assertTrue(message.startswith(f"{path}: "), message)
         self.assertEqual(self.results() in message, is_outside, message)
 
-    # ---- Lives of jobs
+    # ---- The life of a job
 
     def test_a_list_has_a_line_for_each_job(self):
         service = self.start()
@@ -217,7 +217,7 @@ class ServiceTest(ClientCase):
 
     def test_who_waits_misses_no_end_and_outlives_a_restart(self):
         service = self.start()
-        # Jobs may end while the client asks: it must not wait for events that have already happened.
+        # Jobs may end while the client asks, and it must not wait for events that have already happened.
         for _ in range(20):
             self.assertIn("succeeded", self.client("submit", "drill", "--wait"))
         deadline = time.monotonic() + 5  # shorter than a heartbeat
@@ -281,7 +281,7 @@ class ServiceTest(ClientCase):
             data += other.recv(65536)
         self.assertIn(f"id: {first + 1}\n", data.decode())
 
-    # ---- Ends and beginnings
+    # ---- Stops and starts of the daemon
 
     def test_sigterm_lets_jobs_end_or_hands_them_back(self):
         service = self.start(QUICK + "workers = 2\nshutdown_grace_s = 1.5\n")
@@ -372,7 +372,7 @@ class ServiceTest(ClientCase):
         for target in ("/v1/jobs%00", "/%00", "/v1/queues/default%00/pause", "/v1/jobs?queue=a%00b",
                        "/v1/jobs?%00=1"):
             self.refused(400, "usage", [], "POST" if "pause" in target else "GET", target)
-        # A NUL does not end a text: it is refused in every place.
+        # A NUL does not end a text; the service refuses it in every place.
         job = {"type": "drill", "parameters": {}}
         for body in (dict(job, label="a\0b"), dict(job, queue="default\0"), dict(job, type="drill\0"),
                      dict(job, output="a\0b"), dict(job, parameters={"text": "a\0"}), dict(job, **{"lab\0el": "a"}),
@@ -438,8 +438,7 @@ class ServiceTest(ClientCase):
         for public in ("/healthz", "/openapi.json"):
             self.assertEqual(self.service.ask("GET", public)[0], 200)
         # The scheme's case does not matter, another scheme is refused, and a query carries the token if a browser
-        # cannot send
-        # headers.
+        # cannot send headers.
         for scheme, status in (("bearer", 200), ("BEARER ", 200), ("Basic", 401), ("Bearera", 401), ("", 401)):
             given = {"Authorization": f"{scheme} a token of many letters"}
             self.assertEqual(self.service.ask("GET", "/v1/jobs", headers=given)[0], status, scheme)

@@ -82,8 +82,8 @@ def descendants(pid):
 
 
 class Slurm:
-    """`nodes`: number of nodes on this machine, named bake1 and so on, with `cpus` processors each. `more`: lines of
-        slurm.conf."""
+    """`nodes` is the number of nodes on this machine, named bake1 and so on, with `cpus` processors each. `more` holds
+    lines of slurm.conf."""
 
     def __init__(self, folder, nodes=2, cpus=1, more=""):
         self.folder = folder
@@ -107,7 +107,7 @@ class Slurm:
         self.config = os.path.join(folder, "slurm.conf")
         with open(self.config, "w", encoding="utf-8") as file:
             file.write(config)
-        if not os.path.ismount("/sys/fs/cgroup"):  # slurmd finds its cgroup version there, else it ends
+        if not os.path.ismount("/sys/fs/cgroup"):  # slurmd finds its cgroup version there, otherwise it ends
             with open(os.path.join(folder, "cgroup.conf"), "w", encoding="utf-8") as file:
                 file.write("CgroupPlugin=cgroup/v1\n")
         self.environment = {"SLURM_CONF": self.config, "PATH": PATH}
@@ -169,7 +169,7 @@ class Slurm:
         return self.run(*words).splitlines()
 
     def kill(self, name):
-        """Sends SIGKILL. For a node, also to everything that runs on it."""
+        """Sends SIGKILL to one of the daemons; a node's tasks run on."""
         process = self.processes[name]
         process.send_signal(signal.SIGKILL)
         process.wait()

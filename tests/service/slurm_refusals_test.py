@@ -74,7 +74,7 @@ class RefusalCase(ClientCase):
         """Checks that each band succeeded once, in arrays that Slurm accepts."""
         done = [part for part in parts if part["state"] == "succeeded"]
         count = int(done[0]["part"].split("/")[1])
-        self.assertGreater(count, array_max)  # else nothing would be split
+        self.assertGreater(count, array_max)  # otherwise nothing would be split
         self.assertEqual([part["round"] for part in parts], [1] * len(parts))
         self.assertEqual(sorted(part["part"] for part in done),
                          sorted([f"{i}/{count}" for i in range(count + 1)] + [f"merge {count}"]))
@@ -115,7 +115,7 @@ class StandInTest(RefusalCase):
         refused = [part for part in parts if part["state"] == "lost"]
         self.assertTrue(refused)
         self.assertIn("sent again in a smaller array", refused[0]["message"])
-        # Calls: share 0, one for each half that was too long, the arrays, the merge.
+        # The calls are for share 0, for each half that was too long, for the arrays, and for the merge.
         arrays = [call for call in self.calls() if call != "-"]
         too_long = [call for call in arrays if max(map(int, call.split(","))) >= 2]
         self.assertEqual(len(set(len(call.split(",")) for call in too_long)), len(too_long), "each length once")

@@ -38,8 +38,8 @@ poll_s = {poll}
 visible_s = 0.5
 {more}
 """
-# A wrapper for Slurm's sbatch. If a test asks for it, the wrapper kills the controller as soon as it has accepted a
-# job, or answers with the number of another user's job.
+# This is a wrapper for Slurm's sbatch. If a test asks for it, the wrapper kills the controller as soon as it has
+# accepted a job. On request, it also answers with the number of another user's job.
 SBATCH = """#!/bin/sh
 if [ -e {flag}.other ]; then
   rm {flag}.other; set -- --parsable --job-name=other --output=/dev/null --wrap 'sleep 60'
@@ -49,7 +49,7 @@ if [ -e {flag} ]; then rm {flag}; kill -9 $(cat {flag}.pid); fi
 printf '%s\\n' "$answer"
 exit $code
 """
-# A wrapper for scancel that records the cancelled jobs.
+# This is a wrapper for scancel, which records the cancelled jobs.
 SCANCEL = """#!/bin/sh
 echo "$@" >>{flag}.cancelled
 exec {scancel} "$@"
@@ -167,7 +167,7 @@ class SlurmTest(ClientCase):
         time.sleep(1)
         self.assertLess(seconds() - before, 0.3)
 
-    # ---- As it should go
+    # ---- Normal operation
 
     def test_small_jobs_share_tasks(self):
         service = self.start_slurm("chunk_s = 2")
@@ -242,7 +242,7 @@ class SlurmTest(ClientCase):
         self.assertEqual([part for part in parts if part[0] == 2],
                          [(2, f"1/{count}", "succeeded"), (2, f"merge {count}", "succeeded")])
         self.assertEqual(service.metric("multum_slurm_rounds_total"), 1)
-        # The share always fails: after a number of rounds the job fails, with the list of failures.
+        # The share always fails. After a number of rounds the job fails, with the list of failures.
         open(os.path.join(self.folder, "fail-always"), "w", encoding="utf-8").close()
         job = service.wait_for(self.bake(again=True, attempt_max=1))
         self.assertEqual(job["state"], "dead")
@@ -279,8 +279,7 @@ class SlurmTest(ClientCase):
     def test_cancelled_jobs_end(self):
         service = self.start_slurm()
         # Two nodes are busy with two chunks. The test cancels a job of the second chunk that has not begun, and the
-        # running
-        # job of the first chunk; a third job waits in Slurm.
+        # running job of the first chunk; a third job waits in Slurm.
         service.ask("POST", "/v1/queues/farm/pause")
         first = [self.farm(f"first{i}", 15) for i in range(2)]
         second = [self.farm(f"second{i}", 1) for i in range(20)]
@@ -319,7 +318,7 @@ class SlurmTest(ClientCase):
         self.slurm.run("scancel", other)
         self.slurm.wait_for_nodes()
 
-    # ---- What dies
+    # ---- Processes that die
 
     def test_a_controller_that_dies_when_it_has_accepted(self):
         service = self.start_slurm()
@@ -461,7 +460,7 @@ class SlurmSettingsTest(ClientCase):
         shared = os.path.join(self.folder, "shared")
         os.mkdir(shared)
         os.chmod(shared, 0o777)
-        self.refused_settings("other users own it or may write there")
+        self.refused_settings("other users own it or may write to it")
         os.chmod(shared, 0o700)
         self.refused_settings("where jobs could write to it", folder=os.path.join(self.folder, "root", "shared"))
         self.refused_settings("unknown key 'slurm.partitions'", 'partitions = "a"')

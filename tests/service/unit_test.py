@@ -3,14 +3,14 @@
 """Checks how much of the machine the systemd unit exposes to the service, by `systemd-analyze security`.
 
 Usage: unit_test.py UNIT
-Exit code 77, a skipped test, without systemd-analyze.
+Exits with 77 (skipped) without systemd-analyze.
 """
 import re
 import shutil
 import subprocess
 import sys
 
-EXPOSURE_MAX = 2.0  # of 10
+EXPOSURE_MAX = 2.0  # systemd's scale ends at 10
 
 if shutil.which("systemd-analyze") is None:
     print("unit_test: skipped: systemd-analyze is not installed (Debian package systemd)")

@@ -104,7 +104,7 @@ const noSideways = async (page, what) => {
   assert.ok(scroll <= client, `${what} is ${scroll} px wide in ${client}`);
 };
 
-// ---- Steps. Each finds what the ones before have left.
+// ---- Steps. Each begins in the state that the previous steps have left.
 
 const steps = {
   async filesAreServedAsTheyShould() {
@@ -248,7 +248,7 @@ const steps = {
     await look.setInputFiles("#open", [`${service.root}/look.ndf.exr`]);
     await look.waitForFunction(() => globalThis.multumLook.shown === "dropped");
     assert.equal(await look.locator("#problem").isVisible(), false);
-    // The map is removed: an existing page stays; for a bake without a page, the reason is shown.
+    // After the map is removed, an existing page stays. For a bake without a page, the reason is shown.
     const other = await ask("POST", "/v1/jobs", { type: "bake", output: `${service.root}/look_two.ndf.exr`,
       parameters: { input: `${service.root}/look_normal.png`, no_measure: true, lobes: 2 } });
     await stateOf(other.id, "succeeded");
@@ -411,7 +411,7 @@ const steps = {
     await key("Escape");
     assert.equal(await page.locator("dialog[open]").count(), 0);
 
-    // Focus is not trapped: with a job open too, Tab reaches the page's end and starts again.
+    // Focus is not trapped: even if a job is open, Tab reaches the page's end and starts again.
     await key("Enter");
     await until("focus in the job", async () => (await focusedId(page)) === "detail-title");
     const hasLog = () => page.locator("#detail .log").isVisible();

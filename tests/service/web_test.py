@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Tests the service's page in Debian's headless Chromium: starts daemons, then web_test.mjs, which asks for them.
 
-  web_test.py MULTUM SCREENSHOTS [--only STEP]      exit code 77: no Chromium, Node or playwright-core here
+  web_test.py MULTUM SCREENSHOTS [--only STEP]      exits with 77 (skipped) without Chromium, Node or playwright-core
 """
 import argparse
 import json
@@ -121,7 +121,7 @@ def main():
     os.makedirs(arguments.screenshots, exist_ok=True)
     folder = tempfile.mkdtemp()
     driver = Driver(os.path.abspath(arguments.multum), folder)
-    # A temporary HOME: Chromium writes there, and the user who runs the tests may have no writable home.
+    # HOME is temporary, because Chromium writes there, and the user who runs the tests may have no writable home.
     environment = dict(os.environ, HOME=folder)
     try:
         with subprocess.Popen(["node", os.path.join(HERE, "web_test.mjs"), browser(),

@@ -80,7 +80,7 @@ def of_drawn(main, end):
             f"multum_blue_noise(table, {sampler}100.0 * l.xy + 200.0, floor(h.w)).y);\n{end}")
 
 
-# ---- double precision, without the guards of single
+# ---- double precision, without the guards that single precision needs
 
 
 def kappa_of(d):
@@ -178,7 +178,7 @@ def drawn(case, table):
     t = [mu[0] * mu[1] * a, side + mu[1]**2 * a, -mu[1]]
     across, phi = math.sqrt(e * (2 - e)), 2 * math.pi * alpha
     normal = [(1 - e) * m + across * (math.cos(phi) * x + math.sin(phi) * y) for m, x, y in zip(mu, s, t)]
-    # Linear filter between texels of a table with half of blue noise's side.
+    # Applies a linear filter between texels of a table that is half as wide as the blue noise.
     x, y = (min(max((math.floor(100 * k + 200) % 64 + 0.5) / 64 * SIDE - 0.5, 0), SIDE - 1) for k in l[:2])
     i, j = min(int(x), SIDE - 2), min(int(y), SIDE - 2)
     texel = sum(table[4 * ((j + q) * SIDE + i + p) + 1] * (x - i if p else 1 - x + i) * (y - j if q else 1 - y + j)
@@ -239,7 +239,8 @@ class ShadingLanguagesTest(unittest.TestCase):
         return (self.path / f"multum_lobes.{ending}").read_text()
 
     def hold(self, name, values):
-        """Texture filters may place a lookup to only 1/256 of a texel, and single precision cancels in sharp lobes."""
+        """Texture filters may place a lookup only to 1/256 of a texel, and single precision loses digits in sharp
+        lobes."""
         self.assertEqual(len(values), 4 * len(self.cases), name)
         for k, what in enumerate(("Lambert", "Blinn-Phong", "GGX", "Schlick")):
             scale = max(row[k] for row in self.exact)

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Builds the site with tools/site and walks it in headless Chromium: every page at 360 and 1280 pixels, light and dark.
 // No page scrolls sideways, no picture or link is dead, no request leaves the site, and the search finds lobes, from a
-// server and from a disk. Exit code 77: skipped.
+// server and from a disk. Exits with 77 (skipped) if something is missing.
 //
 //   node site_browser_test.mjs OUTPUT_FOLDER
 import assert from "node:assert/strict";
@@ -26,7 +26,7 @@ const SIZES = [{ width: 360, height: 740 }, { width: 1280, height: 800 }];
 const SCHEMES = ["light", "dark"];
 const TYPES = { ".html": "text/html", ".css": "text/css", ".js": "text/javascript", ".json": "application/json",
   ".svg": "image/svg+xml", ".png": "image/png", ".jpg": "image/jpeg", ".txt": "text/plain" };
-// Screenshots are kept of these pages.
+// The test keeps screenshots of these pages.
 const SHOWN = new Set(["index", "tutorials/engine_mips", "how-to/draw_lobes", "reference/commands",
   "reference/file_format", "explanation/accuracy", "evidence/ACCURACY", "contributing/ARCHITECTURE"]);
 const screenshotOf = (name) => ({ path: path.join(screenshots, `${name.replace(/\W/g, "_")}.png`) });

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Headless Chromium with three.js, the package @multum/three from `multum shaders`, and files of a test.
+// Starts headless Chromium with three.js, the package @multum/three from `multum shaders`, and files of a test.
 import { existsSync } from "node:fs";
 import { readFile } from "node:fs/promises";
 import path from "node:path";
@@ -14,7 +14,8 @@ export const executablePath = ["/usr/bin/chromium-headless-shell", "/usr/bin/chr
   "/usr/local/bin/chromium"].find(existsSync);
 
 /**
- * { page, complaints, close }: a page after `script`, a module of this folder, has run; `files` are served at /files/.
+ * Returns { page, complaints, close }: a page after `script`, a module of this folder, has run. `files` are served at
+ * /files/.
  */
 export async function openPage(chromium, { package: packageFolder, files, script }) {
   const roots = { modules: MODULES, package: packageFolder, files, tests: HERE };

@@ -72,7 +72,7 @@ const VIEWS = { low: [[0, 0, 0.3], [0, 1, -0.0939]], steep: [[0, 0.5, 1.2], [0, 
 function surface(normalMap, { Material = THREE.MeshStandardMaterial, hasTangents = false, ...more } = {}) {
   const material = new Material({ color: 0x1a1a1a, roughness: 0.3, metalness: 0, normalMap, ...more });
   material.color.setScalar(0.1);
-  // Without tangents three.js derives them from coordinates, whose v runs against y here.
+  // Without tangents, three.js derives them from coordinates; here, v grows opposite to y.
   material.normalScale.set(1, hasTangents ? 1 : -1);
   return material;
 }
@@ -93,7 +93,8 @@ function sceneOf(material, ...objects) {
 }
 
 /**
- * Loads a model of one triangle by GLTFLoader with the plugin. `more`: parts of the glTF; its buffer views in base64.
+ * Loads a model of one triangle by GLTFLoader with the plugin. `more` holds parts of the glTF, with buffer views in
+ * base64.
  */
 async function loadModel(material, more, views) {
   const bytes = views.map((one) => Uint8Array.from(atob(one), (c) => c.charCodeAt(0)));

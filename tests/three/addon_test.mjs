@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Tests @multum/three in headless Chromium. Compares pictures with multum-view's and with supersampled ones of
-// three.js;
-// tests every light, shadows, fog, environments, instances and skins, shared materials, disposal, and refusals. Exit
-// code 77: skipped.
+// three.js; tests every light, shadows, fog, environments, instances and skins, shared materials, disposal, and
+// refusals. Exits with 77 (skipped) if something is missing.
 //
 //   node addon_test.mjs BIN_FOLDER PICTURES
 import assert from "node:assert/strict";
@@ -313,7 +312,7 @@ async function sharingAndDisposal(page) {
     const plainTexts = renderer.info.programs.filter(({ fragmentShader }) =>
       !renderer.getContext().getShaderSource(fragmentShader).includes("multum")).length;
     const held = lab.lobesOf(materials[0]) === lobes && lab.lobesOf(plain) === null;
-    // Other lobes, then none.
+    // The material gets other lobes, and then none.
     lab.addLobes(materials[0], second);
     const other = lab.drawn(scenes[0], camera, 64, 64);
     lab.addPoints(materials[0], { evaluations: 4 });

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Materials of three.js that average their shading over a grid of points in each pixel, while edges stay those of one
+// Makes materials of three.js that average their shading over a grid of points in each pixel. Edges stay as in one
 // frame. The remaining error comes only from edges, for any textures.
 import { REVISION, ShaderChunk } from "three";
 import { fragmentAtPoints } from "/package/shading_points.js";
@@ -7,7 +7,7 @@ import { fragmentAtPoints } from "/package/shading_points.js";
 /** Returns the offset of grid `number`, in samples: a low-discrepancy sequence that starts in the middle. */
 export function shiftOfGrid(number) {
   const part = (step) => (0.5 + number * step) % 1 - 0.5;
-  return [part(0.7548776662466927), part(0.5698402909980532)]; // of the plastic number: Roberts's R2
+  return [part(0.7548776662466927), part(0.5698402909980532)]; // powers of the plastic number, as in Roberts's R2
 }
 
 // The package's loop over points, without its term for changing normals.

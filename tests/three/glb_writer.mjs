@@ -32,8 +32,9 @@ const extreme = (values, better) => [0, 1, 2].map((axis) =>
   values.reduce((best, value, i) => (i % 3 === axis ? better(best, value) : best), values[axis]));
 
 /**
- * `mesh`: { positions, normals, uvs, indices }, flat arrays. `normal`, and optionally `colors` and `surface` (green:
- * roughness, blue: metalness): { width, height, rgb }; otherwise `color`, `roughness` and `metalness` of the material.
+ * `mesh` is { positions, normals, uvs, indices }, flat arrays. `normal` and the optional `colors` and `surface` (green:
+ * roughness, blue: metalness) are { width, height, rgb }. Without these options, the material has `color`, `roughness`
+ * and `metalness`.
  */
 export function makeGlb(name, { mesh, normal, colors, surface, color = [1, 1, 1], roughness = 1, metalness = 1 }) {
   const images = [normal, colors, surface].filter((one) => one !== undefined);

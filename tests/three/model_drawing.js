@@ -6,8 +6,8 @@ import { toByte } from "./linear_pictures.js";
 const TILE = 1024; // pixels per side that are drawn at once
 
 /**
- * Draws `width` x `height` pixels, each the mean of `samples` x `samples`. `shift`: offset of the samples, in samples.
- * Nothing is drawn outside of `crop`, [left, top, width, height].
+ * Draws `width` x `height` pixels, each the mean of `samples` x `samples`. `shift` is the offset of the samples, in
+ * samples. Nothing is drawn outside of `crop`, [left, top, width, height].
  */
 export function drawn(renderer, scene, camera,
   { width, height, samples, shift = [0, 0], crop = [0, 0, width, height] }) {
@@ -37,8 +37,8 @@ export function drawn(renderer, scene, camera,
 }
 
 /**
- * Draws the mean of `frames` x `frames` pictures, each shifted by a part of a pixel, like temporal antialiasing; each
- * with `edges` samples of edges.
+ * Draws the mean of `frames` x `frames` pictures, each shifted by a part of a pixel, like temporal antialiasing. Each
+ * picture has `edges` samples of edges.
  */
 export function settled(renderer, scene, camera, { width, height, frames, edges }) {
   const made = new Float32Array(4 * width * height), halves = new Uint16Array(made.length);

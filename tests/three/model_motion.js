@@ -15,12 +15,12 @@ export function moved(view, { motion, step }) {
   throw new Error(`motion: found ${motion}, expected zoom, pan or turn`);
 }
 
-const EDGE = 3; // of 255: floors that differ more from their references are errors of edges
+const EDGE = 3; // in units of 1/255; where a floor differs more from its reference, there is an edge
 
 /**
- * Compares pictures of linear floats, four per pixel, with their references and floors. `flicker`: the mean over
- * neighbours in time of sum |(f' - f) - (t' - t)| / sum t. `jump`: the largest change of a colour beyond that of its
- * reference, of 255 in sRGB, where there are no edges.
+ * Compares pictures of linear floats, four per pixel, with their references and floors. `flicker` is the mean over
+ * neighbours in time of sum |(f' - f) - (t' - t)| / sum t. `jump` is the largest change of a colour beyond the change
+ * of its reference, in 1/255 of sRGB, where there are no edges.
  */
 export function changes(frames, references, floors) {
   let [flicker, jump] = [0, 0];

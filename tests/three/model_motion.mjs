@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Measures flicker and processor time of models that three.js draws in headless Chromium. PLAN.json is that of
-// model_pictures.mjs, but with `view`, `frames` of a motion and `pairs` of times instead of views. Prints JSON by
-// model:
+// Measures flicker and processor time of models that three.js draws in headless Chromium. PLAN.json is as for
+// model_pictures.mjs, but has `view`, `frames` of a motion and `pairs` of times instead of views. Prints JSON by model:
 // { motions: { zoom, pan, turn: { flicker, jump } }, seconds: [per frame], plainSeconds: [the same of the first model,
-// each measured next to it], loadSeconds }. Exit code 77: no browser here.
+// each measured next to it], loadSeconds }. Exits with 77 (skipped) without a browser.
 //
 //   node model_motion.mjs PACKAGE PLAN.json
 import { readdirSync, readFileSync } from "node:fs";

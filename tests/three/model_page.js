@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Page functions for model_pictures.mjs: three.js draws models, and the mean of many samples per pixel of one of them
-// without mips.
+// Page functions for model_pictures.mjs. three.js draws models, and, for one model without mips, the mean of many
+// samples per pixel.
 import * as THREE from "three";
 import { GLTFLoader } from "three/addons/loaders/GLTFLoader.js";
 import { KTX2Loader } from "three/addons/loaders/KTX2Loader.js";
@@ -12,7 +12,7 @@ import { changes, moved } from "./model_motion.js";
 import { exactMaterial, shiftOfGrid } from "./exact_material.js";
 
 const DATA_MAPS = ["normalMap", "roughnessMap", "metalnessMap", "aoMap"];
-// Largest noise of the reference, which changes an error by at most 1 %: sqrt(1 + 0.14^2) = 1.01.
+// The largest allowed noise of the reference. It changes an error by at most 1 %, because sqrt(1 + 0.14^2) = 1.01.
 const NOISE_SHARE = 0.14, NOISE_SMALL = 0.005;
 const GRIDS_MAX = 16;
 const renderer = new THREE.WebGLRenderer({ antialias: false });
@@ -36,10 +36,11 @@ function resized(model, reach) {
 }
 
 /**
- * Loads a model. `lobes`: by the plugin; `points`: evaluations of a pixel's light without lobes, or three.js's own
- * shading if unset; `options`: for either; `exact`: samples along each side of a pixel over which every frame averages
- * its shading; `unfiltered` and `exact`: maps of normals and of the surface have no mips; `reach`: half of the
- * diagonal, in metres. All maps have the renderer's highest anisotropy.
+ * Loads a model. With `lobes`, the plugin adds lobes. Otherwise `points` is the number of evaluations of a pixel's
+ * light; if unset, three.js shades by itself. `options` are those of lobes or points. `exact` is the number of samples
+ * along each side of a pixel over which every frame averages its shading. With `unfiltered` or `exact`, maps of normals
+ * and of the surface have no mips. `reach` is half of the diagonal, in metres. All maps have the renderer's highest
+ * anisotropy.
  */
 async function load({ url, lobes = false, points, options = {}, unfiltered = false, exact, reach }) {
   const loader = new GLTFLoader().setKTX2Loader(ktx2);
@@ -118,7 +119,7 @@ const scaled = (pixels, factor) => pixels.map((value) => factor * value);
  * sample. Also returns the floor over the same samples: one frame whose pixels have exact normals, colours and
  * curvature, so that only the edges of triangles differ. If `exact` is null, there is one grid and no floor. Otherwise
  * grids are added until the noise, half of the difference of two halves, is below NOISE_SHARE of the floor's error or
- * below NOISE_SMALL, with at most as many samples as `shot.grids` grids of the whole picture have.
+ * below NOISE_SMALL. There are at most as many samples as in `shot.grids` grids of the whole picture.
  */
 function measured(shot, unfiltered, exact) {
   const { camera, width, height, samples, crop } = shot, scene = shot.sceneOf(unfiltered.scene);
@@ -165,8 +166,8 @@ async function exactOf(samples) {
 /**
  * Draws the reference of a view: { name, eye, target, angle, width, height, samples, frames, edges, light, intensity,
  * room, crop, zoom, moved }, or with direction and distance instead of eye, target, crop and zoom. With `grids` it also
- * draws the floor. `moved`: { motion, step } of model_motion.js. Returns { pixels, grids, noise, floor }, pixels as
- * text. `kept`: an earlier result, which is returned without drawing.
+ * draws the floor. `moved` is { motion, step } of model_motion.js. Returns { pixels, grids, noise, floor }, with pixels
+ * as text. If `kept` has an earlier result, this result is returned without drawing.
  */
 async function refer(view, kept = null) {
   const { unfiltered } = begun.gltfs, shot = shotFrom(unfiltered.scene, view);

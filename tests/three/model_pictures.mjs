@@ -3,8 +3,7 @@
 // points, options }], reach, views: [of model_page.js, named], keep, strips }, with files next to the plan. The file
 // `reference`, or else the first model, gives the reference. `keep` maps views to files that keep their references.
 // Writes NAME.jpg of each view to OUT unless `strips` is false. Prints JSON by view: error and energy of each model,
-// and
-// with `grids` the floor and the reference's noise. Exit code 77: no browser here.
+// and with `grids` the floor and the reference's noise. Exits with 77 (skipped) without a browser.
 //
 //   node model_pictures.mjs PACKAGE PLAN.json OUT
 import { existsSync, readFileSync, writeFileSync } from "node:fs";

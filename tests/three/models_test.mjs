@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Draws four small models and four bumpy surfaces from `multum gltf --lobes` by three.js: plain mips, points, one lobe,
-// lobes and the rule, at equal evaluations. Checks which method wins and by how much. Exit code 77: skipped.
+// lobes and the rule, at equal evaluations. Checks which method wins and by how much. Exits with 77 (skipped) if
+// something is missing.
 //
 //   node models_test.mjs BIN_FOLDER
 import assert from "node:assert/strict";

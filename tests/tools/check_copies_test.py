@@ -31,7 +31,7 @@ def main():
         name = "OTHER"
         found = check(**{name: f"# Other\n\n{copy}\n"})
         assert found.startswith(f"docs/{name}.md:3: ") and "PAGE.md" in found, (copy, found)
-    # Different figures, too few figures, and whole numbers.
+    # Tests different figures, too few figures, and whole numbers.
     for text in ("that is 10.5 / 7.2 / 7.2 %", "| x | 4.1 | 9.3 | 22.4 |", "| x | 4.1 | 9.3 |", "4.07, 9.31, 22.5"):
         assert check(OTHER=f"# Other\n\n{text}\n") == "", text
     mark = "<!-- figures: a -->\n| x | 4.1 | 9.3 | 22.5 |\n<!-- /figures: a -->\n"

@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
 """Configures a build without fields and farm (preset core) where SQLite and Boost cannot be found. The build names no
-file of fields and farm, nor a library of theirs, and compiles the sources that replace them.
+file or library of fields and farm, and compiles the sources that replace them.
 
 Usage: core_build_test.py FOLDER BUILD    (a folder that it may replace; a build of everything)
 
-The complete build compiles all other sources of it, with the same flags: the test compares both lists.
+The complete build compiles all other sources of the core build with the same flags. The test compares both lists.
 """
 import pathlib
 import re

@@ -210,12 +210,12 @@ class DocumentTest(unittest.TestCase):
         self.assertEqual(self.run_tool("--measure-nothing").returncode, 0)
         page = (self.folder / "PLAYBACK.md").read_text()
         self.assertIn("Left out: open loop (there is no --open-loop).", page)
-        measured_at = re.search(r"bytes\. Measured at (.+)\.$", page, re.MULTILINE)
+        measured_at = re.search(r"bytes\. Measured at commits (.+)\.$", page, re.MULTILINE)
         self.assertIsNotNone(measured_at, page)
         # The page also has the tree's own commit, whose name may sort before "1".
         self.assertIn("1", measured_at.group(1).split(", "))
 
-        # Named rows, and no others, are measured again, into a file of rows in another place.
+        # Only the named rows are measured again, into a file of rows in another place.
         for row in rows:
             row["commit"] = "commit 1"
         kept = self.folder / "kept.json"
@@ -274,7 +274,7 @@ class DocumentTest(unittest.TestCase):
         self.assertNotIn("#### In the browser", page)
 
     def path_without_browsers(self):
-        """Returns a folder of links to all programs except for those."""
+        """Returns a folder of links to all programs except for the given ones."""
         folder = self.folder / "programs"
         folder.mkdir()
         for place in os.environ["PATH"].split(":"):

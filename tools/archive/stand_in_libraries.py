@@ -2,11 +2,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """Makes stand-ins for shared libraries that a library links but multum never calls.
 
-Debian's OpenImageIO links the decoders of every format it knows: films, medical images, volumes; 220 libraries and
-320 MB in all. It is bound at program start, so each of their symbols must exist. multum gives it only PNG, JPEG, WebP,
-TIFF and OpenEXR (host/formats/image/files/image_container.h). A stand-in has the same name, symbols and symbol versions
-as the library. Its functions print that they are stand-ins and end the process, except for functions that return a
-version as text.
+Debian's OpenImageIO links the decoders of every format that it knows, such as films, medical images and volumes. These
+are 220 libraries and 320 MB in all. OpenImageIO is bound at program start, so each symbol of these libraries must
+exist. multum uses it only for PNG, JPEG, WebP, TIFF and OpenEXR (host/formats/image/files/image_container.h). A
+stand-in has the same name, symbols and symbol versions as the library. Its functions print that they are stand-ins and
+end the process, except for functions that return a version as text.
 """
 import pathlib
 import re
@@ -19,7 +19,7 @@ ASKED_ALWAYS = re.compile(r"^libraw_version$")
 
 
 def symbols(library):
-    """Rows (name, version or '', kind, size, is_defined) of a library's dynamic symbols."""
+    """Returns rows (name, version or '', kind, size, is_defined) of a library's dynamic symbols."""
     text = subprocess.run(["readelf", "--dyn-syms", "--wide", str(library)], check=True, capture_output=True,
                           text=True).stdout
     for line in text.splitlines():
@@ -49,7 +49,7 @@ def source_of(soname, wanted, defined):
             lines.append(f"char {name}[{max(size, 8)}] __attribute__((aligned(32)));")
     script = []
     for version, names in versions.items():
-        if version:  # a symbol without a version stays global by default
+        if version:  # without a version, a symbol stays global by default
             script.append(version + " { global: " + " ".join(f"{n};" for n in names) + " };")
     return "\n".join(lines) + "\n", "\n".join(script)
 

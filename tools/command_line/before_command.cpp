@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Runs before a command does anything: refuses names that are too long for any file system, and makes the folders of
+// Runs before a command does anything. Refuses names that are too long for any file system, and makes the folders of
 // outputs.
 #include "tools/command_line/before_command.h"
 
@@ -22,7 +22,7 @@
 namespace multum {
 namespace {
 
-// Options whose values are not file names: a job's label, a curve through parameters, a device.
+// Options whose values are not file names, such as a job's label, a curve through parameters, or a device.
 constexpr const char* kTexts[] = {"label", "name", "path", "device"};
 
 // Options that name a file or folder to write, or a prefix of file names.
@@ -58,7 +58,7 @@ void check_values(const CLI::App& app) {
 
 // NewFolders removes folders that stay empty, so a command that fails leaves no folder.
 void make_output_folders(const CLI::App& command) {
-  if (command.get_option_no_throw("--server") != nullptr) return;  // the output is on the service's disk
+  if (command.get_option_no_throw("--server") != nullptr) return;  // with --server, the output is on the service's disk
   for (const CLI::Option* option : command.get_options()) {
     const bool is_output = std::any_of(std::begin(kOutputs), std::end(kOutputs),
                                        [&](const char* name) { return option->check_lname(name); });

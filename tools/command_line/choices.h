@@ -11,8 +11,8 @@
 
 namespace multum {
 
-/// `value` may be an optional: it stays unset until the option is given, and --help shows no default. `choices` must
-/// outlive the app.
+/// `value` may be a std::optional. It then stays unset until the option is given, and --help shows no default.
+/// `choices` must outlive the app.
 template <typename Target, typename Value>
 CLI::Option* add_choice(CLI::App& app, const std::string& option, Target& value, const Choices<Value>& choices,
                         const std::string& help) {

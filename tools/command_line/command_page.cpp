@@ -24,22 +24,18 @@ constexpr char kSharedHeading[] = "Options of many commands";
 
 constexpr char kHead[] =
     "# Commands\n\n"
-    "The commands and options of `multum` and `multum-view`, and the keys of manifests, scenes and jobs. The\n"
+    "This page lists the options of `multum` and `multum-view`, and the keys of manifests, scenes and jobs. The\n"
     "programs print the same texts with `--help`. `tools/parameter_documents` writes this page; do not edit it.\n\n"
-    "- `multum COMMAND --help` prints the help of one command. `multum completion SHELL` and `multum man -o FOLDER`\n"
-    "  write shell completion and manual pages.\n"
     "- Sizes are in texels unless a unit is named. Directions and positions are `x,y,z`.\n"
-    "- Options that several commands share are described once.\n"
-    "- *Keys* says where a parameter is also a key: *m* in `[defaults]` and `[[map]]` of a\n"
+    "- The column *keys* shows where a parameter is also a key: *m* in `[defaults]` and `[[map]]` of a\n"
     "  [manifest](manifests.md), *s* in `[[map]]` of a [scene](scenes.md), *j* in the parameters of a\n"
     "  [job](service.md). The key of `--first-level` is `first_level`.\n"
-    "- *Values* ends with the default in parentheses. SIZE is a number of bytes, such as 800M or 2G.\n"
-    "- *Hashed* is the key in `multum:settings` of a [baked file](file_format.md). Parameters\n"
-    "  without one do not change the content.\n"
-    "- Commands return the [exit codes](exit_codes.md). With `--json` they print one JSON document on stdout, and\n"
-    "  no other text there.\n";
+    "- The column *values* ends with the default in parentheses. SIZE is a number of bytes, such as 800M or 2G.\n"
+    "- The column *hashed* names the key in `multum:settings` of a [baked file](file_format.md). Parameters\n"
+    "  without such a key do not change the content.\n"
+    "- Commands return these [exit codes](exit_codes.md).\n";
 
-// Formats text for a cell: option names as code, page paths as links, Markdown characters escaped.
+// Formats text for a cell. Option names become code, page paths become links, and Markdown characters are escaped.
 std::string cell(const std::string& text) {
   std::string result;
   bool is_code = false;
@@ -101,15 +97,15 @@ bool has_hashes(const ParameterTable& table) {
 std::string scope_note(const Parameter& row) {
   switch (row.scope) {
     case ParameterScope::kAll: return "";
-    case ParameterScope::kLobes: return row.group == kFitGroup ? "" : "; for vmf and gmm";
-    case ParameterScope::kHarmonics: return "; for sh";
+    case ParameterScope::kLobes: return row.group == kFitGroup ? "" : "; only for vmf and gmm";
+    case ParameterScope::kHarmonics: return "; only for sh";
   }
   return "";
 }
 
 // The columns of a table: only options, or options with their keys.
 struct Columns {
-  const ParameterTable* table = nullptr;  // null: the table shows no keys
+  const ParameterTable* table = nullptr;  // if null, the table shows no keys
   bool hashes = false;
 
   std::string head() const {
@@ -142,7 +138,8 @@ bool has_word(const std::string& text, const std::string& word) {
   return false;
 }
 
-// Returns "1 to 8 (`4`)": values, then the default. Choices that the help text explains are not listed again.
+// Returns the values and then the default, as in "1 to 8 (`4`)". Choices that the help text explains are not listed
+// again.
 std::string values_of(const OptionText& option) {
   const bool are_explained = std::all_of(option.choices.begin(), option.choices.end(),
                                          [&](const std::string& choice) { return has_word(option.help, choice); });
@@ -298,7 +295,7 @@ class Page {
     return text;
   }
 
-  // Returns "Options of multum bake: --lobes ..."; lists the exceptions instead if they are fewer.
+  // Returns "Options of multum bake: --lobes ...", or lists the exceptions if they are fewer.
   std::string names_of_owner(const CommandText& owner, const std::vector<std::string>& names) const {
     std::vector<std::string> missing;
     for (const OptionText& option : owner.options)
@@ -320,7 +317,8 @@ class Page {
         whole += fmt::format(" *{}*", group);
       else names.insert(names.end(), some.begin(), some.end());
     }
-    return fmt::format("[Also](#options-of-many-commands){} {}.\n", whole, names_text(names));
+    return fmt::format("[Also](#options-of-many-commands){}{}{}.\n", whole, names.empty() ? "" : " ",
+                       names_text(names));
   }
 
   const CommandText* owner_of(const OptionText& option) const {

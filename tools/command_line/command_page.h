@@ -12,9 +12,8 @@ namespace multum {
 std::string command_page_head();
 
 /// Returns the sections of one program in Markdown: a list of its commands, a section for the options that many
-/// commands share, and a section per command. Each option is described once; other commands with the same option only
-/// name it.
-/// The keys of a parameter in manifests, scenes and jobs are listed next to its option.
+/// commands share, and a section per command. Each option is described once. Other commands with the same option only
+/// name it. The keys of a parameter in manifests, scenes and jobs are listed next to its option.
 std::string command_page_part(const CommandText& program);
 
 }  // namespace multum

@@ -17,7 +17,7 @@ std::string words_of_type(const std::string& type) {
   static const std::regex bound("(?:INT|FLOAT) (>=?) ([^ ]+)(.*)");
   std::smatch found;
   if (std::regex_match(type, found, range)) {
-    const std::string high = fmt::format("{:.15g}", std::stod(found[3].str()));  // not 1e+06
+    const std::string high = fmt::format("{:.15g}", std::stod(found[3].str()));  // avoids 1e+06
     const std::string low = found[2].str();
     return (found[1] == "(" ? "above " + low + ", at most " : low + " to ") + high + found[4].str();
   }

@@ -11,30 +11,30 @@
 namespace multum {
 
 struct OptionText {
-  std::string short_name;  // "-o"; empty: none
-  std::string long_name;   // such as "--output"; empty: positional only
-  std::string positional;  // such as "input"; empty: no positional
-  std::string value;       // "FILE", "1 to 8"; empty for a flag or a choice
+  std::string short_name;  // such as "-o"; empty if there is none
+  std::string long_name;   // such as "--output"; empty if the option is only positional
+  std::string positional;  // such as "input"; empty if the option is not positional
+  std::string value;       // such as "FILE" or "1 to 8"; empty for a flag or a choice
   std::vector<std::string> choices;
-  std::string default_text;  // empty: none
+  std::string default_text;  // empty if there is no default
   std::string help;
   std::string group;
   bool is_flag = false, is_required = false, is_repeatable = false;
 
-  /// "--output", or "input" for a positional.
+  /// Returns a name such as "--output", or "input" for a positional.
   const std::string& name() const { return long_name.empty() ? positional : long_name; }
-  /// "1 to 8", "a, b or c"; empty for a flag.
+  /// Returns text such as "1 to 8" or "a, b or c". Empty for a flag.
   std::string values() const;
 };
 
 struct CommandText {
   std::string words;  // such as "multum jobs list"
-  std::string name;   // "list"
+  std::string name;   // such as "list"
   std::string group;  // heading of the command in the help of its parent
   std::string help;
   std::string examples;               // last lines of the help text
   std::vector<OptionText> options;    // visible options, positionals first
-  std::vector<CommandText> commands;  // visible ones
+  std::vector<CommandText> commands;  // visible commands
   bool needs_command = false;
 
   /// Returns the usage line, such as "multum bake [OPTION...] [input...]".

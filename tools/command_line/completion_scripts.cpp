@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The scripts avoid the names `options` and `commands`, which are special parameters in zsh. All three scripts find the
-// command from the words typed so far. The options of a command are stored under its words, such as "multum jobs list";
-// choices are stored under command and option.
+// command from the words typed so far. The options of a command are stored under its words, such as "multum jobs list".
+// Choices are stored under command and option.
 #include "tools/command_line/completion_scripts.h"
 
 #include <fmt/format.h>
@@ -64,7 +64,8 @@ std::string command_patterns(const CommandText& program) {
   return text;
 }
 
-// Returns the arms of a `case` over "COMMAND:OPTION", one per option with choices. `arm` gets the pattern and choices.
+// Returns the arms of a `case` over "COMMAND:OPTION", one per option with choices. `arm` receives the pattern and the
+// choices.
 std::string choice_arms(const CommandText& program,
                         const std::function<std::string(const std::string&, const std::string&)>& arm) {
   std::string text;

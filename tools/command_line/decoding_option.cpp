@@ -26,7 +26,7 @@ std::optional<std::uint64_t> byte_count(std::string text) {
   return error == std::errc() && end == text.data() + text.size() ? std::optional(bytes) : std::nullopt;
 }
 
-// Parses "child", "child:SECONDS" and "child:SECONDS,MEMORY"; nullopt for any other text.
+// Parses "child", "child:SECONDS" and "child:SECONDS,MEMORY". Returns nullopt for any other text.
 std::optional<DecodingChild> child_of(std::string_view text) {
   DecodingChild child;
   if (text == "child") return child;
@@ -55,8 +55,8 @@ void add_decoding_option(CLI::App& app, std::string* as_given) {
            set_image_opener(open_in_child(child));
            set_mesh_child(child);
          },
-         "limit the time and memory of the child process that decodes one image or mesh, such as child:120,4G "
-         "(default: 30 s, 1 GiB, more for large files)")
+         "limit the time and memory for decoding one image or mesh, such as child:120,4G (default: 30 s and 1 GiB, "
+         "more for large files)")
       ->check(CLI::Validator(
           [](std::string& text) {
             return child_of(text)

@@ -9,8 +9,8 @@
 
 namespace multum {
 
-/// Returns manual pages in roff (man(7)), by file name: one for the program and one for each command, "multum-bake.1".
-/// The page of a command also describes its subcommands.
+/// Returns manual pages in roff (man(7)) by file name, one for the program and one for each command, such as
+/// "multum-bake.1". The page of a command also describes its subcommands.
 std::map<std::string, std::string> man_pages(const CommandText& program, const std::string& version);
 
 }  // namespace multum

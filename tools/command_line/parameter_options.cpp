@@ -8,7 +8,7 @@
 namespace multum {
 namespace {
 
-// "INT in [1, 8]", "FILE[:CHANNEL]".
+// Returns text such as "INT in [1, 8]" or "FILE[:CHANNEL]".
 std::string type_text(const Parameter& row) {
   const auto range = [&](const char* type) {
     std::string text = type;
@@ -38,7 +38,7 @@ void set_given(ParameterValues& values, const Parameter& row, ParameterValue val
   check_exclusions(values);
 }
 
-// `names` in the form of CLI11: "-d,--data-format".
+// `names` are in the form of CLI11, such as "-d,--data-format".
 CLI::Option* add_option(CLI::App& app, const std::string& names, ParameterValues& values, const Parameter& row) {
   if (row.kind == ParameterKind::kFlag)
     return app.add_flag_callback(
@@ -78,7 +78,7 @@ void add_parameter_options(CLI::App& app, ParameterValues& values, const std::ve
     if (shows_defaults && !row->default_text.empty() && row->kind != ParameterKind::kFlag)
       option->default_str(row->default_text);
   }
-  // Only for the help text: check_exclusions() refuses excluded pairs while parsing.
+  // This is only for the help text, because check_exclusions() refuses excluded pairs during parsing.
   for (const Parameter* row : rows)
     for (const std::string& name : row->excludes)
       if (CLI::Option* const other = app.get_option_no_throw(values.table().at(name).option()))

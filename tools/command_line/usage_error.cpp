@@ -63,7 +63,7 @@ std::string usage_and_examples(const CLI::App& command) {
 
 std::string usage_error(const CLI::App* app, const CLI::Error& error) {
   const CLI::App& command = chosen_command(*app);
-  const auto is_shown = [](const CLI::App* one) { return !one->get_group().empty(); };  // the help shows it
+  const auto is_shown = [](const CLI::App* one) { return !one->get_group().empty(); };  // true if the help shows it
   const std::vector<const CLI::App*> commands = command.get_subcommands(is_shown);
   const std::string words = command_words(command);
   const bool is_incomplete = static_cast<CLI::ExitCodes>(error.get_exit_code()) == CLI::ExitCodes::RequiredError;

@@ -8,7 +8,7 @@
 
 namespace multum {
 
-/// Returns the message of CLI11. For an unknown option, returns its name and the option with the most similar name.
+/// Returns the message of CLI11. For an unknown option, returns its name and the most similar option.
 std::string parse_error_text(const CLI::App& app, const CLI::Error& error);
 
 /// Makes the message for CLI::App::failure_message(). The app must have the program's name.
@@ -17,7 +17,7 @@ std::string usage_error(const CLI::App* app, const CLI::Error& error);
 /// Prints the help, version or error that parse() threw, and returns the program's exit code.
 int print_parse_error(const CLI::App& app, const CLI::ParseError& error);
 
-/// Returns the table of exit codes at the end of every help text, with a heading.
+/// Returns the table of exit codes, with a heading, that ends every help text.
 std::string exit_codes_text();
 
 }  // namespace multum

@@ -19,7 +19,7 @@ HEREDOC = re.compile(r"(?<!<)<<(?!<)-?\s*['\"]?(\w+)['\"]?")
 
 
 def words_of(line):
-    """Splits a shell line into words; operators such as `;` are words. Raises ValueError for an open quotation."""
+    """Splits a shell line into words. Operators such as `;` are words. Raises ValueError for an open quotation."""
     lexer = shlex.shlex(line, posix=True, punctuation_chars=True)
     lexer.whitespace_split = True
     return list(lexer)
@@ -125,7 +125,7 @@ def option_name(word):
 
 
 def program_faults(programs, words):
-    """Says why a command line of a program cannot work."""
+    """States why a command line of a program cannot work."""
     path = (words[0],)
     if not programs.has(path[0]) or programs.help_text(path) is None:
         return
@@ -157,7 +157,7 @@ def program_faults(programs, words):
 
 @functools.lru_cache(maxsize=None)
 def script_text(path):
-    """Returns the text of a script; the text of a Python script includes the modules of its folder."""
+    """Returns the text of a script. The text of a Python script includes the modules of its folder."""
     text = path.read_text(errors="replace")
     if "python" in text.partition("\n")[0]:
         text += "".join(module.read_text(errors="replace") for module in sorted(path.parent.glob("*.py")))
@@ -165,7 +165,7 @@ def script_text(path):
 
 
 def script_faults(root, words):
-    """Says why a command line of a script in tools/ cannot work."""
+    """States why a command line of a script in tools/ cannot work."""
     name = words[0].removeprefix("./")
     path = pathlib.Path(root) / name
     if not path.is_file():

@@ -25,12 +25,12 @@ class Block:
 
 
 def blanked(text):
-    """Replaces everything except for line breaks by spaces."""
+    """Replaces everything except line breaks with spaces."""
     return re.sub(r"[^\n]", " ", text)
 
 
 def split_fences(text):
-    """Returns the text with spaces in the place of fenced blocks, and the blocks."""
+    """Returns the text with spaces instead of fenced blocks, and the blocks."""
     kept, blocks, block, mark, indent = [], [], None, "", 0
     for number, line in enumerate(text.split("\n"), start=1):
         found = FENCE.match(line)
@@ -81,7 +81,7 @@ def slug(heading):
 
 
 class Anchors:
-    """Gives the headings of one page their anchors. Equal headings get -1, -2 and so on."""
+    """Gives the headings of one page their anchors. Equal headings get the endings -1, -2 and so on."""
 
     def __init__(self):
         self.counts = {}
@@ -94,7 +94,7 @@ class Anchors:
 
 
 class Page:
-    """One page of a project; `name` is its path from the root."""
+    """One page of a project. `name` is its path from the root."""
 
     def __init__(self, root, name):
         self.root = pathlib.Path(root)
@@ -128,12 +128,12 @@ class Page:
                 yield self.line_at(found.start(1)), found[1]
 
     def code_spans(self):
-        """Yields (line, text) of each code span, with spaces in the place of line breaks."""
+        """Yields (line, text) of each code span, with spaces instead of line breaks."""
         for found in CODE_SPAN.finditer(self.visible):
             yield self.line_at(found.start()), " ".join(found[2].split()).replace("\\|", "|")
 
     def indented_blocks(self):
-        """Yields blocks of lines with four spaces before them: code, and text of nested lists."""
+        """Yields blocks of lines that are indented by four spaces: code, and text of nested lists."""
         lines = self.visible.split("\n")
         block = None
         for number, line in enumerate(lines, start=1):

@@ -38,7 +38,7 @@ def link_faults(page, pages):
 
 
 def json_fault(text):
-    """Says why a block is neither one JSON document nor one document per line, else returns None."""
+    """States why a block is neither one JSON document nor one document per line. Returns None if it is one of them."""
     try:
         json.loads(text)
         return None
@@ -127,7 +127,8 @@ def check_pages(root, bin_folder):
 
 
 def count_words(root):
-    """Words per folder, by page, as `wc -w` counts them: {"how-to": {"docs/how-to/plain_pyramids.md": 1200}}."""
+    """Returns the words per folder, by page, as `wc -w` counts them: {"how-to": {"docs/how-to/plain_pyramids.md":
+    1200}}."""
     root = pathlib.Path(root)
     words = {folder: {} for folder in ("", *FOLDERS)}
     for name in page_names(root):

@@ -39,7 +39,7 @@ FOREIGN_ADDRESSES = re.compile(r"https://(?:unpkg\.com|api\.github\.com|\$\{e\}/
 
 
 class BuildFault(Exception):
-    """The site cannot be built; the message says why."""
+    """The site cannot be built. The message states why."""
 
 
 def site_path(name):
@@ -116,7 +116,7 @@ def is_table_head(lines, at):
 
 
 def for_python_markdown(text):
-    """Rewrites a page from GitHub's Markdown; headings get the anchors that GitHub gives to them."""
+    """Rewrites a page from GitHub's Markdown. Headings get the anchors that GitHub gives to them."""
     def change(part):
         return re.sub(r"<details( open)?>", r'<details markdown="1"\1>', COMMENT.sub("", part))
     lines = changed_outside_fences(text, change).split("\n")
@@ -151,7 +151,7 @@ def for_python_markdown(text):
 
 
 def staged_pages(root, folder):
-    """Writes the pages and all that they link to into `folder`. Returns {path in the site: title}."""
+    """Writes the pages and all files to which they link into `folder`. Returns {path in the site: title}."""
     titles, others = {}, set()
     for name in page_names(root):
         path = folder / site_path(name)
@@ -205,8 +205,8 @@ def configuration(source, output, titles):
 
 
 def remove_foreign_addresses(output):
-    """Removes addresses, languages and source maps of the theme that this site does not use. Writes the index of the
-    search also as a script, because pages that are opened from a disk cannot load JSON."""
+    """Removes addresses, languages and source maps of the theme that this site does not use. Also writes the index of
+    the search as a script, because pages that are opened from a disk cannot load JSON."""
     scripts = output / "assets/javascripts"
     shutil.rmtree(scripts / "lunr", ignore_errors=True)
     for file in output.rglob("*.map"):

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // multum-farm-simulation: simulates many maps on many Slurm nodes, in virtual time. The ledger is real (a JobQueue on a
 // disk, with synced commits), and so are the chunks and the files of the shared folder. Slurm's commands, nodes, node
-// failures and bake times are simulated with random numbers. The measured time of real code also counts as virtual
+// failures and bake times are simulated with random numbers. The measured time of real code is added to the virtual
 // time.
 //
 //   commands' thread   squeue, files of all parts that are with Slurm, then one sbatch per chunk  (slurm_pool.h)
@@ -44,14 +44,14 @@ struct Options {
   double refuse_share = 0.001;    // share of maps that cannot be baked
   double node_hours = 200.0;      // mean time between two failures of a node
   double repair_seconds = 600.0;  // time until a failed node works again
-  bool asks_for_each = false;     // ask for each file of each part, like versions that could not list folders
+  bool asks_for_each = false;     // ask for each file of each part, as program versions did that could not list folders
   unsigned seed = 1;
 };
 
 constexpr double kSpread = 0.5;
 constexpr int kClaimsAtOnce = 200;                                  // as in dispatch/dispatcher.cpp
 constexpr int kSubmissionsAtOnce = 256;                             // as in ledger/queue_thread.cpp
-constexpr double kSqueueSeconds = 0.02, kSqueueTaskSeconds = 2e-5;  // time per list, and per line of a list
+constexpr double kSqueueSeconds = 0.02, kSqueueTaskSeconds = 2e-5;  // time per list and per line of a list
 constexpr double kTaskStartSeconds = 0.5;                           // time per slot, for any task (slurm_plan.h)
 
 JobSubmission submission_of(int map) {
@@ -348,7 +348,7 @@ class Simulation {
   }
 
   int draw_code(std::int64_t job) {
-    // The seed depends only on the map: a map that cannot be baked fails at every attempt.
+    // The seed depends only on the map, so a map that cannot be baked fails at every attempt.
     std::minstd_rand of_map(static_cast<unsigned>(job) * 7919u + o_.seed);
     of_map.discard(3);
     if (std::uniform_real_distribution<>()(of_map) < o_.refuse_share) return 3;
@@ -394,12 +394,12 @@ class Simulation {
 
   struct Event {
     double at;
-    std::int64_t batch;  // 0: a node works again
+    std::int64_t batch;  // 0 for the event that a node works again
     bool is_failure;
     bool operator>(const Event& other) const { return at > other.at; }
   };
   const std::string kOwner = slurm_owner("simulated");
-  // A part has an end, a status and the output of its task; move_log() opens four files of a running part.
+  // A part has an end, a status and the output of its task. move_log() opens four files of a running part.
   static constexpr double kFilesAPart = 3.0, kFilesOfLog = 4.0;
 
   const Options& o_;
@@ -444,7 +444,7 @@ int run(int argc, char** argv) {
   app.add_option("-o,--output", o.json, "JSON file for the results")->required();
   app.add_option("--maps", o.maps, "number of maps to bake, one job each")->capture_default_str();
   app.add_option("--nodes", o.nodes, "number of nodes; each node runs one task at a time")->capture_default_str();
-  app.add_option("--jobs", o.jobs_max, "[slurm] jobs: maximum number of jobs with Slurm at a time")
+  app.add_option("--jobs", o.jobs_max, "[slurm] jobs: maximum number of jobs in Slurm at a time")
       ->capture_default_str();
   app.add_option("--map-seconds", o.map_seconds, "median seconds per bake")->capture_default_str();
   app.add_option("--chunk-seconds", o.chunk_seconds, "[slurm] chunk_s")->capture_default_str();

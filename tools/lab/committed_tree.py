@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Refuses to make documents from an uncommitted tree, because nobody could measure their figures again.
+"""Refuses to make documents from an uncommitted tree, because nobody could repeat the measurements.
 
     tools/lab/committed_tree.py [--allow-dirty] [--root DIR]    # prints the commit; exit code 1 if it is refused
 
@@ -18,10 +18,10 @@ DIRTY = "-dirty"
 
 
 def git(root, *arguments):
-    """Returns git's output in the repository of `root`; None if git fails."""
+    """Returns git's output in the repository of `root`, or None if git fails."""
     try:
         run = subprocess.run(["git", "-C", str(root), *arguments], capture_output=True, text=True, check=False)
-    except FileNotFoundError:  # no git on this machine
+    except FileNotFoundError:  # git is not installed
         return None
     return run.stdout.strip() if run.returncode == 0 else None
 

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Writes index.html into a folder that tools/demo has filled: pictures, errors, times. Standard library only.
 
-Reads steps.tsv (kind, name, milliseconds, command: one line per step), NAME.bake.json of each bake and NAME.view.json
+Reads steps.tsv (one line per step: kind, name, milliseconds, command), NAME.bake.json of each bake and NAME.view.json
 of each view. The pictures of a view are NAME_reference.png, NAME_multum.png and so on. The page refers only to files in
 the folder.
 

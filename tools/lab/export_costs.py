@@ -13,12 +13,12 @@ from measured_run import succeed
 SIDE = 4096
 ROUNDS = 5
 ROUGHNESS = 0.25
-PREFILTER = "roughness-prefilter"  # of Debian's libfilament-tools
+PREFILTER = "roughness-prefilter"  # from Debian's package libfilament-tools
 # Each row: name of the runs in the file of --state, title, and options of `multum export`.
 WAYS = (("KTX2, `--format ktx2`", "KTX2, `--format ktx2`", ["--format", "ktx2"]),
         ("the same, `--fast`", "KTX2, `--fast`", ["--format", "ktx2", "--fast"]),
         ("PNG, an image a level", "PNG, one image per level", ["--format", "png"]))
-FORMATS = ("exr", "ktx", "png")  # of roughness-prefilter; ratios divide by the fastest one
+FORMATS = ("exr", "ktx", "png")  # formats of roughness-prefilter; ratios divide by the fastest format
 
 HEAD = """## Time and memory
 
@@ -44,7 +44,7 @@ def write_repeated(source, output):
 
 
 def measure(multum, source, folder):
-    """Returns processor seconds and bytes of memory of each round, by name; None if Filament's tool is not
+    """Returns processor seconds and bytes of memory of each round, by name. Returns None if Filament's tool is not
     installed."""
     if shutil.which(PREFILTER) is None:
         return None

@@ -6,9 +6,9 @@ lobe.
     tools/lab/export_document.py --maps ../shared/data/normal -o docs/evidence/EXPORT.md [--bin DIR] [--state FILE]
         [--cells N] [--measure-nothing]
 
-Exports every normal map of the folder (by its name) at three base roughnesses, isotropic and anisotropic. Maps in the
-file of --state are not measured again; --measure-nothing makes the page only from this file. The comparison with
-Filament's roughness-prefilter (Debian's libfilament-tools) runs first and needs a machine without other work.
+Exports every file of the folder that is a normal map by its name, at three base roughnesses, isotropic and anisotropic.
+Maps in the file of --state are not measured again; --measure-nothing makes the page only from this file. The comparison
+with Filament's roughness-prefilter (Debian's libfilament-tools) runs first and needs a machine without other work.
 """
 import argparse
 import json
@@ -26,8 +26,8 @@ import export_costs
 from target_table import is_normal_map, processor_seconds_of_children
 
 ROUGHNESSES = (0.1, 0.25, 0.5)
-STORED_ROUGHNESS = 0.25  # at which bytes are counted
-STORED_EVERY = 5  # one map in so many, by name, is stored in all ways
+STORED_ROUGHNESS = 0.25  # base roughness for which bytes are counted
+STORED_EVERY = 5  # of this many maps, sorted by name, one is stored in all ways
 LEVELS = (2, 4, 6)
 RULES = (("averaged", "averaged normals with base roughness"), ("unreal", "Unreal, without its blur of normals"),
          ("unity", "Unity HDRP"), ("godot", "Godot"), ("filament", "Filament's roughness-prefilter"),
@@ -59,20 +59,20 @@ The table covers {maps} maps from {folder}. On each map, {cells} texels on each 
 measured ({cell_count} texels in all). Textures are stored with 8 bits per channel, and lobes of `multum bake MAP` with
 16 bits.
 
-- *Error*: relative L1 error of the highlight. The reference is the mean of D V (n . l) over all finest texels that the
-  measured texel covers, with GGX and height-correlated Smith visibility. Fresnel, occlusion and filtering between
-  texels are omitted.
-- Views and lights: five views at 0 to 70 degrees from the surface's normal, and {lights} point lights per view above
-  the surface. The lights are chosen at random, mostly where the highlights are.
-- Noise: the only noise of the reference comes from the random choice of lights. The standard error of the integral over
-  one level of a map is {noise:.2f} % (median).
-- *Energy*: the light that the method reflects, divided by the light that the reference reflects.
-- Best single lobe: a Nelder-Mead search minimizes the errors of highlight and energy. The lights of the search differ
-  from the lights of the table. The listed error is therefore an upper bound of the error of the best lobe.
+- *Error* is the relative L1 error of the highlight. The reference is the mean of D V (n . l) over all finest texels
+  that the measured texel covers, with GGX and height-correlated Smith visibility. Fresnel, occlusion and filtering
+  between texels are omitted.
+- The highlights are computed for five views at 0 to 70 degrees from the surface's normal, and for {lights} point lights
+  per view above the surface. The lights are chosen at random, mostly where the highlights are.
+- The only noise of the reference comes from the random choice of lights. The standard error of the integral over one
+  level of a map is {noise:.2f} % (median).
+- *Energy* is the light that the method reflects, divided by the light that the reference reflects.
+- For the best single lobe, a Nelder-Mead search minimizes the errors of highlight and energy. The lights of the search
+  differ from the lights of the table. The listed error is therefore an upper bound of the error of the best lobe.
 
 A black picture has a relative L1 error of 100 %, so a picture with a higher error is worse than a black picture. At
-base roughness 0.1, compare the energies, and the errors under wide lights, which are 20 degrees across. Brackets
-contain the errors under wide lights.
+base roughness 0.1, compare the energies and the errors under wide lights, which are 20 degrees across. The table lists
+the errors under wide lights in brackets.
 
 The table lists medians over the maps for levels {levels}: the error in %, the error under wide lights in brackets, and
 the energy.
@@ -106,7 +106,7 @@ multum export wool_n.png -o wool/ --metalness wool_m.png --form auto --for three
   wool/: on a sphere at 32 texels per pixel plain 16.0 %, one lobe 29.4 %, chosen 21.8 %: fitted normals and roughness
 ```
 
-The printed line names the view in which plain mips and one lobe differ most; the report lists all views.
+The printed line names the view in which plain mips and one lobe differ most. The report lists all views.
 
 The pictures of `--form auto` show a plane seen from above, a tilted plane and a sphere, with 1 to 32 texels per pixel,
 under three lights and a room with lamps. The default form `one-lobe` is replaced only if three conditions hold. First,
@@ -134,7 +134,8 @@ engines, only three.js was run. The table omits Blender, because it is not known
 The next table lists the errors of pictures by three.js (`tools/lab/export_pictures.py`). Each number is a relative L1
 error in %, averaged over a plane, a tilted plane and a sphere with 4 and 16 texels per pixel. The metal has roughness
 0.5, and the dielectric has roughness 0.25. *4 points* means `addPoints()` of @multum/three, with four evaluations of
-light per pixel. The last column lists the errors that `--form auto` predicted: plain / one lobe / chosen.
+light per pixel. The last column lists the errors that `--form auto` predicted for plain mips, one lobe and the chosen
+form.
 
 | map and material | plain | one lobe | auto | plain, 4 points | one lobe, 4 points | prediction of `--form auto` |
 |---|---|---|---|---|---|---|
@@ -163,7 +164,7 @@ light per pixel. The last column lists the errors that `--form auto` predicted: 
   is therefore the default.
 - At one evaluation per pixel, the error of one lobe is at most 0.2 points above the error of plain mips in 83 of 108
   views. Most of the other views show tilted planes, on which one lobe makes highlights too wide.
-- If you can shade each pixel four times, do that first: for 17 of 18 materials, plain mips at four points have lower
+- If you can shade each pixel four times, do that first. For 17 of 18 materials, plain mips at four points have lower
   errors than one lobe at one point. For 16 materials, one lobe at four points has lower errors than plain mips at four
   points.
 
@@ -175,17 +176,17 @@ FILES = """
 [Export to an engine](../how-to/export_to_engine.md) lists the commands, the formats, and the engines that load each
 format. Every export prints the names of engines that cannot load the exported files.
 
-- Tried in Chromium: three.js 0.187, Babylon.js 9.35, PlayCanvas 2.23.3 and Filament 1.53.4. PlayCanvas and Filament
+- three.js 0.187, Babylon.js 9.35, PlayCanvas 2.23.3 and Filament 1.53.4 were tried in Chromium. PlayCanvas and Filament
   load UASTC with all levels.
-- Tried outside a browser: Blender 3.4 and Godot 3.2. The statements about Unreal follow Unreal's documentation.
+- Blender 3.4 and Godot 3.2 were tried outside a browser. The statements about Unreal follow Unreal's documentation.
 - Babylon.js, PlayCanvas and Filament load only Basis Universal from KTX2. These three engines can drop other textures
   of a model without a message.
-- Read in the engines' source code (October 2026): Bevy loads KTX2 with all levels. Godot 4 loads all levels of KTX2,
-  but only level 0 if a side is not a power of two. Direct3D does not support block-compressed textures whose sides are
-  not divisible by 4. The export warns in both cases.
-- Tests read every level: three.js (WebGL 2 with SwiftShader) reads all kinds of KTX2, ktx-parse 2.0 reads their
-  headers, and OpenImageIO 2.4 reads BC4, BC5 and BC7 from DDS. Babylon.js reads half floats from DDS, the only format
-  with a DX10 header that it supports.
+- According to its source code (October 2026), Bevy loads KTX2 with all levels. Godot 4 loads all levels of KTX2, but
+  only level 0 if a side is not a power of two. Direct3D does not support block-compressed textures whose sides are not
+  divisible by 4. The export warns in both cases.
+- Automatic tests read every level. three.js (WebGL 2 with SwiftShader) reads all kinds of KTX2, ktx-parse 2.0 reads
+  their headers, and OpenImageIO 2.4 reads BC4, BC5 and BC7 from DDS. Babylon.js reads half floats from DDS, the only
+  format with a DX10 header that it supports.
 
 ## Notes on the files
 
@@ -208,15 +209,15 @@ format. Every export prints the names of engines that cannot load the exported f
 STORAGE = """## Error and size by storage format
 
 For each storage format, the table lists isotropic highlight errors on {maps} of these maps. The column *bytes* lists
-the bytes per texel of the map, for the normal and orm textures with all of their levels. Block compression loses
-accuracy where neighbouring texels of a level differ much. Blocks reduce GPU memory to a quarter of the memory of RGBA8.
+the bytes per texel of the map, summed over all levels of the normal and orm textures. Block compression loses accuracy
+where neighbouring texels of a level differ much. Blocks reduce GPU memory to a quarter of the memory of RGBA8.
 Zstandard does not reduce GPU memory.
 
 | | bytes | with `--zstd 15` | {roughnesses} |
 |---|---|---|---|---|---|
 """
 
-# Each row: name, and the keys in a row's storage that hold bytes, bytes with Zstandard, and errors.
+# Each row has a name, and the keys in a row's storage for bytes, bytes with Zstandard, and errors.
 STORED = (("EXR, one image per level", "exr", None, "exr"), ("KTX2, `rgba16f`", "rgba16f", "rgba16f_zstd", "exr"),
           ("PNG, one image per level", "png", None, "png"), ("KTX2, `rgba8`", "rgba8", "rgba8_zstd", "png"),
           ("KTX2, `rg8`", "rg8", "rg8_zstd", "rg8"), ("KTX2, `bc`", "bc", "bc_zstd", "bc"))

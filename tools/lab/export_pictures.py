@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Prints the table of pictures in docs/evidence/EXPORT.md: three.js draws exports on planes and a sphere.
+"""Prints the table of pictures in docs/evidence/EXPORT.md, for which three.js draws exports on planes and a sphere.
 
     tools/lab/export_pictures.py MAP... [--bin DIR] [--package DIR]
 
-Every map is drawn as a metal of roughness 0.5 and as a dielectric of 0.25, with 4 and 16 texels per pixel, on a plane
-from above, on a tilted plane and on a sphere. --package is a folder of @multum/three (`multum shaders -o DIR`:
+Every map is drawn as a metal of roughness 0.5 and as a dielectric of roughness 0.25, with 4 and 16 texels per pixel, on
+a plane from above, on a tilted plane and on a sphere. --package is a folder of @multum/three (`multum shaders -o DIR`:
 DIR/three). Errors are relative L1 in % against 8 x 8 samples per pixel of level 0, averaged over the views. Each
 material takes a minute.
 """
@@ -27,14 +27,14 @@ import OpenImageIO
 import model_views
 
 MATERIALS = (("metal, 0.5", 0.5, 1), ("dielectric, 0.25", 0.25, 0))
-TEXELS = (4, 16)  # a pixel
+TEXELS = (4, 16)  # texels per pixel
 SIDE, ANGLE, DISTANCE = 100, 45, 2.9
 DIRECTIONS = {"plane": ((0.3, 0.1, 1.0), (1.0, 0.5, 0.7)), "sphere": ((0.3, 0.1, 1.0),)}
 KTX2 = "image/ktx2"
 
 
 def grid(kind, repeat):
-    """Returns positions, normals, tangents, texture coordinates and indices. Shapes are two units wide; the map goes
+    """Returns positions, normals, tangents, texture coordinates and indices. Shapes are two units wide. The map goes
     twice around the sphere."""
     columns, rows = (1, 1) if kind == "plane" else (192, 96)
     sides = numpy.array([rows, columns])[:, None, None]
@@ -56,7 +56,7 @@ def grid(kind, repeat):
 
 
 def write_glb(path, kind, repeat, images, roughness, metalness):
-    """`images`: bytes and MIME type by use, "normal" and "orm"."""
+    """`images` has the bytes and the MIME type for each use, "normal" and "orm"."""
     blob, views, accessors = bytearray(), [], []
 
     def view(data):
@@ -120,9 +120,9 @@ def errors_of(arguments, path, roughness, metalness):
         one, _ = export(multum, path, folder, "one-lobe", roughness, metalness, (spec.width, spec.height))
         auto, report = export(multum, path, folder, "auto", roughness, metalness, (spec.width, spec.height))
         rows = []
-        pixel = 2 * math.tan(math.radians(ANGLE / 2)) / SIDE  # at distance 1
+        pixel = 2 * math.tan(math.radians(ANGLE / 2)) / SIDE  # size of a pixel at distance 1
         for kind, directions in DIRECTIONS.items():
-            unit = spec.width / (2 if kind == "plane" else math.pi)  # texels a unit of a map that is there once
+            unit = spec.width / (2 if kind == "plane" else math.pi)  # texels per unit, for a map that is not repeated
             for texels in TEXELS:
                 repeat = max(1, round(texels / (pixel * DISTANCE * unit)))
                 for file, images, factor in (("plain", level_0, roughness), ("one", one, 1.0), ("auto", auto, 1.0)):

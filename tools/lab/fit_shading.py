@@ -6,7 +6,7 @@ For every exponent s and lobe kappa, prints the relative L1 error over the hemis
 angle) of four formulas: only the vMF shape, only the cosine-power shape, Han et al. 2007 eq. 20, and the blend in use.
 Then prints the errors of the polynomial inverse of A(kappa) = coth kappa - 1/kappa and of the convolved Lambert term.
 `fit_shading.py --fit` also tabulates other values of the blend's constant. `fit_shading.py --cosine` also tabulates
-replacements of max(n . l, 0) under a highlight. Needs numpy; takes about 5 s, with --cosine half a minute."""
+replacements of max(n . l, 0) under a highlight. Needs numpy. Takes about 5 s, or half a minute with --cosine."""
 import sys
 
 import numpy as np
@@ -22,7 +22,7 @@ NODES, WEIGHTS = np.polynomial.legendre.leggauss(600)
 
 
 def bessel_i0_scaled(x):
-    """Returns exp(-x) I_0(x): by numpy for x below 50, by the asymptotic series above 50 (relative error 2e-9)."""
+    """Returns exp(-x) I_0(x), by numpy for x below 50 and by the asymptotic series above 50 (relative error 2e-9)."""
     low = np.minimum(x, 50.0)
     y = 1.0 / np.maximum(x, 50.0)
     series = 1 + y / 8 + 9 * y**2 / 128 + 225 * y**3 / 3072 + 11025 * y**4 / 98304

@@ -16,7 +16,7 @@ import tempfile
 
 from model_views import DISTANCES, VIEW, byte_text, digest, draw, dress, link_model, run
 
-EVALUATIONS = 4  # of @multum/three, in a pixel
+EVALUATIONS = 4  # evaluations per pixel of @multum/three
 WAYS = ("plain mips", "points", "one lobe", "lobes")
 PAGE = """# Models with lobes
 
@@ -40,7 +40,7 @@ Pictures 2 to 5 are single frames. Each frame has {edges} samples per pixel for 
 WebGL offers in this browser. Small pictures are enlarged. The tables list the errors of these pictures. Each error is a
 relative L1 error in linear light: the sum over pixels and colours of |picture - reference|, divided by the sum of the
 reference. Brackets contain the energy: the sum of the picture, divided by the sum of the reference. Edges, and parts
-that are smaller than a pixel, cause errors in all pictures; these errors do not depend on the textures.
+that are smaller than a pixel, cause errors in all pictures. These errors do not depend on the textures.
 
 Counts over {views} views:
 
@@ -80,7 +80,7 @@ def form_text(report):
 
 
 def counts(views):
-    """Counts the views in which one way has a lower error than another. `views`: errors in the order of WAYS."""
+    """Counts the views in which one way has a lower error than another. `views` has the errors in the order of WAYS."""
     def share(one, other, points):
         return sum(100 * (view[WAYS.index(one)] - view[WAYS.index(other)]) <= points for view in views)
 

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Counts figures of the sources: lines, folders, switches over representations.
+"""Counts lines, folders and switches over representations in the sources.
 
     tools/lab/house_figures.py [COMMIT]   # default: HEAD
 

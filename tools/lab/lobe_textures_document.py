@@ -43,16 +43,16 @@ from the maps {maps}. Do not edit.
 [Lobes for GPUs](../reference/lobe_textures.md) describes the layout, and [drawing lobes](../how-to/draw_lobes.md)
 explains the shader. The bakes store lobes from level 1 on, so level 0 is the normal map in all rows.
 
-- *Error*: relative L1 error of multum-view's picture of an oblique plane with 320 x 240 pixels and Blinn-Phong. The
-  noise of the reference is at most 3 %. The renderer is llvmpipe, which filters 8-bit texels and blocks with 8 bits.
-  The table lists medians over the maps. Brackets contain the highest ratio of any map: the error divided by the error
-  of the baked lobes in 16 bits.
-- *Bytes*: size of the lobe texture, divided by the size of all levels of the map in BC5 and BC4. Level 0 of the normal
-  map in BC5 would add 0.5, but renderers store this level in any case.
-- *Fetches*: texture fetches per tap, without the fetch of the normal map.
-- Evaluations: every row evaluates the material once per lobe and pixel, with the number of lobes rounded up to a power
-  of two. Lobes are drawn by `multum-view --evaluations`, which shades several points per pixel where only the normal
-  map is visible. Averaged normals and LEAN are stored as floats and shaded at the same number of points.
+- *Error* is the relative L1 error of multum-view's picture of an oblique plane with 320 x 240 pixels and Blinn-Phong.
+  The noise of the reference is at most 3 %. The renderer is llvmpipe, which filters 8-bit texels and blocks with 8
+  bits. The table lists medians over the maps. Brackets contain the highest ratio of any map: the error divided by the
+  error of the baked lobes in 16 bits.
+- *Bytes* is the size of the lobe texture, divided by the size of all levels of the map in BC5 and BC4. Level 0 of the
+  normal map in BC5 would add 0.5, but renderers store this level in any case.
+- *Fetches* is the number of texture fetches per tap, without the fetch of the normal map.
+- Every row evaluates the material once per lobe and pixel, with the number of lobes rounded up to a power of two. Lobes
+  are drawn by `multum-view --evaluations`, which shades several points per pixel where only the normal map is visible.
+  Averaged normals and LEAN are stored as floats and shaded at the same number of points.
 
 In this near view, LEAN has a lower error than lobes. At levels finer than 1, the lobe files contain one mean normal per
 texel, whereas LEAN uses moments. Lobe files that store level 0 have lower errors ([PICTURES](PICTURES.md)).
@@ -64,7 +64,7 @@ def run(*arguments):
 
 
 def evaluations_of(count):
-    """Evaluations per pixel for a file with this many lobes."""
+    """Returns the evaluations per pixel for a file with this many lobes."""
     return 2 ** (count - 1).bit_length()
 
 
@@ -79,8 +79,8 @@ def errors_of(view, file, source, count, exponent, folder, rivals):
 
 
 def measure(programs, maps, folder):
-    """Returns {(count, texels, exponent): [error per map]} and {(count, texels): ratio of bytes}. The baked file has
-    texels "". Rivals have their name as texels."""
+    """Returns {(count, texels, exponent): [error per map]} and {(count, texels): ratio of bytes}. For the baked file,
+    `texels` is "". For rivals, it is their name."""
     multum, view = programs / "multum", programs / "multum-view"
     errors, ratios = {}, {}
     for source in maps:
@@ -125,7 +125,7 @@ def table(errors, ratios):
 
 def html_table(lines):
     rows = [[html.escape(cell.strip()) for cell in line.strip("|").split("|")] for line in lines]
-    names = {1: ' class="text"'}  # the texels' column
+    names = {1: ' class="text"'}  # the column of texel formats contains text
     row = lambda cells, tag: "<tr>" + "".join(f"<{tag}{names.get(i, '')}>{cell}</{tag}>"
                                               for i, cell in enumerate(cells)) + "</tr>"
     body = [row(cells, "td") for cells in rows[2:]]

@@ -10,7 +10,7 @@ import time
 
 @dataclasses.dataclass
 class Run:
-    """The costs of one run of a program. Processor seconds include its children; memory is the peak of one process."""
+    """The costs of one run of a program. Processor seconds include its children. Memory is the peak of one process."""
     code: int
     text: str
     seconds: float

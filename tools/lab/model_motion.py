@@ -39,8 +39,8 @@ the models from a distance of {distance} m.
 There are three motions of {frames} frames each: the camera moves forwards, moves to the side, or turns. Between two
 frames, the picture moves by less than a pixel to a few pixels.
 
-- *Flicker* is in %, as in [FILTER](FILTER.md): the mean over neighbouring frames of sum |(f' - f) - (t' - t)| / sum t,
-  where f is a frame and t is the reference of this frame.
+- *Flicker* is defined in % as in [FILTER](FILTER.md): it is the mean over neighbouring frames of sum |(f' - f) - (t' -
+  t)| / sum t, where f is a frame and t is the reference of this frame.
 - *Jump* is the largest colour change between neighbouring frames that does not occur in the reference, from 0 to 255 in
   sRGB. Edges of triangles are not counted.
 

@@ -25,10 +25,10 @@ from model_views import DISTANCES, MODULES, ROOT, VIEW, digest, draw, dress, fai
 LIST = ROOT / "tools" / "lab" / "models.json"
 SURFACES = ROOT / "tests" / "three" / "bumpy_models.mjs"
 SURFACE_TEXELS = 1024
-SURFACE_REACH = 1.2  # metres: half of the diagonal, as of most listed models
-DRAWING = 1  # version of tests/three/model_page.js; raise it if the pictures change
-GRIDS = 2  # of 12 x 12 samples per pixel of the whole picture, at most; of parts more
-COUNTS = (1, 4, 8, 16)  # evaluations
+SURFACE_REACH = 1.2  # half of the diagonal in metres, as for most listed models
+DRAWING = 1  # version of tests/three/model_page.js; increase it if the pictures change
+GRIDS = 2  # at most this many grids of 12 x 12 samples per pixel; parts of the picture can have more
+COUNTS = (1, 4, 8, 16)  # numbers of evaluations per pixel
 # Rows by name. `dressed`: options of `multum gltf`, or None for the original model. Other keys belong to model_page.js.
 ROWS = {"plain mips": {"dressed": None}}
 ROWS |= {f"points, {n}": {"dressed": None, "points": n} for n in COUNTS}
@@ -37,7 +37,7 @@ ROWS |= {f"one lobe and points, {n}": {"dressed": ["--lobes"], "points": n} for 
 for ROW_NAME, SPEND in (("lobes", "lobes"), ("rule", "auto")):
     ROWS |= {f"{ROW_NAME}, {n}": {"dressed": ["--lobes"], "lobes": True, "options": {"evaluations": n, "spend": SPEND}}
              for n in COUNTS}
-ROWS_AT_ONCE = 6  # what a browser draws before it is kept
+ROWS_AT_ONCE = 6  # number of rows that a browser draws before the results are stored
 # Files of the package on which a row depends.
 POINT_SCRIPTS = ("lobe_material.js", "shading_points.js")
 
@@ -102,7 +102,7 @@ def measure(cache, entry, rows, distances):
     files = {name: file_of(cache, entry, row) for name, row in rows.items()}
     reports = {" ".join(row["dressed"]): cache.dressed(source, row["dressed"])[1] for row in rows.values()
                if row["dressed"] is not None}
-    wanted = {}  # rows to draw, by the distances that they lack
+    wanted = {}  # rows to draw, by the distances for which they have no result
     for name, row in rows.items():
         lacking = tuple(one for one in distances if not
                         cache.row_file(files[name], row, view_from(one), reach).exists())
@@ -130,7 +130,7 @@ def with_options(row, options):
 
 
 def link_rows(cache, entry, rows, folder):
-    """Links the files that `rows` draw into `folder`; returns the rows for model_page.js."""
+    """Links the files that `rows` draw into `folder`, and returns the rows for model_page.js."""
     link_model(entry["path"], folder)
     models = []
     for row in rows.values():

@@ -21,7 +21,7 @@ def fail(what):
 
 
 def run(*arguments):
-    """Returns the output of a program; ends this program if it fails."""
+    """Returns the output of a program. Ends this program if the other one fails."""
     done = subprocess.run([str(one) for one in arguments], capture_output=True, text=True, check=False)
     if done.returncode != 0:
         fail(f"{arguments[0]} failed: {done.stderr or done.stdout}")
@@ -29,14 +29,14 @@ def run(*arguments):
 
 
 def files_of(model):
-    """Lists the model and the files that it refers to, as paths from the model's folder."""
+    """Lists the model and the files to which it refers, as paths from the model's folder."""
     text = json.loads(model.read_text(encoding="utf-8")) if model.suffix == ".gltf" else {}
     names = [one["uri"] for kind in ("buffers", "images") for one in text.get(kind, []) if "uri" in one]
     return [model.name] + [urllib.parse.unquote(name) for name in names if not name.startswith("data:")]
 
 
 def link_model(model, folder):
-    """Links the model and the files that it refers to into `folder`, under the model's name."""
+    """Links the model and the files to which it refers into `folder`, under the model's name."""
     for name in files_of(model):
         link = folder / name
         link.parent.mkdir(parents=True, exist_ok=True)
@@ -68,6 +68,10 @@ def megabytes(count):
     return f"{count / 1e6:.2f} MB"
 
 
+def counted(number, noun):
+    return f"{number} {noun}{'' if number == 1 else 's'}"
+
+
 def byte_text(report):
     texts = []
     for kind, name in (("normal", "Fitted normals need"), ("metallic_roughness", "fitted roughness and metalness need"),
@@ -76,5 +80,5 @@ def byte_text(report):
     fitted = sum(one["fitted"] for one in report["materials"])
     before, after = (megabytes(report[key]) for key in ("bytes_before", "bytes_after"))
     return (f"The size of the model file is {before} before the conversion and {after} after it. "
-            f"Fitted materials: {fitted} of {len(report['materials'])}; texture sets: "
-            f"{len(report['textures'])}. {', '.join(texts)}.")
+            f"The conversion fitted {fitted} of {counted(len(report['materials']), 'material')}, with "
+            f"{counted(len(report['textures']), 'texture set')}. {', '.join(texts)}.")

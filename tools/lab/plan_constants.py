@@ -15,7 +15,7 @@ import tempfile
 
 
 class Bakes:
-    """Times of bakes of maps in two sizes: nanoseconds per texel of each stage and level, and the constant rest."""
+    """Times of bakes of maps in two sizes, as nanoseconds per texel of each stage and level and as a constant rest."""
 
     def __init__(self, multum, folder, sizes, repeat):
         self.multum, self.folder, self.sizes, self.repeat = multum, folder, sizes, repeat
@@ -24,7 +24,8 @@ class Bakes:
                            capture_output=True)
 
     def one(self, size, options):
-        """Returns seconds by stage and by "level N": the lowest of some runs, since other work only adds time."""
+        """Returns seconds by stage and by "level N". They are the lowest of several runs, because other work only adds
+        time."""
         path = os.path.join(self.folder, f"q{size}")
         least = {}
         for _ in range(self.repeat):
@@ -59,7 +60,7 @@ def level_sum(times, levels):
 
 
 def measure(bakes):
-    """Returns the constants by name. Binning belongs to no level; its time is added to the coarse levels."""
+    """Returns the constants by name. Binning does not belong to a level, so its time is added to the coarse levels."""
     two, _ = bakes.run("--lobes", "2")
     four, fixed = bakes.run("--lobes", "4")
     coloured, _ = bakes.run("--lobes", "4", "--albedo", "@_albedo.png")
@@ -72,7 +73,7 @@ def measure(bakes):
     found["kFitFine"], found["kFitLobeFine"] = line(level_sum(two, fine) / 4.0, level_sum(four, fine) / 4.0)
     found["kFitCoarse"] = max(0.0, four["fit"] - level_sum(four, range(1, 6)))
     found["kColourFactor"] = max(0.0, coloured["fit"] / four["fit"] - 1.0)
-    found["kWriteTexture"] = four["write"] / (4.0 * 4.0 / 3.0)  # lobes, levels
+    found["kWriteTexture"] = four["write"] / (4.0 * 4.0 / 3.0)  # four lobes, all levels
     # Lambert costs a third as much as an exponent. A bake measures Lambert once, and three exponents.
     found["kMeasureExponent"] = four["measure"] / (3.0 + 1.0 / 3.0)
     found["kMeasureLambert"] = found["kMeasureExponent"] / 3.0

@@ -11,7 +11,7 @@ gets a section. --split FIELD PARAMETER=NAME:COUNT,NAME:COUNT splits one paramet
 Textures are inferred once, into DIR. Every figure is immediately stored in the file of rows, with its commit. Existing
 rows are not measured again unless --again names their part: videos of traced frames, for example, do not depend on
 multum. --measure-nothing makes the page only from the rows. Videos need Debian's ffmpeg, and playing needs dav1d's
-library. Without a browser, the browser's figures are left out.
+library. Without a browser, the browser's figures are missing.
 """
 import argparse
 import datetime
@@ -27,13 +27,13 @@ import committed_tree
 from debian_python import use_a_python_with
 
 PARTS = {"field": "field", "curves": "pack", "video": "video", "coder": "coder", "inference": "inference",
-         "costs": "cost", "dimensions": "dimension", "playing": "playing"}  # and the kinds of their rows
-RATIOS = (192, 384, 768)  # that tables state; parts are compared at the middle one
-GROWTH_RATIOS = (96, 192)  # at which fields of more and more parameters are compared
+         "costs": "cost", "dimensions": "dimension", "playing": "playing"}  # parts, and kinds of rows
+RATIOS = (192, 384, 768)  # ratios that tables state; parts are compared at the middle ratio
+GROWTH_RATIOS = (96, 192)  # ratios at which fields with more and more parameters are compared
 # Each row: name, options of `multum pack`, colour and dash of the curve.
 PACKINGS = (("multum pack", (), 0, 0), ("multum pack --coder dct", ("--coder", "dct"), 0, 1),
             ("multum pack --coder wavelet", ("--coder", "wavelet"), 0, 2))
-# Options that switch off one part of the encoder each. Names are keys of rows.
+# Options that each switch off one part of the encoder. Names are keys of rows.
 CODER_SETS = (("as it is", ()), ("cosines alone", ("--coder", "dct")), ("wavelets alone", ("--coder", "wavelet")),
               ("plain pyramid over parameters", ("--pyramid", "plain")),
               ("the paper's search for levels, no learnt basis", ("--pyramid", "greedy")),
@@ -59,7 +59,7 @@ def shown(name):
 
 
 class Rows:
-    """Keeps measurements: one row per field, kind and name, written at once."""
+    """Keeps measurements, in one row per field, kind and name. Each row is written at once."""
 
     def __init__(self, path, commit):
         self.path, self.commit = path, commit
@@ -94,7 +94,7 @@ class FieldMeasurement:
     """Measures one field: its traced frames, and frames drawn from inferred textures."""
 
     def __init__(self, name, job, inferred, programs, rows, stated):
-        """`stated`: the ratios that tables list."""
+        """`stated` are the ratios that tables list."""
         from fields import Field
         self.name, self.inferred, self.programs, self.rows = name, inferred, programs, rows
         self.stated, self.main = stated, ["--ratio", f"{stated[len(stated) // 2]:g}"]
@@ -131,13 +131,13 @@ class FieldMeasurement:
         for name, options, *_ in PACKINGS:
             if (options[-1] if options else "auto") not in coders:
                 continue
-            for ratio in sorted(ratios, key=lambda r: (r not in self.stated, r)):  # those of tables first
+            for ratio in sorted(ratios, key=lambda r: (r not in self.stated, r)):  # ratios of tables come first
                 self.rows.measured(self.name, "pack", f"{name}, {ratio:g}:1",
                                    lambda: {"curve": name, "asked": ratio,
                                             **self.packed(["--ratio", f"{ratio:g}", *options])})
 
     def measure_videos(self, video_codecs, beginnings):
-        """`beginnings`: prefixes of codec names, or None for all codecs."""
+        """`beginnings` are prefixes of codec names, or None for all codecs."""
         from fields import mse
         for codec in video_codecs.CODECS:
             if beginnings and not codec.name.startswith(tuple(beginnings)):
@@ -154,7 +154,7 @@ class FieldMeasurement:
         for name, options in CODER_SETS:
             row = self.rows.find(self.name, "coder", name)
             if row and "refused" in row and self.programs.unknown_option(options) is None:
-                self.rows.all.remove(row)  # an older binary did not have it
+                self.rows.all.remove(row)  # an older binary did not support this row
             self.rows.measured(self.name, "coder", name, lambda: {
                 "options": " ".join(options), **self.packed_at_main(options)})
 
@@ -194,7 +194,7 @@ class FieldMeasurement:
         return {"own": mse(self.own, self.traced), "at": points}
 
     def stated_errors(self, inferred):
-        """Returns the MSE at each stated ratio, and the processor seconds of packing at the main ratio; uses rows of a
+        """Returns the MSE at each stated ratio, and the processor seconds of packing at the main ratio. Uses rows of a
         curve if there are any."""
         result = {}
         for ratio in self.stated:
@@ -219,7 +219,8 @@ class FieldMeasurement:
         measure_playing(self, video_codecs, quality_of)
 
     def measure_inference(self, keeps, ways):
-        """`keeps`: whether to keep the textures of all ways in the work folder. `ways`: number of INFERENCES to use."""
+        """`keeps` tells whether to keep the textures of all ways in the work folder. `ways` is the number of INFERENCES
+        to use."""
         from fields import error_places, mse, squared_errors
         numbers, names = self.field.object_numbers(), [one["name"] for one in self.field.job["object"]]
         places = lambda frames: error_places(squared_errors(frames, self.traced), numbers, names)
@@ -254,7 +255,7 @@ def with_texture_settings(job, changes):
 
 
 def prepared(folder, work, programs, rows, split):
-    """Makes the job and infers the textures if they are missing. Returns name, job and folder of textures. `split`: a
+    """Makes the job and infers the textures if they are missing. Returns name, job and folder of textures. `split` is a
     parameter to divide and its parts, as for with_split_parameter(), or None."""
     from fields import Field, mse
     from parameter_grid import with_split_parameter
@@ -269,7 +270,7 @@ def prepared(folder, work, programs, rows, split):
 
     def measure():
         if not (inferred / "inferred.json").exists():
-            shutil.rmtree(inferred, ignore_errors=True)  # of a run that was stopped: its seconds would not count
+            shutil.rmtree(inferred, ignore_errors=True)  # of an interrupted run, whose times are wrong
         done = programs.infer(job, inferred)
         field = Field(job)
         geometry = field.geometry.read_bytes()
@@ -282,7 +283,7 @@ def prepared(folder, work, programs, rows, split):
                 "memory_bytes": done.memory_bytes}
 
     if rows.find(name, "field", "inferred") is None:
-        shutil.rmtree(inferred, ignore_errors=True)  # all of it counts
+        shutil.rmtree(inferred, ignore_errors=True)  # so that the time of the whole run counts
     rows.measured(name, "field", "inferred", measure)
     return name, job, inferred
 
@@ -336,7 +337,8 @@ def at_ratios(rows, name, video_codecs, stated):
         here, best = value_at(own, ratio), leading.get(ratio)
         if here and best:
             words.append(f"{100 * abs(1 - here / best):.0f} % {'lower' if here < best else 'higher'} at {ratio:g}:1")
-    said = f"MSE of `multum pack` compared with {spoken(video_codecs.LEADING)}: {'; '.join(words)}." if words else ""
+    said = (f"Compared with {spoken(video_codecs.LEADING)}, the MSE of `multum pack` is {', '.join(words)}."
+            if words else "")
     return table(head, lines), said
 
 
@@ -469,16 +471,17 @@ def document(rows, names, video_codecs, stated, machine, pictures):
              "A field is a set of ray-traced frames for different values of some parameters ([animation "
              "jobs](../reference/animation_jobs.md)). `multum infer` infers textures from the frames, `multum pack` "
              "packs the textures, and `multum-view sample` unpacks and draws them.",
-             "- *MSE*: mean squared error of red, green and blue in 8-bit values at gamma 2.2, compared with the "
-             "traced frames. The mean includes all pixels of all samples, also silhouettes.\n"
-             "- *Compression*: size of the raw 24-bit frames, divided by the total file size without the geometry of "
-             "the scene. Each section states the size of the geometry.\n"
-             "- Order of frames in videos: the last parameter changes fastest, alternately forwards and backwards. "
+             "- *MSE* is the mean squared error of red, green and blue in 8-bit values at gamma 2.2, compared with "
+             "the traced frames. The mean includes all pixels of all samples, including silhouettes.\n"
+             "- *Compression* is the size of the raw 24-bit frames, divided by the total file size without the "
+             "geometry of the scene. Each section states the size of the geometry.\n"
+             "- In videos, the last parameter changes fastest, alternately forwards and backwards. "
              "Neighbouring frames therefore differ by one step of one parameter.\n"
-             "- Codecs: AV1 is `libaom-av1 -cpu-used 4`, and x265 uses `-preset slow`. Both codecs use constant "
+             "- AV1 is coded by `libaom-av1 -cpu-used 4`, and x265 uses `-preset slow`. Both codecs use constant "
              "quality, BT.709 4:4:4, 10 bit and full range. AVIF codes each frame separately, with `-usage allintra`. "
              "The column *bytes* lists the size of the stream without a container.\n"
-             "- Access: with a key frame every 64 frames, up to 64 frames must be decoded for a random sample. A chunk "
+             "- If a video has a key frame every 64 frames, up to 64 frames must be decoded for a random sample. A "
+             "chunk "
              "of `multum pack` can be decoded independently of other chunks.\n"
              "- Values between measured points are interpolated linearly in the logarithms of compression and MSE."]
     for name in names:
@@ -486,7 +489,7 @@ def document(rows, names, video_codecs, stated, machine, pictures):
         if row is None:
             continue
         commits = ", ".join(sorted({one["commit"].removeprefix("commit ") for one in rows.all if one["field"] == name}))
-        parts += [f"## {name}", f"{field_words(row)} Measured at {commits}.",
+        parts += [f"## {name}", f"{field_words(row)} Measured at commits {commits}.",
                   "Every packed file also needs the geometry, which is not included in the compression ratio: "
                   f"`{row['geometry']}`, {row['geometry_bytes']:,} bytes, or {row['geometry_deflated_bytes']:,} bytes "
                   "after deflation. Frames drawn from the inferred textures, without packing, have an MSE of "

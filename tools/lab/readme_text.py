@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Measured figures that README.md and the pages of docs/ quote, made from docs/evidence.
+"""Makes the measured figures that README.md and the pages of docs/ quote, from docs/evidence.
 
 A page has each figure between <!-- figures: NAME --> and <!-- /figures: NAME -->. BLOCKS makes the text of every NAME
 from readme_figures.json or from a generated page of docs/evidence, so that no two pages can disagree. README.md and
-docs/explanation have no measured figure outside the marks. The check needs only the standard library: neither the
+docs/explanation have no measured figures outside the marks. The check needs only the standard library: neither the
 programs nor the real maps.
 """
 import hashlib
@@ -18,7 +18,8 @@ MARK = re.compile(r"<!-- figures: (\w+) -->(.*?)<!-- /figures: \1 -->", re.DOTAL
 FOREIGN = {"lobe_textures": "tools/lab/lobe_textures_document.py"}
 # Pages that may have measured figures only between the marks.
 MARKED_ONLY = ("README.md", "docs/explanation/")
-# A number with a unit that only a measurement gives; 0 % and 100 % explain what an error means.
+# A number with a unit that only a measurement can give. 0 % and 100 % are excluded, because they explain what an error
+# means.
 MEASURED = re.compile(r"\d[\d.,]*(?:\s|-)?(?:%|ms\b|s\b|seconds?\b|minutes?\b|[KMG]i?B\b|bytes\b|times\b)")
 COMMANDS = re.compile(r"^```.*?^```|^ {4}.*?$|`[^`\n]*`", re.DOTALL | re.MULTILINE)
 LINK = re.compile(r"\]\((docs/[^)]*)\)")
@@ -26,7 +27,7 @@ LABELS = {"multum": "multum, 4 lobes", "lean": "LEAN", "toksvig": "Toksvig", "mi
 FILTERS = {"taps": "default filter, 4 taps",
            "points": "default filter, 4 evaluations of light per pixel for every method",
            "trilinear": "trilinear filter"}
-EVALUATED = "-points"  # the ending of methods that are shaded at as many points as multum takes evaluations
+EVALUATED = "-points"  # ending of the names of methods that are shaded at as many points as multum uses evaluations
 
 
 class Unreadable(Exception):
@@ -63,7 +64,7 @@ def section_of(root, page, title):
 
 
 def cells_of(root, page, text, name):
-    """Finds the first row of figures whose first cell matches; returns its other cells."""
+    """Finds the first row of figures whose first cell matches, and returns its other cells."""
     found = re.search(rf"^\| *(?:{name}) *\| *(\d.*)\|$", text, re.MULTILINE)
     if not found:
         raise Unreadable(f"docs/evidence/{page}: found no row '{name}', expected one")
@@ -71,7 +72,7 @@ def cells_of(root, page, text, name):
 
 
 def error_of(row, method, ending=""):
-    """Returns the error of a method in one picture: for LEAN, the lower error of its two variants."""
+    """Returns the error of a method in one picture. For LEAN, this is the lower error of its two variants."""
     if method == "lean":
         return min(row["lean" + ending], row["lean-jacobian" + ending])
     if ending and method == "mip":
@@ -102,17 +103,17 @@ far highlight is nearly as narrow and bright; Toksvig, whose far highlight is wi
 
 {rows}
 
-*Material, light and filter are the same for all methods: roughness {roughness(100)} (Blinn-Phong, s = 100), 4 taps.
+*All methods have the same material, light and filter: roughness {roughness(100)} (Blinn-Phong, s = 100) and 4 taps.
 Brackets contain the error of the same method with as many evaluations of light per pixel as lobes need. The reference
-has {made_of["samples"]} samples per pixel; the noise of the reference is {percent(made_of["noise"])}. Normal map:
+has {made_of["samples"]} samples per pixel. The noise of the reference is {percent(made_of["noise"])}. Normal map:
 {source["author"]}, from {source["origin"]}, [{source["licence"]}]({source["licence_text"]}).*
 """
 
 
 # ---- highlights of texels, by roughness
 
-# Forms that a shader draws, and the row of docs/evidence/EXPORT.md with the error of each form. Only lobes need a new
-# shader.
+# Forms that a shader can draw, and the row of docs/evidence/EXPORT.md with the error of each form. Only lobes need a
+# new shader.
 DRAWN = (("averaged normals", r"averaged normals\b[^|]*"), ("Unreal's rule", r"Unreal\b[^|]*"),
          ("Unity HDRP's rule", r"Unity HDRP\b[^|]*"), ("`multum export`", r"\*\*`?multum export`?\*\*"),
          ("four lobes of `multum bake`", r"(?:four )?lobes of `multum bake`[^|]*"))
@@ -120,7 +121,7 @@ ROUGHNESSES = ("0.1", "0.25", "0.5")
 
 
 def by_roughness(_figures, root):
-    """Makes a table of highlight errors on levels 2, 4 and 6: medians over the maps."""
+    """Makes a table of highlight errors on levels 2, 4 and 6, as medians over the maps."""
     text = (root / "docs/evidence/EXPORT.md").read_text()
     maps = row_of(root, "EXPORT.md", r"\b(\d+) (?:real |normal )?maps (?:of|in|from) `?shared/data/normal")
     rows = []
@@ -133,7 +134,7 @@ def by_roughness(_figures, root):
 
 
 def by_lobes(_figures, root):
-    """Makes a table of texel errors by the number of lobes: medians over maps and levels."""
+    """Makes a table of texel errors by the number of lobes, as medians over maps and levels."""
     text = section_of(root, "ACCURACY.md", "### By channels")
     exponents = re.search(r"s = (\d+) .*s = (\d+) .*s = (\d+) ", text).groups()
     rows = []
@@ -202,7 +203,7 @@ MODEL_ROWS = (("plain mips", "plain mips"), ("textures of `multum gltf`, shader 
 
 
 def models(_figures, root):
-    """Makes a table of (error - floor) / (error of plain mips - floor): medians over views from 5 m and farther."""
+    """Makes a table of (error - floor) / (error of plain mips - floor), as medians over views from 5 m and farther."""
     head, columns = ["drawn by three.js"], []
     for title, words in MODEL_SETS:
         text = section_of(root, "GLTF_MODELS.md", title)
@@ -251,8 +252,9 @@ def costs(figures, root):
             "frame on an NVIDIA H100, trilinear / 16 x anisotropic, ms"]
     return "\n" + table(head, *rows) + f"""
 
-*Frames have 1920 x 1080 pixels. (1) The file size is the median of {len(sizes)} maps. (2) The memory includes
-the normal map's finest level in BC5. (3) These frames read RGBA32F textures; BC5 and BC4 textures are faster to draw.*
+*Frames have 1920 x 1080 pixels. (1) The file size is the median of {len(sizes)} maps. (2) The memory includes the
+normal map's finest level in BC5. (3) These frames read RGBA32F textures, although BC5 and BC4 textures are faster to
+draw.*
 """
 
 
@@ -264,8 +266,8 @@ def software_times(figures, _root):
     head = ["frame of 1920 x 1080 in software", "trilinear, ms", "default filter, ms"]
     return "\n" + table(head, *rows) + f"""
 
-*Medians of {figures["frames"]["runs"]} runs, while other programs ran. multum takes {min(ratios):.1f} to
-{max(ratios):.1f} times as long as Toksvig, which is drawn from RGBA32F textures.*
+*The table lists medians of {figures["frames"]["runs"]} runs, while other programs ran. multum takes
+{min(ratios):.1f} to {max(ratios):.1f} times as long as Toksvig, which is drawn from RGBA32F textures.*
 """
 
 
@@ -290,7 +292,7 @@ def whole_bakes(root):
 def bake_costs(_figures, root):
     gpu, cores = row_of(root, "GPU.md", r"^- A whole bake of 4096 x 4096 texels, from file to file, takes ([\d.]+) s "
                                         r"with the GPU and ([\d.]+) s on the processor\.")
-    device, count = row_of(root, "GPU.md", r"^(NVIDIA [^;]+?);.*?, (\d+) cores")
+    device, count = row_of(root, "GPU.md", r"^Device: (NVIDIA [^.]+)\..*?, (\d+) cores")
     ((seconds, mib), (other_seconds, other_mib)), few = whole_bakes(root)
     return (f"A whole bake of a 4096 x 4096 map takes {gpu} s with an {device} and {cores} s on the {count} cores of\n"
             f"its host. On {few} cores, the bake takes {seconds} s and {mib} MiB of memory. `maketx --bumpslopes`, "
@@ -383,7 +385,7 @@ def measured_outside(page, text):
 
 
 def problems(root):
-    """Lists each text that differs from the figures; the list is empty when all pages agree with them."""
+    """Lists each text that differs from the figures. The list is empty if all pages agree with them."""
     found, used, blocks = [], set(), {"figures": read_figures(root)}
     for page, text in marked_pages(root):
         try:

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Common parts of the pages of tools/demo and tools/lab/reproduce: style, tables, charts, the machine's description."""
+"""Makes parts of the pages of tools/demo and tools/lab/reproduce: style, tables, charts, and a description of the
+machine."""
 import html
 import math
 import os
@@ -56,7 +57,7 @@ def percent(value):
 
 
 def table(head, rows):
-    """Makes an HTML table. Rows are lists of cells; a cell is text, or (text, class)."""
+    """Makes an HTML table. Rows are lists of cells. A cell is text or (text, class)."""
     def cell(one):
         content, kind = one if isinstance(one, tuple) else (one, "")
         return f'<td class="{kind}">{text(content)}</td>' if kind else f"<td>{text(content)}</td>"
@@ -112,7 +113,7 @@ def chart(title, unit, labels, series, bars=False, axis="level"):
 
 
 def first_value(path, key):
-    """Returns the value of the first line "KEY=VALUE" or "KEY : VALUE"; empty if there is none."""
+    """Returns the value of the first line "KEY=VALUE" or "KEY : VALUE", or an empty string if there is none."""
     try:
         lines = pathlib.Path(path).read_text(errors="replace").splitlines()
     except OSError:
@@ -123,7 +124,7 @@ def first_value(path, key):
 
 def machine_rows(devices, contexts, versions):
     """Describes the machine and the software of a page's figures: (what, its name)."""
-    commit = f"commit {committed_tree.commit_of()}"  # behind which -dirty stands where sources are not committed
+    commit = f"commit {committed_tree.commit_of()}"  # ends in -dirty if the sources are not committed
     rows = [["processor", first_value("/proc/cpuinfo", "model name") or platform.machine()],
             ["logical cores", len(os.sched_getaffinity(0))],
             ["system", first_value("/etc/os-release", "PRETTY_NAME") or platform.platform()],
@@ -139,4 +140,4 @@ def machine(devices, contexts, versions):
 
 
 def machine_words(devices, contexts, versions):
-    return "; ".join(f"{what} {name}" for what, name in machine_rows(devices, contexts, versions)) + "."
+    return "; ".join(f"{what}: {name}" for what, name in machine_rows(devices, contexts, versions))

@@ -5,7 +5,7 @@ constants of host/bakes/scene/share_cost.cpp.
 
     tools/lab/share_constants.py --multum build/release/bin/multum  # a table of settings and counts
     tools/lab/share_constants.py --multum build/release/bin/multum --check --size 1024
-                                                                    # exit code 1: an error of over a third
+                                                                    # exit code 1 if an error exceeds a third
 
 The speed of a machine is not an error of the model, so --check compares each part's share of the whole.
 """
@@ -24,7 +24,7 @@ ALLOWED = 1.0 / 3.0
 
 
 class Shares:
-    """Bakes of the four-quarter map of one size, timed."""
+    """Timed bakes of the four-quarter map of one size."""
 
     def __init__(self, multum, folder, size, repeat):
         self.multum, self.size, self.repeat = multum, size, repeat
@@ -35,8 +35,8 @@ class Shares:
         return [self.path + "_normal.png", "--quiet", *(option.replace("@", self.path) for option in options)]
 
     def seconds(self, *options):
-        """Returns the processor time of a bake and its children: the lowest of some runs, since other work only adds
-        time."""
+        """Returns the processor time of a bake and its children. It is the lowest of several runs, because other work
+        only adds time."""
         least = float("inf")
         for _ in range(self.repeat):
             words = [self.multum, "bake", *self.words(options), "-o", self.path + ".ndf.exr", "--force"]

@@ -4,11 +4,12 @@
 
     tools/lab/texel_picture.py FILE.ndf.exr -o IMAGE [--level L] [--exponent S]
 
-FILE is a bake of four lobes whose sides are powers of two. Each panel shows all half vectors from above: the middle of
-the disc is the surface's normal, and brightness is the strength of the highlight. From left to right: the reference,
-which averages the highlight over all normals of the texel; the averaged normal; one lobe, which has the mean vector of
-all normals; the stored lobes. docs/contributing/ALGORITHMS.md, "Shading a filtered lobe", has the formula of the
-lobes. The texel has the median error of all texels of its level, so it is neither the best nor the worst.
+FILE is a bake of four lobes whose sides are powers of two. Each panel shows all half vectors from above. The middle of
+the disc is the surface's normal, and brightness is the strength of the highlight. From left to right, the panels show
+the reference, which averages the highlight over all normals of the texel, then the averaged normal, then one lobe,
+which has the mean vector of all normals, and then the stored lobes. docs/contributing/ALGORITHMS.md, "Shading a
+filtered lobe", has the formula of the lobes. The texel has the median error of all texels of its level, so it is
+neither the best nor the worst.
 """
 import argparse
 import sys
@@ -20,7 +21,7 @@ import numpy as np  # noqa: E402
 import OpenImageIO as oiio  # noqa: E402
 
 PANEL, MARGIN, LABEL, FONT, FONT_PIXELS = 240, 8, 26, "DejaVuSans", 18
-RADIUS = 0.7  # of the disc that a panel shows, in the x and y of half vectors
+RADIUS = 0.7  # radius of the disc that a panel shows, in the x and y of half vectors
 NAMES = ("reference", "averaged normal", "one lobe", "four lobes")
 
 
@@ -98,7 +99,7 @@ def texels_of(path, level):
     normals = np.stack([x, y, np.sqrt(np.maximum(1 - x * x - y * y, 0))], axis=-1)
     lobes = []
     for j in range(4):
-        values, names = level_of(path, f"lobe.{j}", level - 1)  # the first level of lobes is 1
+        values, names = level_of(path, f"lobe.{j}", level - 1)  # the first level of lobes is level 1
         order = [next(i for i, name in enumerate(names) if name.endswith(end)) for end in ("R", "G", "B", "A")]
         lobes.append(scaled(values[..., order]))
     side = 2**level

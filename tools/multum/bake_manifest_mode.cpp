@@ -19,8 +19,8 @@ namespace {
 
 constexpr char kStdout[] = "-";
 
-// Checks result files before any work: a long run must not end with a report that cannot be written or overwrites a
-// map.
+// Checks result files before any work, so that a long run does not end with a report that cannot be written or that
+// overwrites a map.
 void check_result_files(const ManifestModeOptions& o, const std::vector<ManifestMap>& maps) {
   std::vector<std::string> taken = {o.manifest};
   for (const ManifestMap& map : maps) {
@@ -100,9 +100,10 @@ void add_manifest_options(CLI::App& bake, ManifestModeOptions& o) {
                                            "also verify and measure existing files; exit with code 5 if a file was "
                                            "missing, stale, damaged, or above its stated error or error_max")
                                  ->needs(manifest);
-  bake.add_flag("--dry-run", o.run.dry_run, "with --check: only list findings, and bake nothing")->needs(check);
+  bake.add_flag("--dry-run", o.run.dry_run, "with --check, only list findings and bake nothing")->needs(check);
   bake.add_option("--junit", o.junit, "write the findings as JUnit XML")->needs(manifest);
-  bake.add_option("--summary", o.summary, "write the findings as a Markdown table; -: to stdout")->needs(manifest);
+  bake.add_option("--summary", o.summary, "write the findings as a Markdown table; - writes to stdout")
+      ->needs(manifest);
   check->excludes("--force");
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Runs `multum bake --manifest`: bakes the maps of a project, and checks them for a build pipeline
+// Runs `multum bake --manifest`, which bakes the maps of a project and checks them for a build pipeline
 // (docs/reference/manifests.md).
 #pragma once
 
@@ -16,16 +16,16 @@
 namespace multum {
 
 struct ManifestModeOptions {
-  std::string manifest;  // empty: the command runs in another mode
+  std::string manifest;  // manifest file; empty if the command runs in another mode
   ManifestRunSettings run;
-  std::string junit;    // empty: none
-  std::string summary;  // empty: no summary; "-": stdout, which then has no other text
+  std::string junit;    // JUnit XML file; empty if none is written
+  std::string summary;  // file of the summary; empty if none is written; "-" for stdout, which then has no other text
   WorkShard shard;      // share of the maps
 };
 
 void add_manifest_options(CLI::App& bake, ManifestModeOptions& options);
 
-/// Throws Error(kUsage) for a given option of `bake` that the manifest sets for each map.
+/// Throws Error(kUsage) if an option of `bake` is given that the manifest sets for each map.
 void check_no_map_is_given(const CLI::App& bake, const ManifestModeOptions& options);
 
 /// Returns the exit code. `pattern` holds the settings that all maps share.

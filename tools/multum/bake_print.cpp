@@ -12,7 +12,7 @@ void print_report(const BakeJob& job, const BakePrinting& printing, const BakeRe
     return;
   }
   if (report.unchanged) {
-    print_shown(out, "%s: unchanged, from the same file with the same settings; --force bakes it again\n",
+    print_shown(out, "%s: unchanged: it was baked from the same file with the same settings; --force bakes it again\n",
                 job.output.c_str());
     return;
   }

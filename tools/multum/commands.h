@@ -15,7 +15,7 @@ namespace multum {
 
 /// Options that most commands share.
 struct CommonOptions {
-  int threads = 0;  // 0: all cores
+  int threads = 0;  // 0 means all cores
   bool verbose = false;
   bool quiet = false;
   bool openjd = false;  // print progress lines for the agent of a render farm (tools/multum/openjd_lines.h)
@@ -32,13 +32,13 @@ std::unique_ptr<Progress> make_progress(const CommonOptions& options);
 
 /// Runs a command line and returns its exit code. Throws Error and Cancelled.
 int run_command(int argc, char** argv);
-/// Runs a command line without the program's name; `callback` gets the progress. Only one call may run at a time.
+/// Runs a command line without the program's name. `callback` receives the progress. Only one call may run at a time.
 int run_command_heard(const std::vector<std::string>& words, const Progress::Callback& callback);
 
 /// Returns the value of an environment variable, or null.
 const char* environment_variable(const char* name);
 
-/// Returns the path of multum-view: next to multum (in a build folder and when installed), else in PATH.
+/// Returns the path of multum-view: next to multum (in a build folder and when installed), otherwise in PATH.
 std::string find_viewer();
 
 void add_bake_command(CLI::App& app, int* exit_code);
@@ -72,9 +72,10 @@ using CheckWords = void (*)(const std::vector<std::string>& words);
 
 /// Registers the job types of the farm. Call it once, before any command.
 void register_jobs();
-/// serve, jobs, openjd; refuses former command names.
+/// serve, jobs, openjd. Refuses old names of commands.
 void add_farm_commands(CLI::App& app, int* exit_code, CheckWords check_words);
-/// Asks the service at `server` (empty: the default address) whether it works. Returns no findings without the farm.
+/// Asks the service at `server`, or at the default address if `server` is empty, whether it works. Returns no findings
+/// without the farm.
 DoctorFindings service_findings(const std::string& server);
 /// Returns the schemas of docs/reference/openapi.json that are made from tables of the program, by name
 /// (host/farm/service/http/job_schemas.h).

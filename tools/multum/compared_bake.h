@@ -18,7 +18,7 @@ BakeJob compared_bake_job(const ExportJob& job, const std::string& output);
 /// Bakes into a temporary file. The destructor removes the file.
 class ComparedBake {
  public:
-  /// Bakes into the folder of `page`. Throws like bake_file().
+  /// Bakes into the folder of `page`. Throws as bake_file() does.
   ComparedBake(const ExportJob& job, const std::string& page, Device& device, Progress* progress);
   const std::string& path() const { return path_; }
 

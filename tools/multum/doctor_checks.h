@@ -11,7 +11,7 @@ namespace multum {
 
 enum class DoctorState {
   kFine,     // works
-  kAbsent,   // an optional part is not installed or not running
+  kAbsent,   // an optional part is not installed or is not running
   kWarning,  // works, but more slowly or with fewer resources than expected
   kFailure,  // at least one command cannot work
 };
@@ -22,13 +22,13 @@ const char* doctor_state_name(DoctorState state);
 struct DoctorFinding {
   DoctorState state;
   std::string area;    // such as "OpenCL"
-  std::string found;   // one line
-  std::string advice;  // what the user should do; empty: nothing
+  std::string found;   // the finding, in one line
+  std::string advice;  // what the user should do; empty if there is nothing to do
 };
 using DoctorFindings = std::vector<DoctorFinding>;
 
 struct DoctorSettings {
-  std::string device;         // value of --device; empty: the default device
+  std::string device;         // value of --device; empty for the default device
   std::string viewer;         // path of the program multum-view
   KernelCacheFolders caches;  // folders that environment variables name
 };
@@ -39,7 +39,7 @@ DoctorFindings machine_findings();
 /// Checks OpenCL devices, and whether --device names one of them.
 DoctorFindings device_findings(const DoctorSettings& settings);
 
-/// Checks the folders of compiled kernels: access rights and sizes. Call after device_findings().
+/// Checks the access rights and sizes of the folders of compiled kernels. Call it after device_findings().
 DoctorFindings cache_findings(const KernelCacheFolders& folders);
 
 /// Checks the program that decodes images and meshes, and whether the kernel can confine it.

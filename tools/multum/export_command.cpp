@@ -38,7 +38,7 @@ struct ExportOptions {
   ExportJob job;
   ParameterValues values{export_parameters()};
   std::vector<std::string> inputs;
-  std::string manifest;  // empty: the command runs in another mode
+  std::string manifest;  // manifest file; empty if the command runs in another mode
   bool check = false, dry_run = false;
   std::string shard_text;
   WorkShard shard;  // share of several maps
@@ -54,12 +54,12 @@ const char* finding_name(ExportFinding finding) {
   return "";
 }
 
-// Throws Error(kUsage) for options about reading a map: they have no effect on a baked file, whose normals are decoded.
+// Throws Error(kUsage) for options about reading a map. They have no effect on a baked file, whose normals are decoded.
 void check_no_reading_is_given(const std::string& input, const ParameterValues& values) {
   for (const Parameter& row : export_parameters().rows())
     if (row.group == kSourceGroup && values.has(row.name))
       throw Error(ErrorCode::kUsage,
-                  input + " is a baked file, whose normals are decoded: expected no " + row.option());
+                  input + " is a baked file, whose normals are already decoded: expected no " + row.option());
 }
 
 ExportReport export_with_page(ExportJob job, const std::string& page, const CommonOptions& common, Device& device) {
@@ -224,10 +224,11 @@ int run_lobe_export(ExportOptions& o) {
     print_json(json);
   }
   if (!prints_text(o.common)) return 0;
-  print_shown(stdout,
-              "%s: written: %zu lobes, %d layers, levels from %d on, %.1f MB on the GPU, %.2f times BC5 and BC4\n",
-              job.output.c_str(), report.header.lobes.size(), report.header.layer_count(),
-              report.header.map.first_level, static_cast<double>(report.gpu_bytes) / 1e6, report.bytes_ratio());
+  print_shown(
+      stdout,
+      "%s: written: %zu lobes, %d layers, levels from %d on, %.1f MB on the GPU, %.2f times the size of BC5 and BC4\n",
+      job.output.c_str(), report.header.lobes.size(), report.header.layer_count(), report.header.map.first_level,
+      static_cast<double>(report.gpu_bytes) / 1e6, report.bytes_ratio());
   for (const auto& [stage, seconds] : report.seconds)
     if (o.common.verbose) print_shown(stdout, "%s %.2f s\n", stage.c_str(), seconds);
   return 0;
@@ -269,17 +270,17 @@ void add_export_command(CLI::App& app, int* exit_code) {
                                          "write normal maps as textures for engines: normal, roughness and anisotropy "
                                          "with fitted mips");
   command->add_option("input", o.inputs,
-                      "normal map or height field, or a baked file, NAME.ndf.exr, whose level 0 is its map; or several "
-                      "maps; or a set, such as rock_<UDIM>.png");
+                      "normal map, height field or baked file with level 0 (NAME.ndf.exr); several maps; or a set such "
+                      "as rock_<UDIM>.png");
   command->add_option("-o,--output", o.job.output,
-                      "folder to write to; or NAME.ktx2 or NAME.dds for NAME_normal.ktx2, NAME_orm.ktx2 and so on; for "
-                      "several maps: a folder, or a name with <UDIM>");
+                      "folder to write to, or NAME.ktx2 or NAME.dds for NAME_normal.ktx2, NAME_orm.ktx2 and so on; for "
+                      "several maps, a folder or a name with <UDIM>");
   CLI::Option* const manifest = command->add_option(
       "--manifest", o.manifest, "export the changed maps that this maps.toml lists; replaces input and --output");
   CLI::Option* const check =
-      command->add_flag("--check", o.check, "exit with code 5 and a list if files were missing, stale or damaged")
+      command->add_flag("--check", o.check, "print a list and exit with code 5 if files were missing, stale or damaged")
           ->needs(manifest);
-  command->add_flag("--dry-run", o.dry_run, "with --check: only list findings, and export nothing")->needs(check);
+  command->add_flag("--dry-run", o.dry_run, "with --check, only list findings and export nothing")->needs(check);
   command->add_option("--shard", o.shard_text,
                       "export only share I of N (I/N), or shares I to J (I-J/N), of several maps");
   add_parameter_options(*command, o.values);
@@ -295,13 +296,11 @@ void add_export_command(CLI::App& app, int* exit_code) {
       "  multum export bricks_n.png -o bricks/ --write-green down   # for Unreal; for Unity: --smoothness\n"
       "  multum export 'rock_<UDIM>.png' -o 'rock_<UDIM>.ktx2'      # all tiles of a set\n"
       "  multum export --manifest materials.toml                    # the changed maps of a project\n"
-      "rg8 and bc store only x and y of normals; the shader rebuilds z = sqrt(1 - x^2 - y^2). bc stores normals as\n"
-      "BC5, roughness textures as BC4, other textures as BC7, and lobes as two layers of BC5. uastc is the format of\n"
-      "KHR_texture_basisu; Node.js encodes it with ktx2-encoder. DDS files have a DX10 header. The texture mask of\n"
-      "--smoothness contains metalness in red, occlusion in green, 1 in blue and smoothness in alpha. --page bakes\n"
-      "lobes for its comparison unless --beside names a baked file. --anisotropy needs --form one-lobe. --resume\n"
-      "keeps fitted rows in a hidden folder in the output folder. docs/how-to/export_to_engine.md lists the steps\n"
-      "for each engine.");
+      "rg8 and bc store only x and y of normals; the shader computes z = sqrt(1 - x^2 - y^2). uastc is the format\n"
+      "of KHR_texture_basisu; Node.js encodes it with ktx2-encoder. DDS files have a DX10 header. The texture mask\n"
+      "of --smoothness contains metalness in red, occlusion in green, 1 in blue and smoothness in alpha. --page\n"
+      "bakes lobes for its comparison unless --beside names a baked file. --anisotropy needs --form one-lobe.\n"
+      "docs/how-to/export_to_engine.md lists the steps and formats for each engine.");
   command->callback([options, exit_code] { *exit_code = run_export(*options); });
 }
 

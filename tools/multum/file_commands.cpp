@@ -31,7 +31,7 @@
 namespace multum {
 namespace {
 
-// Rounds floats to the decimal number that the user gave: 0.00999999977 becomes 0.01.
+// Rounds floats to the decimal number that the user gave. For example, 0.00999999977 becomes 0.01.
 std::string rounded_settings(const std::string& text) {
   nlohmann::json json = nlohmann::json::parse(text, nullptr, false);
   if (!json.is_object()) return text;
@@ -92,7 +92,7 @@ constexpr InfoKind kInfoKinds[] = {
                           file.has_colours ? ", mean colour" : "", material_texts(file));
      },
      [](const BakedHeader& file) {
-       return fmt::format("at a slope b, keeps deviations of slopes down to {:.4f} b",
+       return fmt::format("at a slope b, keeps slope deviations down to {:.4f} b",
                           static_cast<double>(least_slope_deviation(file.encoding)));
      }},
     {Representation::kSh,
@@ -123,7 +123,7 @@ std::string on_the_gpu(std::uint64_t bytes, const BakedHeader& file) {
                      static_cast<double>(bytes) / static_cast<double>(by_default), size_text(by_default));
 }
 
-// Returns what the bake found in its source files; empty for files that earlier versions wrote.
+// Returns what the bake found in its source files. Empty for files that earlier versions wrote.
 std::string reading_text(const std::string& reading) {
   const nlohmann::json json = nlohmann::json::parse(reading, nullptr, false);
   if (!json.is_object()) return "";
@@ -192,7 +192,7 @@ int print_info(const std::string& path) {
   text += on_the_gpu(baked_gpu_bytes(path), file);
   text += fmt::format("source          {}, SHA-256 {}\n", from.source_name, from.file_hash());
   if (!from.source_tiles.empty())
-    text += fmt::format("with its set    SHA-256 {}: the source, and the data that it took from other tiles\n",
+    text += fmt::format("with its set    SHA-256 {} of the source and of the data that it took from other tiles\n",
                         from.source_hash);
   text += reading_text(from.reading);
   text += fmt::format("settings        {}\n", rounded_settings(from.settings));
@@ -255,7 +255,7 @@ int run_devices(const std::string& report, bool prints_json) {
                 "no OpenCL device found; expected a driver such as PoCL (Debian package pocl-opencl-icd)");
   if (prints_json) return 0;
   for (const DeviceInfo& d : devices)
-    print_shown(stdout, "%d  %s  (%s, driver %s, %s, %.1f GiB, buffers to %.1f GiB)\n", d.index, d.name.c_str(),
+    print_shown(stdout, "%d  %s  (%s, driver %s, %s, %.1f GiB, buffers up to %.1f GiB)\n", d.index, d.name.c_str(),
                 d.platform.c_str(), d.driver.c_str(), d.is_cpu ? "CPU" : "GPU",
                 static_cast<double>(d.memory_bytes) / (1u << 30), static_cast<double>(d.buffer_bytes_max) / (1u << 30));
   return 0;
@@ -313,7 +313,7 @@ void add_testmap_command(CLI::App& app, int* exit_code) {
       ->add_option("prefix,-o,--output", options->prefix,
                    "prefix of the files to write: PREFIX_normal.png and PREFIX_albedo.png")
       ->required();
-  testmap->add_option("--size", options->size, "set the even number of texels per side")
+  testmap->add_option("--size", options->size, "set the number of texels per side, which must be even")
       ->check(CLI::Range(16, 32768))
       ->capture_default_str();
   testmap->add_option("--seed", options->seed, "set the seed of the noise quarter")->capture_default_str();

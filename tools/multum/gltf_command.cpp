@@ -51,7 +51,7 @@ int run_gltf(GltfOptions& o) {
   }
   if (!prints_text(o.common)) return 0;
   const auto megabytes = [](std::uint64_t bytes) { return 1e-6 * static_cast<double>(bytes); };
-  print_shown(stdout, "%s: written; %d of %zu materials fitted, %zu set%s of textures; %.2f MB, before %.2f MB\n",
+  print_shown(stdout, "%s: written; %d of %zu materials fitted, %zu set%s of textures; %.2f MB instead of %.2f MB\n",
               o.job.output.c_str(), report.fitted_count(), report.materials.size(), report.textures.size(),
               report.textures.size() == 1 ? "" : "s", megabytes(report.bytes_after), megabytes(report.bytes_before));
   for (const GltfReport::Material& material : report.materials) {
@@ -81,9 +81,9 @@ void add_gltf_command(CLI::App& app, int* exit_code) {
       "  multum gltf helmet.glb -o helmet_mips.glb\n"
       "  multum gltf helmet.glb --lobes -o helmet_lobes.glb\n"
       "  multum gltf scene/scene.gltf -o scene.glb --format rgba8 --report scene.json\n"
-      "Everything else in the model stays unchanged. --format auto stores a texture as uastc if that adds less than\n"
-      "0.3 % to the lighting error, else as rgba8 with a PNG fallback. Node.js encodes uastc with ktx2-encoder.\n"
-      "With --lobes and a --form other than auto, all materials get lobes.");
+      "The rest of the model stays unchanged. --format auto stores a texture as uastc if uastc adds less than 0.3\n"
+      "points to the picture error, otherwise as rgba8 with a PNG fallback. Node.js encodes uastc with\n"
+      "ktx2-encoder. With --lobes and a --form other than auto, all materials get lobes.");
   command->add_option("input", o.job.input, "model to read: *.glb, or *.gltf with its files")->required();
   command->add_option("-o,--output", o.job.output, "model to write: *.glb")->required();
   add_parameter_options(*command, o.values);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Prints the result of a command as JSON (--json): one document on stdout, and nothing else on stdout.
+// Prints the result of a command as JSON (--json): one document on stdout and nothing else.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -20,16 +20,16 @@ inline constexpr char kCommonGroup[] = "Common";
 /// Adds --json to a command that has no common options.
 CLI::Option* add_json_option(CLI::App& command, bool& json);
 
-/// True if the command prints human-readable text: neither --quiet nor --json was given.
+/// True if the command prints human-readable text, because neither --quiet nor --json was given.
 inline bool prints_text(const CommonOptions& options) { return !options.quiet && !options.json; }
 
-/// Prints the document, indented, with control characters escaped.
+/// Prints the document with indentation and escaped control characters.
 void print_json(const OrderedJson& json);
 
 /// Parses a JSON text that this program made.
 OrderedJson parsed(const std::string& json_text);
 
-/// Returns a path as a JSON string; bytes that are not UTF-8 are encoded (host/foundation/base/path_text.h).
+/// Returns a path as a JSON string. Bytes that are not UTF-8 are encoded (host/foundation/base/path_text.h).
 OrderedJson path_json(const std::string& path);
 
 }  // namespace multum

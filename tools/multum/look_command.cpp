@@ -68,8 +68,7 @@ void add_look_command(CLI::App& app, int* exit_code) {
   command->add_option("inputs", o.inputs, "baked files of lobes, *.ndf.exr; the page lists them")->required();
   command
       ->add_option("--source", o.sources,
-                   "normal map from which the file was baked; give the option once per file (default: level 0 of the "
-                   "file)")
+                   "normal map from which the file was baked; once per file (default: level 0 of the file)")
       ->allow_extra_args(false);
   command->add_option("-o,--output", o.job.output,
                       "page to write, *.html (default: the name of the input, or look.html for several)");
@@ -79,7 +78,7 @@ void add_look_command(CLI::App& app, int* exit_code) {
   command->add_flag("--same-source", o.job.same_source, "refuse a normal map other than the baked one");
   command->add_flag("--no-open", o.stays_closed, "do not open the page");
   command->add_option("--device", o.device,
-                      "use this OpenCL device: its number in `multum devices`, or a part of its name");
+                      "use this OpenCL device: its number in `multum devices`, or part of its name");
   add_common_options(*command, o.common);
   command->footer(
       "Examples:\n"
@@ -89,13 +88,13 @@ void add_look_command(CLI::App& app, int* exit_code) {
       "The page needs WebGL 2 and no network. It shows two methods at a time with a divider between them. \"Measure\n"
       "error\" compares both with the map, drawn with 144 samples per pixel.\n\n"
       "Files dropped onto the page stay in the browser:\n"
-      "- a baked file of lobes (compression none, rle, zips or zip; at most 2048 texels per side); drop its normal\n"
-      "  map too if it leaves out level 0\n"
+      "- a baked file of lobes (compression none, rle, zips or zip; at most 2048 texels per side); also drop its\n"
+      "  normal map if the file has no level 0\n"
       "- a KTX2 file of multum export --lobes without --zstd\n"
       "- a normal map of the same size with 8 bits per channel\n"
       "- a model: NAME.glb, or NAME.gltf with its files (at most a million triangles, no required extensions)\n\n"
-      "A dropped baked file has no one-lobe export. --source maps may have 2048 texels per side, and all maps\n"
-      "together 4 times 2048 x 2048 texels.");
+      "A dropped baked file has no one-lobe export. --source maps are limited to 2048 texels per side, and all maps\n"
+      "together to 4 times 2048 x 2048 texels.");
   command->callback([options, exit_code] { *exit_code = run_look(*options); });
 }
 

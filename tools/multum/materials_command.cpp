@@ -85,9 +85,9 @@ std::string map_text(const GltfMaterials& model, const GltfMaterial& material, c
   if (!material.colour) return text;
   const std::string colour = path_of(*material.colour);
   if (material.colour->uv_set != material.normal->uv_set)
-    return text + fmt::format("# no albedo: {} lies on TEXCOORD_{}\n", relative(colour), material.colour->uv_set);
+    return text + fmt::format("# no albedo: {} uses TEXCOORD_{}\n", relative(colour), material.colour->uv_set);
   if (!(size_of(colour) == size_of(normal)))
-    return text + fmt::format("# no albedo: {} is of another size\n", relative(colour));
+    return text + fmt::format("# no albedo: {} has another size\n", relative(colour));
   return text + fmt::format("albedo = {}\n", relative(colour));
 }
 
@@ -124,8 +124,8 @@ std::pair<std::string, std::size_t> write_manifest(const MaterialsOptions& o, co
     throw Error(ErrorCode::kUsage, manifest + ": already exists; --force overwrites it");
   make_folder(o.folder);
   std::string text = fmt::format(
-      "# The normal maps of {}, made by multum materials. Bake them: multum bake --manifest maps.toml\n\n[defaults]\n"
-      "bumpformat = \"normal\"\ngreen = \"up\"  # as glTF has it\nunsigned = true\n",
+      "# The normal maps of {}, made by multum materials. Bake them: multum bake --manifest "
+      "maps.toml\n\n[defaults]\nbumpformat = \"normal\"\ngreen = \"up\"  # as glTF defines it\nunsigned = true\n",
       quoted(text_of_path(fs::path(o.model).filename().string())));
   std::string view = fmt::format("multum-view model {} -o picture.png", o.model);
   std::size_t count = 0;
@@ -146,7 +146,7 @@ std::pair<std::string, std::size_t> write_manifest(const MaterialsOptions& o, co
 
 int run_materials(const MaterialsOptions& o) {
   const GltfMaterials model = read_gltf_materials(o.model);
-  if (model.materials.empty()) throw Error(ErrorCode::kInput, o.model + ": found no materials, expected some");
+  if (model.materials.empty()) throw Error(ErrorCode::kInput, o.model + ": found no materials, expected at least one");
   OrderedJson json = {{"model", path_json(o.model)}, {"materials", materials_json(model)}};
   if (!o.json) print_materials(model);
   if (!o.folder.empty()) {

@@ -50,7 +50,7 @@ struct PlanOptions {
   double share_seconds = -1.0;
 };
 
-// Throws Error(kUsage) for an image, because many users would first try to plan an image.
+// Throws Error(kUsage) for an image, because many users first try to plan an image.
 void check_is_scene(const std::string& path) {
   if (!image_format(path).empty())
     throw Error(
@@ -201,7 +201,7 @@ void add_plan_command(CLI::App& app, int* exit_code) {
       "Examples:\n"
       "  multum plan scene.toml\n"
       "  multum plan cliff.png --shards 8");
-  plan->add_option("scene", options->scene, "scene.toml with maps, materials, objects, lights and camera; or one map")
+  plan->add_option("scene", options->scene, "scene.toml with maps, materials, objects, lights and camera, or one map")
       ->required();
   plan->add_option(
           "--shards", options->shares,
@@ -209,7 +209,8 @@ void add_plan_command(CLI::App& app, int* exit_code) {
       ->type_name("N")
       ->check(CLI::Range(2, 4096));
   plan->add_option("--share-seconds", options->share_seconds,
-                   "divide one map into bands that take about this many seconds of processor time each; 0: one process")
+                   "divide one map into bands that take about this many seconds of processor time each; 0 does not "
+                   "divide the map")
       ->check(CLI::NonNegativeNumber);
   plan->add_option("-o,--output", options->output, "write the plan as JSON to this file");
   plan->add_option("--width", options->width,

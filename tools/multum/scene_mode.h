@@ -17,10 +17,10 @@ void check_no_map_option_is_given(const CLI::App& bake, const std::string& scene
 /// The part of a bake to run: everything, some shares, or the merge of all shares.
 struct SceneDivision {
   std::optional<WorkShard> shares;
-  int merged_shards = 0;  // 0: none
+  int merged_shards = 0;  // 0 if no shares are merged
 };
 
-/// `pattern` holds the settings that the command line gives to every map; its output is a folder. Returns the exit
+/// `pattern` holds the settings that the command line gives to every map. Its output is a folder. Returns the exit
 /// code.
 int run_scene(const std::string& scene, BakeJob pattern, const DeviceChoice& device, const CommonOptions& common,
               const BakePrinting& printing, const SceneDivision& division);

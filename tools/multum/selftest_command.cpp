@@ -38,7 +38,7 @@ NumericalRun read_run(const std::string& path) {
 void check(const SelftestCommandOptions& options) {
   if (!options.with.empty() && options.markdown.empty()) throw Error(ErrorCode::kUsage, "--with needs --markdown");
   if (!options.markdown.empty() && !options.selftest.filter.empty())
-    throw Error(ErrorCode::kUsage, "--markdown and --filter exclude each other: the page has all cases");
+    throw Error(ErrorCode::kUsage, "--markdown and --filter exclude each other: the page lists all cases");
 }
 
 int run_selftest_command(SelftestCommandOptions options) {
@@ -79,15 +79,14 @@ void add_selftest_command(CLI::App& app, int* exit_code) {
   CLI::App* selftest =
       app.add_subcommand("selftest", "run numerically hard test cases of the kernels on a device, to check its driver");
   selftest->add_option("--device", options->device,
-                       "use this OpenCL device: its number in `multum devices`, or a part of its name");
+                       "use this OpenCL device: its number in `multum devices`, or part of its name");
   selftest->add_option("--filter", options->selftest.filter, "run only cases or kernels with this text in their name");
-  selftest->add_flag("--without-guards", options->selftest.without_guards,
-                     "also run each case without its guard, to show why the guard is needed");
+  selftest->add_flag("--without-guards", options->selftest.without_guards, "also run each case without its guard");
   selftest->add_option("--report", options->report, "write the verdicts to this file as JSON");
   selftest->add_option("--markdown", options->markdown,
                        "write docs/contributing/STABILITY.md to this file; implies --without-guards");
   selftest->add_option("--with", options->with,
-                       "with --markdown: read the verdicts about GL from this file, which gl_stability_test wrote");
+                       "with --markdown, read the verdicts about GL from this file, which gl_stability_test wrote");
   add_common_options(*selftest, options->common);
   selftest->callback([options, exit_code] { *exit_code = run_selftest_command(*options); });
 }

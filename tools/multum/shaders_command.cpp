@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum shaders: writes the shading of lobes for engines: one file per language, its textures, and the npm package
-// @multum/three.
+// multum shaders: writes the shading of lobes for engines. It consists of one file per language, textures, and the npm
+// package @multum/three.
 #include <fmt/format.h>
 
 #include <cstdio>
@@ -77,10 +77,9 @@ int run_shaders(const ShadersOptions& o) {
 
 void add_shaders_command(CLI::App& app, int* exit_code) {
   auto options = std::make_shared<ShadersOptions>();
-  CLI::App* command = app.add_subcommand(
-      "shaders",
-      "write the shading of lobes in GLSL, HLSL, Metal, WGSL and JavaScript, and @multum/three for three.js "
-      "(docs/how-to/draw_lobes.md)");
+  CLI::App* command = app.add_subcommand("shaders",
+                                         "write the shading code of lobes in GLSL, HLSL, Metal, WGSL and JavaScript, "
+                                         "and @multum/three for three.js (docs/how-to/draw_lobes.md)");
   command->add_option("-o,--output", options->folder, "folder to write to")->required();
   add_common_options(*command, options->common);
   command->callback([options, exit_code] { *exit_code = run_shaders(*options); });

@@ -22,7 +22,7 @@ namespace {
 
 constexpr std::int64_t kTexelsMax = std::int64_t{1} << 30;
 
-// Reads the size from the first bytes of the file if the format allows it, else with a library in a child process.
+// Reads the size from the first bytes of the file if the format allows it, otherwise with a library in a child process.
 std::pair<int, int> map_size(const std::string& path) {
   const ImageContainer container = inspect_image_container(path, kTexelsMax);
   if (container.width > 0) return {static_cast<int>(container.width), static_cast<int>(container.height)};
@@ -60,8 +60,8 @@ std::string plan_text(const BakeJob& job, const BakeShape& shape, double whole, 
        fmt::format("reads the map, fits level {} and coarser", cost.coarse_from));
   for (std::size_t i = 0; i < count; ++i)
     line(fmt::format("--shard {}/{}", i + 1, count), cost.band_seconds[i],
-         i == 0 ? fmt::format("a band of the finer levels each, after 0/{}", count) : "");
-  line(fmt::format("--merge {}", count), cost.merge_seconds, "measures and writes, after all");
+         i == 0 ? fmt::format("each fits a band of the finer levels, after 0/{}", count) : "");
+  line(fmt::format("--merge {}", count), cost.merge_seconds, "measures and writes, after all shares");
   line("all", cost.total_seconds(), fmt::format("{:.2f} of one process", cost.total_seconds() / whole));
   return text;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Runs `multum plan` of one map: predicts the times of its shares.
+// Runs `multum plan` for one map, which predicts the times of the map's shares.
 #pragma once
 
 #include <string>
@@ -10,8 +10,8 @@ namespace multum {
 
 struct SharePlanOptions {
   std::string input;
-  ParameterValues values;      // of a bake
-  int count = 0;               // number of bands; 0: chosen so that each band takes `share_seconds`
+  ParameterValues values;      // values of a bake
+  int count = 0;               // number of bands; if 0, chosen so that each band takes `share_seconds`
   double share_seconds = 0.0;  // processor time per band
   bool json = false;
 };

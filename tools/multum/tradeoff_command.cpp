@@ -79,7 +79,7 @@ void add_tradeoff_command(CLI::App& app, int* exit_code) {
   CLI::Option* error =
       command
           ->add_option("--target-error", o->job.error,
-                       "choose the cheapest settings within this relative L1 error of pixels (0.1: 10 %)")
+                       "choose the cheapest settings within this relative L1 error of pixels (0.1 means 10 %)")
           ->check(CLI::PositiveNumber);
   command
       ->add_option("--budget-ms", o->budget_ms,
@@ -116,9 +116,8 @@ void add_tradeoff_command(CLI::App& app, int* exit_code) {
   command->footer(
       "Example:\n"
       "  multum tradeoff bricks_normal.png -o costs.html --max-bytes 33M\n"
-      "The limits --max-bytes, --max-frame-ms and --max-bake-ms may be combined with each other and with\n"
-      "--target-error. Without a target, the most accurate settings within the limits are chosen. Excluded\n"
-      "settings are struck out.");
+      "All limits may be combined, also with --target-error. Without a target, the most accurate settings within\n"
+      "the limits are chosen. Excluded settings are struck out.");
   command->callback([o, exit_code] { *exit_code = run_tradeoff_command(*o); });
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // multum-decode: the child process in which multum and multum-view read images and meshes
-// (host/foundation/sandbox/decoding_child.h). Users do not run it: its requests come over an inherited socket.
+// (host/foundation/sandbox/decoding_child.h). Users do not run it, because its requests come over an inherited socket.
 #include <cstdio>
 
 #include "host/formats/decoder/image_decoder.h"

@@ -14,7 +14,7 @@ namespace multum {
 /// Both scenes need the same kind of BRDF and the same number of lights.
 gl::RenderScene scene_between(const gl::RenderScene& from, const gl::RenderScene& to, double t);
 
-/// Writes FOLDER/frame_0000.png and so on: a picture or sheet for every frame. Returns one report row per frame.
+/// Writes FOLDER/frame_0000.png and so on, with a picture or sheet for every frame. Returns one report row per frame.
 nlohmann::json draw_animation(const MapOptions& options, const ViewScenes& scenes, PictureDrawer& drawer);
 
 std::string frame_path(const AnimationOptions& options, int frame);

@@ -60,7 +60,7 @@ struct MaterialMaker {
   const gl::GlFunctions& gl;
   const ShadingOptions& options;
   const gl::NormalImage& source;
-  const LobeTexture* texture;  // null: the lobes come from the baked file
+  const LobeTexture* texture;  // if null, the lobes come from the baked file
 
   std::unique_ptr<gl::Material> operator()(const MovmfMipmap& lobes) const {
     std::unique_ptr<gl::MovmfMaterial> material = make_lobe_material(gl, lobes, options.anisotropy, &source);
@@ -116,8 +116,8 @@ namespace {
 // Tan's model supports only one BRDF, and lights but no environment.
 void check_options_of_gaussians(const std::string& file, const PictureOptions& options, const Brdf& brdf) {
   const auto refuse = [&](const std::string& found) {
-    throw Error(ErrorCode::kUsage, fmt::format("{}: holds planar Gaussians, found {}, expected this only with files of "
-                                               "lobes (--ndf vmf) or harmonics (--ndf sh)",
+    throw Error(ErrorCode::kUsage, fmt::format("{}: holds planar Gaussians, which do not support {}; expected a file "
+                                               "of lobes (--ndf vmf) or harmonics (--ndf sh)",
                                                file, found));
   };
   const BrdfFamily& family = family_of(brdf);
@@ -130,13 +130,15 @@ void check_options_of_gaussians(const std::string& file, const PictureOptions& o
 // only one BRDF for the whole map.
 void check_options_of_roughness(const std::string& file, const PictureOptions& options, bool compares) {
   if (!options.material.brdfs.empty())
-    throw Error(ErrorCode::kUsage, file + ": was baked with roughness (multum:roughness), found --brdf, expected none");
+    throw Error(
+        ErrorCode::kUsage,
+        file + ": was baked with roughness (multum:roughness), which defines the BRDF; found --brdf, expected none");
   if (!options.light.environment.empty() && compares)
     throw Error(ErrorCode::kUsage, file +
-                                       ": was baked with roughness, found --environment with --compare, expected "
-                                       "lights: the reference supports only one BRDF there");
+                                       ": was baked with roughness; found --environment with --compare, expected "
+                                       "lights, because the reference supports only one BRDF there");
   if (options.shading.formula == gl::LobeFormula::kPaper)
-    throw Error(ErrorCode::kUsage, file + ": was baked with roughness, found --formula paper, expected product");
+    throw Error(ErrorCode::kUsage, file + ": was baked with roughness; found --formula paper, expected product");
 }
 
 }  // namespace
@@ -151,19 +153,18 @@ void check_options_of(const std::string& file, const PictureOptions& options, co
   if (baked.has_roughness) check_options_of_roughness(file, options, compares);
   const RepresentationInfo& info = representation_info(baked.representation);
   const auto refuse = [&](const char* option, const char* expected) {
-    throw Error(ErrorCode::kUsage,
-                fmt::format("{}: holds {}, found {}, expected it for {}", file, info.contents, option, expected));
+    throw Error(ErrorCode::kUsage, fmt::format("{}: holds {}, but {} needs {}", file, info.contents, option, expected));
   };
   if (info.lobes == nullptr && !shading.colour_map.empty()) refuse("--colour-map", "files of lobes");
   if (baked.has_colours && !shading.colour_map.empty())
     throw Error(ErrorCode::kUsage,
-                file + ": has colours of its own, found --colour-map too, expected only one of them");
+                file + ": has colours of its own, and --colour-map was given too; expected only one of them");
   if (!info.takes_every_brdf) check_options_of_gaussians(file, options, scenes.first.brdf);
   if (!info.has_slopes && shading.moments) refuse("--moments", "files of moments");
   if (!info.has_kappa && shading.formula == gl::LobeFormula::kPaper) refuse("--formula paper", "lobes");
   if (info.lobes == nullptr && shading.shade_first) refuse("--shade-first", "lobes");
   if (shading.shade_first && baked.first_level > 0)
-    refuse("--shade-first", "files that hold every level, baked without --first-level");
+    refuse("--shade-first", "a file that holds every level, baked without --first-level");
 }
 
 std::string environment_note(const MapOptions& options, const BakedHeader& baked) {

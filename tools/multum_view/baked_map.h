@@ -22,22 +22,22 @@ using BakedLevels = std::variant<MovmfMipmap, MomentMipmap, ShMipmap>;  // lobes
 struct BakedMap {
   BakedHeader header;  // as stored in the file
   BakedLevels levels;
-  std::optional<LobeTexture> texture = std::nullopt;  // the texture that the levels were unpacked from
+  std::optional<LobeTexture> texture = std::nullopt;  // the texture from which the levels were unpacked
 };
 
 BakedMap read_baked_map(const std::string& path);
-/// Keeps only the stored levels, as if the map had no finer ones. Does not change BakedMap::header.
+/// Keeps only the stored levels, as if the map had no finer levels. Does not change BakedMap::header.
 void keep_stored_levels(BakedMap& map);
 
 /// Returns level 0 as normals. Level 0 must be stored.
 gl::NormalImage finest_normals(const BakedMap& map);
 
-/// Makes a material that shades as the options say. Levels that the file leaves out come from `source`.
+/// Makes a material that shades as the options say. Levels that are not in the file come from `source`.
 std::unique_ptr<gl::Material> make_material(const gl::GlFunctions& gl, const BakedMap& map,
                                             const ShadingOptions& options, const gl::NormalImage& source);
 
-/// Throws Error(kUsage), naming `file`, if an option is meant for files of another representation. `compares`: true if
-/// --compare was given.
+/// Throws Error(kUsage) that names `file` if an option is meant for files of another representation. `compares` is true
+/// if --compare was given.
 void check_options_of(const std::string& file, const PictureOptions& options, const ViewScenes& scenes, bool compares,
                       const BakedHeader& baked);
 
@@ -45,7 +45,7 @@ void check_options_of(const std::string& file, const PictureOptions& options, co
 /// returns an empty string.
 std::string environment_note(const MapOptions& options, const BakedHeader& baked);
 
-/// The default shading for files of moments. In measured bakes it has the lowest error on most maps
+/// The default shading for files of moments. In measured bakes, it has the lowest error on most maps
 /// (docs/contributing/ALGORITHMS.md, "Moments").
 constexpr gl::MomentShading kDefaultMomentShading = gl::MomentShading::kLeanJacobian;
 

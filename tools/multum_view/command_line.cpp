@@ -62,9 +62,9 @@ const ViewCommand kOwnCommands[] = {
      "Draw frames between two cameras, lights or BRDFs in even steps; exponents and roughnesses change by equal "
      "factors",
      "  multum-view animate bricks.ndf.exr --brdf ggx:0.5 --to-brdf ggx:0.1 -o frames/ --frames 60\n\n"
-     "environment_processor_ms in the report is the processor time for the light of a frame. made is the time\n"
-     "for its maps: a whole environment for the first and last frame, else a mixture of both. set is the time for\n"
-     "uploads and, with --environment-mode sh, harmonics over the half vectors of the frame.",
+     "In the report, environment_processor_ms is the processor time for the light of a frame. The value made is the\n"
+     "time to make the maps of the light; frames between the first and the last mix the maps of these two. The value\n"
+     "set is the time for uploads and, with --environment-mode sh, for harmonics over the half vectors of the frame.",
      add_animate_options, run_animate},
     {"pyramid", "Draw a surface with colours from a pyramid, looked up in several ways",
      "  multum-view pyramid bricks.exr --lookup reference,nearest,level,driver -o sheet.png\n"
@@ -81,16 +81,15 @@ const ViewCommand kOwnCommands[] = {
      [](const CommandOptions& o) { return draw_model(o.model); }},
     {"thumbnails", "Draw small pictures of the input and result of a job, for the page of the service",
      "  multum-view thumbnails bricks.ndf.exr -o pictures/ --source bricks_normal.png\n\n"
-     "Writes render.png. With --source, if the map has not changed since the bake, it also writes input.png and\n"
-     "error.png, which shows the error four times as bright. For a folder written by `multum infer` it writes only\n"
-     "render.png.",
+     "The command writes render.png. With --source, if the map has not changed since the bake, it also writes\n"
+     "input.png and error.png, which shows four times the error. For a folder written by `multum infer`, it writes\n"
+     "only render.png.",
      [](CLI::App& app, CommandOptions& o) { add_thumbnail_options(app, o.thumbnails); },
      [](const CommandOptions& o) { return draw_thumbnails(o.thumbnails); }},
     {"each", "Run several command lines in one process, so that GL is loaded once",
      "  multum-view each views.json\n\n"
      "views.json: [[\"bricks.ndf.exr\", \"-o\", \"bricks.png\"], [\"wall.ndf.exr\", \"-o\", \"wall.png\"]]\n"
-     "The first command line that fails ends the run with its exit code. Loading software GL takes about 50 ms\n"
-     "of processor time per picture.",
+     "The first command line that fails ends the run with its exit code.",
      [](CLI::App& app, CommandOptions& o) { add_each_options(app, o.each); },
      [](const CommandOptions& o) { return run_each(o.each); }}};
 
@@ -113,20 +112,16 @@ const char* const kExamples =
     "sheet.png\n"
     "  multum-view animate bricks.ndf.exr --brdf ggx:0.5 --to-brdf ggx:0.1 -o frames/ --frames 60\n\n"
     "--compare: mip, toksvig, lean and lean-jacobian use averaged normals and the same filter. points,\n"
-    "toksvig-points and so on shade the averaged normals at several points of each pixel: as many as the baked map\n"
-    "needs evaluations. On a mesh, all methods add the variance of the mesh normals within a pixel. Under\n"
+    "toksvig-points and so on shade the averaged normals at as many points of each pixel as the baked map needs\n"
+    "evaluations. On a mesh, all methods add the variance of the mesh normals within a pixel. Under\n"
     "--environment, lean is the same as toksvig. For a file with roughness, the points pictures use unit normals\n"
-    "and a roughness map whose levels average perceptual roughness, as in engines. The reference is read with the\n"
-    "settings of the bake, so a wrong --green affects both unless --green is given here.\n\n"
-    "--evaluations: where the normals under a pixel are similar, each evaluation shades one lobe at its own point;\n"
-    "elsewhere evaluations shade several lobes at fewer points. If a texel has more lobes than evaluations, the\n"
+    "and a roughness map whose levels average perceptual roughness, as in engines.\n\n"
+    "--evaluations: where the normals under a pixel are similar, each evaluation shades one lobe at its own point.\n"
+    "Elsewhere, evaluations shade several lobes at fewer points. If a texel has more lobes than evaluations, the\n"
     "most similar lobes are merged. On a mesh, lobes are read at 2 x 2 places of the pixel and rotated by the\n"
     "surface frame at each place. The default is 0 with --shade-taps, --shade-first, --formula paper and\n"
     "--reference-of texels, and for one lobe, planar Gaussians, moments and harmonics.\n\n"
-    "--anisotropy: the software renderer of Mesa 22.3 draws 2, 4 and 16 alike, and then filters maps\n"
-    "wrongly if their sides are not powers of two.\n\n"
-    "Options about reading the map, from --bumpformat to --repair-max, apply to --source. Their defaults are\n"
-    "the settings of the bake.";
+    "The options from --bumpformat to --repair-max apply to --source. Their defaults are the settings of the bake.";
 
 void add_commands(CLI::App& app, CommandOptions& options) {
   app.set_version_flag("--version", std::string("multum-view ") + MULTUM_VERSION);
@@ -166,7 +161,7 @@ void run_help_command(const CLI::App& app, const std::string& command, const Hel
   else write_man_pages(app, o.folder);
 }
 
-/// Returns the message about a misspelt subcommand, if no file has that name; else an empty string.
+/// Returns the message about a misspelt subcommand if no file has that name, otherwise an empty string.
 std::string misspelt_command(const std::string& word) {
   std::error_code ignored;
   if (word.empty() || word.find_first_of("./") != std::string::npos || std::filesystem::exists(word, ignored))
@@ -179,7 +174,7 @@ std::string misspelt_command(const std::string& word) {
                      fmt::join(names, ", "));
 }
 
-/// Returns the message about an option that only subcommands have; else an empty string.
+/// Returns the message about an option that only subcommands have, or an empty string.
 std::string option_of_subcommands(const CLI::App& app) {
   for (const std::string& word : app.remaining(true)) {
     const std::string name = word.substr(0, word.find('='));

@@ -40,8 +40,9 @@ void add_environment_options(CLI::App& app, LightOptions& options) {
 }
 
 void add_shading_options(CLI::App& app, ShadingOptions& options) {
-  add_choice(app, "--formula", options.formula, kLobeFormulas,
-             "combine lobe and BRDF by the product of mean cosines (product), or as Han et al. 2007, eq. 20 (paper)");
+  add_choice(
+      app, "--formula", options.formula, kLobeFormulas,
+      "combine lobe and BRDF by the product of mean cosines (product), or as in Han et al. 2007, eq. 20 (paper)");
   app.add_flag("--shade-first", options.shade_first,
                "shade the lobes of all eight texels of a trilinear lookup, then mix the light; slow, for --unaligned "
                "bakes");
@@ -49,10 +50,10 @@ void add_shading_options(CLI::App& app, ShadingOptions& options) {
       app, "--surface", options.surface, kMapSurfaces,
       "magnify lobes of level 0 by blending the light of the texels (texels), or by interpolating the normal map "
       "as engines do (interpolated)")
-      ->default_str("as --reference-texels, else texels");
+      ->default_str("the value of --reference-texels, else texels");
   add_choice(app, "--moments", options.moments, kMomentShadings,
-             "shade a file of moments by this method (default: lean-jacobian); under --environment, all are drawn like "
-             "toksvig");
+             "shade a file of moments by this method (default: lean-jacobian); under --environment, all methods draw "
+             "like toksvig");
   app.add_option("--colour-map", options.colour_map,
                  "read colours for a file without colours from this pyramid of `multum mip`");
 }
@@ -66,14 +67,14 @@ void add_filter_options(CLI::App& app, ShadingOptions& options) {
   CLI::Option* const bias =
       add_level_bias_option(app, options.level_bias, "add this to the mip level; negative values are sharper")
           ->default_str(fmt::format("{:g}", kLevelBiasDefault));
-  CLI::Option* const shade = app.add_flag(
-      "--shade-taps,!--no-shade-taps", options.filter.shades_taps,
-      "shade each of --taps and average the light; --no-shade-taps (default): average the lookups and shade "
-      "once, which is faster and less accurate");
+  CLI::Option* const shade =
+      app.add_flag("--shade-taps,!--no-shade-taps", options.filter.shades_taps,
+                   "shade each lookup of --taps and average the light; --no-shade-taps, the default, averages the "
+                   "lookups and shades once, which is faster and less accurate");
   CLI::Option* const evaluations =
       app.add_option_function<int>(
              "--evaluations", [&options](const int& count) { options.evaluations = count; },
-             "evaluate the light of the map this often per pixel; 0: once per lobe (default: the number of lobes, "
+             "evaluate the light of the map this often per pixel; 0 means once per lobe (default: the number of lobes, "
              "rounded up to a power of two)")
           ->check(CLI::IsMember({0, 1, 2, 4, 8, 16}))
           ->excludes(shade);
@@ -83,7 +84,7 @@ void add_filter_options(CLI::App& app, ShadingOptions& options) {
            options.anisotropy = anisotropy;
            options.filter.is_drivers = true;
          },
-         "let the driver filter with this anisotropy; drivers differ")
+         "let the driver filter with this anisotropy; results depend on the driver")
       ->check(number_in(1.0f, 16.0f))
       ->excludes(taps)
       ->excludes(bias)
@@ -102,7 +103,7 @@ void add_mesh_option(CLI::App& app, SurfaceOptions& options) {
 
 void add_repeat_option(CLI::App& app, SurfaceOptions& options) {
   app.add_option("--repeat", options.repeat,
-                 "repeat the map this many times across the plane or uv unit (default: 60; on a mesh 1)")
+                 "repeat the map this many times across the plane or uv unit (default: 60, or 1 on a mesh)")
       ->check(number_in(1e-6f, 1e6f));
 }
 
@@ -111,7 +112,7 @@ void add_camera_options(CLI::App& app, CameraOptions& options) {
              "set eye and target: x,y,z,x,y,z[,field of view in degrees] (default: 0,0,0.3,0,1,-0.0939; on a mesh, the "
              "whole mesh)");
   add_parsed(app, "--up", options.up, parse_up,
-             "set the up direction of the picture, x,y,z (default: 0,0,1; on a mesh 0,1,0)");
+             "set the up direction of the picture, x,y,z (default: 0,0,1, or 0,1,0 on a mesh)");
 }
 
 void add_distance_option(CLI::App& app, CameraOptions& options) {
@@ -136,22 +137,21 @@ void add_material_options(CLI::App& app, MaterialOptions& options) {
       ->expected(1)
       ->multi_option_policy(MultiOptionPolicy::TakeAll);
   app.add_option("--brdf-terms", options.term_count,
-                 "fit measured facets (under an environment all facets) by a sum of this many vMF densities; more are "
-                 "slower and lower the error")
+                 "fit measured facets (under an environment all facets) by a sum of this many vMF densities; more "
+                 "densities take longer and lower the error")
       ->check(CLI::Range(1, kBrdfTermCountMax))
       ->capture_default_str();
   add_parsed_list(app, "--diffuse", options.diffuse, parse_colour,
                   "set the diffuse reflectance, grey or r,g,b (default: 0.5, or the measured one); once per --brdf")
       ->expected(1)
       ->multi_option_policy(MultiOptionPolicy::TakeAll);
-  add_parsed_list(
-      app, "--specular", options.specular, parse_colour,
-      "set the specular factor, grey or r,g,b (default: 0.1, or 1 for BRDFs with Fresnel or measured ones); "
-      "once per --brdf")
+  add_parsed_list(app, "--specular", options.specular, parse_colour,
+                  "set the specular factor, grey or r,g,b (default: 0.1, or 1 for measured BRDFs and BRDFs with "
+                  "Fresnel); once per --brdf")
       ->expected(1)
       ->multi_option_policy(MultiOptionPolicy::TakeAll);
   add_parsed(app, "--fixed-fresnel", options.fixed_fresnel, parse_colour,
-             "replace the Fresnel term of the BRDF by this constant, grey or r,g,b, and leave its code out");
+             "replace the Fresnel term of the BRDF by this constant, grey or r,g,b, and omit the code of the term");
 }
 
 CLI::Option* add_picture_option(CLI::App& app, OutputOptions& options) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The options of pictures: a struct for each subject, and functions that add them to a command line. An option that a
-// scene plan can also set stays unset or empty until the command line gives it (scene_plan.h).
+// The options of pictures, with a struct for each subject and functions that add them to a command line. An option that
+// a scene plan can also set stays unset or empty until the command line gives it (scene_plan.h).
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -14,51 +14,55 @@
 namespace multum {
 
 struct SurfaceOptions {
-  std::string mesh;             // mesh file; empty: the plane
-  std::optional<float> repeat;  // repeats of the map; unset: 60 across the plane, 1 on a mesh
+  std::string mesh;             // mesh file; empty for the plane
+  std::optional<float> repeat;  // repeats of the map; if not set, 60 across the plane, 1 on a mesh
 };
 
 struct CameraOptions {
-  std::optional<CameraPlace> place;  // unset: above the plane, or where the whole mesh is visible
-  std::optional<glm::vec3> up;       // unit vector; unset: +Z over the plane, +Y with a mesh
-  std::vector<float> distances;      // factors of the camera's own distance, one picture each; empty: one picture
+  std::optional<CameraPlace> place;  // if not set, above the plane, or where the whole mesh is visible
+  std::optional<glm::vec3> up;       // unit vector; if not set, +Z over the plane, +Y with a mesh
+  std::vector<float> distances;      // factors of the camera's own distance, one picture each; if empty, one picture is
+                                     // drawn
 };
 
 struct LightOptions {
-  std::vector<gl::Light> distant;  // the default light is used if there is no light at all
+  std::vector<gl::Light> distant;  // if there is no light at all, the default light is used
   std::vector<gl::PointLight> points;
-  std::string environment;                              // latitude-longitude image; empty: none
-  std::optional<gl::EnvironmentMode> environment_mode;  // unset: prefiltered
-  std::optional<float> environment_turn;                // degrees about the up axis; unset: 0
-  bool no_background = false;                           // black instead of the environment behind the surface
+  std::string environment;                              // latitude-longitude image; empty if there is none
+  std::optional<gl::EnvironmentMode> environment_mode;  // prefiltered if not set
+  std::optional<float> environment_turn;                // degrees about the up axis; 0 if not set
+  bool no_background = false;                           // draw black instead of the environment behind the surface
 };
 
 struct MaterialOptions {
-  std::vector<std::string> brdfs;  // in the form that parse_brdf() accepts; several are blended by the map's weights
+  std::vector<std::string> brdfs;  // in the form that parse_brdf() accepts; several BRDFs are blended by the map's
+                                   // weights
   int term_count = Brdf{}.term_count;
-  std::vector<glm::vec3> diffuse, specular;  // one colour for all BRDFs, or one for each; empty: the BRDF's own colours
+  std::vector<glm::vec3> diffuse, specular;  // one colour for all BRDFs, or one for each; if empty, the BRDF's own
+                                             // colours are used
   std::optional<glm::vec3> fixed_fresnel;
 };
 
 struct ShadingOptions {
   gl::LobeFormula formula = gl::LobeFormula::kProduct;
   bool shade_first = false;                  // shade lobes before filtering them
-  std::optional<MapSurface> surface;         // surface between lobe texels of level 0; unset: as in the reference
-  std::optional<gl::MomentShading> moments;  // for files of moments; unset: kDefaultMomentShading
-  std::string colour_map;           // pyramid of multum mip that colours all lobes; empty: the file's own colours
+  std::optional<MapSurface> surface;         // surface between lobe texels of level 0; as in the reference if not set
+  std::optional<gl::MomentShading> moments;  // for files of moments; kDefaultMomentShading if not set
+  std::string colour_map;           // pyramid of multum mip that colours all lobes; if empty, the file's own colours
+                                    // are used
   gl::TextureFilter filter;         // filter of every mip-mapped texture; its bias and evaluations are set below
-  std::optional<int> evaluations;   // shading evaluations per pixel, 0 to 16; unset: kEvaluationsOfLobes
-  std::optional<float> level_bias;  // unset: kLevelBiasDefault; -16..16
+  std::optional<int> evaluations;   // shading evaluations per pixel, 0 to 16; kEvaluationsOfLobes if not set
+  std::optional<float> level_bias;  // -16..16; kLevelBiasDefault if not set
   float anisotropy = 1.0f;          // anisotropy of the driver's filter, 1..16
 };
 
 struct OutputOptions {
-  std::string path;                 // *.png, *.exr
+  std::string path;                 // *.png or *.exr
   bool is_alone = false;            // `path` shows only the baked map, without the compared pictures
-  std::string pictures;             // name prefix for one file per picture; empty: no such files
-  std::string report;               // JSON file; empty: no report
-  std::optional<PictureSize> size;  // unset: 640 x 480
-  float exposure = 1.0f;            // PNG only
+  std::string pictures;             // name prefix for one file per picture; empty if there are no such files
+  std::string report;               // JSON file; empty if no report is written
+  std::optional<PictureSize> size;  // 640 x 480 if not set
+  float exposure = 1.0f;            // for PNG only
 
   int width() const { return size.value_or(PictureSize{}).width; }
   int height() const { return size.value_or(PictureSize{}).height; }
@@ -82,7 +86,7 @@ void add_camera_options(CLI::App& app, CameraOptions& options);
 void add_distance_option(CLI::App& app, CameraOptions& options);
 /// Adds --light and --point-light.
 void add_light_options(CLI::App& app, LightOptions& options);
-/// Adds --brdf, --diffuse, ...
+/// Adds --brdf, --diffuse and so on.
 void add_material_options(CLI::App& app, MaterialOptions& options);
 /// Adds -o for a picture.
 CLI::Option* add_picture_option(CLI::App& app, OutputOptions& options);

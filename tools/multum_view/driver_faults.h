@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Explains crashes of OpenGL drivers to the user. If memory runs out, the drivers of Mesa end the program by a signal.
+// Explains crashes of OpenGL drivers to the user. If memory runs out, Mesa's drivers end the program with a signal.
 #pragma once
 
 namespace multum {
 
-/// Installs signal handlers if this process has a memory limit (ulimit -v); otherwise does nothing. After a fault or
+/// Installs signal handlers if this process has a memory limit (ulimit -v). Otherwise does nothing. After a fault or
 /// abort, the handlers print an error that names the limit, and exit with the code of kEnvironment.
 void explain_driver_faults();
 

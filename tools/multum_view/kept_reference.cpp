@@ -35,7 +35,7 @@ gl::Picture read_kept_reference(const std::string& path, int width, int height) 
   const std::int64_t pixel_bytes = pixels * 4 * static_cast<std::int64_t>(sizeof(float));
   const auto refuse = [&](const std::string& found) {
     refuse_file(path, fmt::format("{}, expected a reference of {} x {} pixels that --keep-reference wrote; remove the "
-                                  "file to draw the reference anew",
+                                  "file to draw the reference again",
                                   found, width, height));
   };
   if (file.size() < head_bytes || file.bytes(0, std::ssize(kKeptMagic), "the kind of file") != kKeptMagic)

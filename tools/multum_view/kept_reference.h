@@ -15,7 +15,7 @@ namespace multum {
 /// Returns whether a file exists at `path`. The file may still be unusable.
 bool has_kept_reference(const std::string& path);
 
-/// Throws Error(kInput) if write_kept_reference() did not write the file, or if the file has another size.
+/// Throws Error(kInput) if the file was not written by write_kept_reference() or has another size.
 gl::Picture read_kept_reference(const std::string& path, int width, int height);
 
 /// Throws Error(kEnvironment) if the file cannot be written.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Draws a baked map and compares it with the reference and the baselines: multum-view FILE, scene and animate.
+// Draws a baked map and compares it with the reference and the baselines, for multum-view FILE, scene and animate.
 #include "host/foundation/base/error.h"
 #include "host/foundation/base/log.h"
 #include "tools/multum_view/animated_view.h"
@@ -14,7 +14,7 @@ int draw_map(MapOptions options) {
   check_map_options(options);
   if (!options.picture.shading.surface && options.comparison.reference == gl::NormalMaterial::Sampling::kInterpolated)
     options.picture.shading.surface = MapSurface::kInterpolated;
-  // With several evaluation points per pixel, other texels would be read than by the pixel's filter.
+  // With several evaluation points per pixel, the texels that are read would differ from those of the pixel's filter.
   if (!options.picture.shading.evaluations && options.comparison.is_of_texels())
     options.picture.shading.evaluations = 0;
   const PictureOptions& picture = options.picture;

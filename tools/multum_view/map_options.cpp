@@ -30,10 +30,11 @@ void add_comparison_options(CLI::App& app, ComparisonOptions& options) {
   app.add_option_function<std::string>(
       "--compare", [&options](const std::string& text) { options.pictures = parse_compared("--compare", text); },
       "also draw these pictures: a list of reference, mip, toksvig, lean, lean-jacobian, points, toksvig-points, "
-      "lean-points, lean-jacobian-points; with reference: print relative L1 errors");
+      "lean-points, lean-jacobian-points; with reference, print relative L1 errors");
   CLI::Option* const samples =
-      app.add_option("--samples", options.sampling.sample_count,
-                     "draw the reference with this many samples per pixel (default: as --reference-noise needs)")
+      app.add_option(
+             "--samples", options.sampling.sample_count,
+             "draw the reference with this many samples per pixel (default: as many as --reference-noise needs)")
           ->check(CLI::Range(1, gl::kReferenceSampleCountMax));
   app.add_option("--reference-noise", options.sampling.noise_max,
                  "draw the reference until its noise (relative L1) is at most this; slow in software")
@@ -61,8 +62,8 @@ void add_comparison_options(CLI::App& app, ComparisonOptions& options) {
       ->excludes(texels)
       ->default_str("pixel");
   app.add_option("--keep-reference", options.kept_reference,
-                 "keep the reference in this file, and read it if the file exists: for other bakes of the same map "
-                 "with the same view, BRDF and lights");
+                 "store the reference in this file, or read it if the file exists; other bakes of the same map with "
+                 "the same view, BRDF and lights can use the file");
 }
 
 }  // namespace
@@ -98,8 +99,9 @@ void add_pictures_option(CLI::App& app, OutputOptions& options) {
 }
 
 void add_alone_option(CLI::App& app, OutputOptions& options) {
-  app.add_flag("--alone", options.is_alone,
-               "with --compare: show only the baked map in -o; draw and measure the others without showing them");
+  app.add_flag(
+      "--alone", options.is_alone,
+      "with --compare, show only the baked map in -o; the other pictures are drawn and measured, but not shown");
 }
 
 void add_animation_options(CLI::App& app, AnimationOptions& options) {
@@ -114,20 +116,20 @@ void add_animation_options(CLI::App& app, AnimationOptions& options) {
       [&](const std::vector<std::string>& texts) {
         for (const std::string& text : texts) options.lights.push_back(parse_light("--to-light", text));
       },
-      "set --light of the last frame; give as many as --light");
+      "set --light of the last frame; give this option as often as --light");
   app.add_option_function<std::vector<std::string>>(
       "--to-point-light",
       [&](const std::vector<std::string>& texts) {
         for (const std::string& text : texts)
           options.point_lights.push_back(parse_point_light("--to-point-light", text));
       },
-      "set --point-light of the last frame; give as many as --point-light");
+      "set --point-light of the last frame; give this option as often as --point-light");
   app.add_option(
       "--to-environment", options.environment,
       "fade --environment into this environment of the same size; harmonics and filtered levels change in every frame");
   app.add_option("--to-environment-turn", options.environment_turn, "set --environment-turn of the last frame")
       ->check(number_in(-3600.0f, 3600.0f));
-  app.add_option("--to-brdf", options.brdf, "set --brdf of the last frame, of the same family");
+  app.add_option("--to-brdf", options.brdf, "set --brdf of the last frame; the family must be the same");
   app.add_option_function<std::string>(
       "--to-diffuse", [&](const std::string& text) { options.diffuse = parse_colour("--to-diffuse", text); },
       "set --diffuse of the last frame");
@@ -161,8 +163,8 @@ void check_map_options(const MapOptions& options) {
     throw Error(ErrorCode::kUsage, "--distance requires --mesh");
   if (options.comparison.is_of_texels() && picture.shading.filter.is_drivers)
     throw Error(ErrorCode::kUsage,
-                "--reference-of texels averages the texels of --taps and --level-bias, found --anisotropy, with which "
-                "the driver filters");
+                "--reference-of texels averages the texels that --taps and --level-bias select; found --anisotropy, "
+                "which lets the driver filter");
   for (const auto& [option, path] : {std::pair{"--albedo", &source.albedo}, std::pair{"--roughness", &source.roughness},
                                      std::pair{"--gloss", &source.gloss}, std::pair{"--weights", &source.weights}})
     if (!path->empty() && source.normals.empty())

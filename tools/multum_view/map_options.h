@@ -12,7 +12,7 @@ namespace multum {
 
 /// The inputs of the bake, for the reference, the baselines and levels that the file does not contain.
 struct SourceOptions {
-  std::string normals;                         // normal map; empty: level 0 of the file
+  std::string normals;                         // normal map; if empty, level 0 of the file is used
   std::string albedo;                          // needs `normals`, like the next three
   std::string roughness;                       // FILE or FILE:CHANNEL
   std::string gloss;                           // replaces roughness: roughness = 1 - gloss
@@ -23,14 +23,14 @@ struct SourceOptions {
 struct ComparisonOptions {
   std::vector<std::string> pictures;  // the form that parse_compared() returns
   gl::ReferenceSampling sampling;
-  std::string kept_reference;  // file of the reference; empty: the reference is always drawn
-  gl::NormalMaterial::Sampling reference = gl::NormalMaterial::Sampling::kNearest;  // or kFootprint
+  std::string kept_reference;  // file of the reference; if empty, the reference is always drawn
+  gl::NormalMaterial::Sampling reference = gl::NormalMaterial::Sampling::kNearest;  // kNearest or kFootprint
 
   bool is_of_texels() const { return reference == gl::NormalMaterial::Sampling::kFootprint; }
 };
 
 struct AnimationOptions {
-  std::string folder;  // folder of the frames; empty: one picture
+  std::string folder;  // folder of the frames; if empty, one picture is drawn
   int frame_count = 24;
   // Settings of the last frame. If unset or empty, the setting of the first frame is used.
   std::optional<CameraPlace> camera;
@@ -50,13 +50,13 @@ struct AnimationOptions {
 struct MapOptions {
   std::string file;          // *.ndf.exr
   std::string plan, object;  // replace `file`: plan.json of a scene, and the name of an object
-  bool stored_only = false;  // never draw levels finer than the stored ones, so that no source is needed
+  bool stored_only = false;  // do not draw levels finer than the stored ones, so that no source is needed
   PictureOptions picture;
   SourceOptions source;
   ComparisonOptions comparison;
   AnimationOptions animation;
-  std::string brdf_roughness;  // FILE or FILE:CHANNEL that multiplies GGX's roughness; empty: none
-  std::string shaders;         // JSON file for the shader variants that were used; empty: none
+  std::string brdf_roughness;  // FILE or FILE:CHANNEL that multiplies GGX's roughness; empty if there is none
+  std::string shaders;         // JSON file for the shader variants that were used; empty if none is written
 };
 
 /// Adds all options except the map itself, output paths, and the changes between frames.
@@ -65,7 +65,7 @@ void add_map_options(CLI::App& app, MapOptions& options);
 void add_pictures_option(CLI::App& app, OutputOptions& options);
 /// Adds --alone, which animate does not support.
 void add_alone_option(CLI::App& app, OutputOptions& options);
-/// Adds --frames, --to-camera and so on.
+/// Adds --frames, --to-camera and similar options.
 void add_animation_options(CLI::App& app, AnimationOptions& options);
 
 /// Throws Error(kUsage) for options that exclude each other with any map.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum-view model: draws a glTF model with its own materials: base colour, metallic and roughness factors in the BRDF
-// of glTF. For a material that --material names, it draws the map that was baked from its normal texture.
+// multum-view model: draws a glTF model with its own materials. Uses base colour, metallic and roughness factors in the
+// BRDF of glTF. For a material that --material names, it draws the map that was baked from its normal texture.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -28,10 +28,11 @@
 namespace multum {
 namespace {
 
-constexpr float kRoughnessMin = 0.05f;           // of Brdf
+constexpr float kRoughnessMin = 0.05f;           // minimum of Brdf
 constexpr float kDielectricReflectance = 0.04f;  // glTF 2.0, appendix B
 
-/// Parses NAME=FILE. The last "=" separates them, because names may contain "="; names of baked files rarely do.
+/// Parses NAME=FILE. The last "=" separates them, because names may contain "=", whereas names of baked files rarely
+/// do.
 std::map<std::string, std::string> parse_materials(const std::vector<std::string>& words) {
   std::map<std::string, std::string> files;
   for (const std::string& word : words) {
@@ -44,7 +45,7 @@ std::map<std::string, std::string> parse_materials(const std::vector<std::string
   return files;
 }
 
-/// A temporary folder for images that are embedded in a model. It exists while the images are read.
+/// A temporary folder for images that are embedded in a model. The folder exists while the images are read.
 class TemporaryImages {
  public:
   TemporaryImages() {
@@ -120,7 +121,7 @@ class Model {
         throw Error(
             ErrorCode::kInput,
             fmt::format("{}: material '{}' is anisotropic (KHR_materials_anisotropy, strength {}), expected materials "
-                        "with only roughness, because lobes support no anisotropy. --brdf sets another BRDF",
+                        "with only roughness, because lobes do not support anisotropy. --brdf sets another BRDF",
                         picture_.surface.mesh, material.name, material.anisotropy));
     }
     for (const auto& [name, file] : files_)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Declares the subcommands of multum-view except the ones that draw baked maps (map_options.h). Each subcommand has
+// Declares the subcommands of multum-view, except those that draw baked maps (map_options.h). Each subcommand has
 // options, a function that adds them to its command line, and a function that runs it and returns the exit code.
 #pragma once
 
@@ -17,7 +17,7 @@ namespace multum {
 struct ProbeOptions {
   std::string request;  // JSON file (host/fields/inferred/probe_request.h)
   gl::ContextBackend context = gl::ContextBackend::kAuto;
-  int threads = 0;  // threads for decoding; 0: all cores
+  int threads = 0;  // threads for decoding; 0 means all cores
   bool matrix_market = false;
 };
 void add_probe_options(CLI::App& app, ProbeOptions& options);
@@ -26,8 +26,8 @@ int measure_filter_matrices(const ProbeOptions& options);
 
 struct SampleOptions {
   std::string folder;                // output folder of multum infer, or its inferred.json
-  std::vector<std::string> samples;  // "3,5", or a name
-  std::vector<std::string> outputs;  // one each
+  std::vector<std::string> samples;  // sample numbers such as "3,5", or a name
+  std::vector<std::string> outputs;  // one output per sample
   gl::ContextBackend context = gl::ContextBackend::kAuto;
   float exposure = 1.0f;
 };
@@ -39,17 +39,17 @@ struct PlayOptions {
   std::string file;  // output of multum pack
   std::string path;  // a path (host/fields/playback/parameter_path.h) or a file (host/fields/playback/recorded_path.h)
   std::string folder;
-  int frame_count = 0;    // 0: 24, or all frames of a recorded path
-  float rate = 30.0f;     // frames a second
-  int supersampling = 0;  // sub-pixels along each side of a pixel; 0: as the field says
+  int frame_count = 0;    // if 0, 24, or all frames of a recorded path
+  float rate = 30.0f;     // frames per second
+  int supersampling = 0;  // sub-pixels along each side of a pixel; if 0, as the field says
   bool is_linear = false;
   bool is_cold = false;              // forget all decoded data before each frame
-  bool draws_what_is_there = false;  // false: wait for all data of the frame
-  int ahead = 8;                     // frames
+  bool draws_what_is_there = false;  // if false, waits for all data of the frame
+  int ahead = 8;                     // number of frames to decode ahead
   std::string memory = "256M", upload = "16M";
   float lifetime = 20.0f, lifetime_factor = 4.0f;
-  int threads = 0;            // threads for decoding; 0: all cores
-  std::string debug_picture;  // empty: none
+  int threads = 0;            // threads for decoding; 0 means all cores
+  std::string debug_picture;  // PNG file; empty if none is written
   gl::ContextBackend context = gl::ContextBackend::kAuto;
   float exposure = 1.0f;
 };
@@ -60,14 +60,14 @@ int play_field(const PlayOptions& options);
 struct ThumbnailOptions {
   std::string result;  // *.ndf.exr, or an output folder of multum infer
   std::string folder;
-  std::string source, albedo;  // inputs of the bake; empty: draw only the result
+  std::string source, albedo;  // inputs of the bake; if empty, only the result is drawn
   gl::ContextBackend context = gl::ContextBackend::kAuto;
 };
 void add_thumbnail_options(CLI::App& app, ThumbnailOptions& options);
 /// Draws small pictures of a job's input and result for the page of the service.
 int draw_thumbnails(const ThumbnailOptions& options);
 constexpr int kThumbnailSide = 512;  // largest side of the input's picture
-/// Draws a frame of the first sample as a thumbnail of an output folder of multum infer, like multum-view sample.
+/// Draws a frame of the first sample, as multum-view sample does, as the thumbnail of an output folder of multum infer.
 /// Throws Error(kUsage) in a build without fields.
 void draw_field_thumbnail(const ThumbnailOptions& options);
 
@@ -75,20 +75,21 @@ struct EachOptions {
   std::string file;  // JSON list of command lines
 };
 void add_each_options(CLI::App& app, EachOptions& options);
-/// Runs command lines one after another, until one fails.
+/// Runs command lines one after another until one fails.
 int run_each(const EachOptions& options);
 
 struct PyramidOptions {
   std::string file;
-  std::optional<PyramidKind> expected;  // kind of the file; unset: colours or reflected light
+  std::optional<PyramidKind> expected;  // kind of the file; if not set, colours or reflected light
   SurfaceOptions surface;
-  std::string surface_pyramid;  // replaces surface.mesh, at level `detail` except in the reference; empty: none
+  std::string surface_pyramid;  // replaces surface.mesh, at level `detail` except in the reference; empty if there is
+                                // none
   DetailOptions detail;
   CameraOptions camera;
   OutputOptions output;
-  std::vector<std::string> lookups = {"level"};  // reference, nearest, bilinear, level, driver
-  std::optional<float> level_bias;               // unset: 0 for colours; the pixel's width for reflected light
-  int shifts = 0;                                // number of pictures for measuring flicker; 0: do not measure it
+  std::vector<std::string> lookups = {"level"};  // reference, nearest, bilinear, level or driver
+  std::optional<float> level_bias;               // if not set, 0 for colours and the pixel's width for reflected light
+  int shifts = 0;                                // number of pictures for measuring flicker; if 0, it is not measured
   int samples = 256;                             // reference samples per pixel
   float anisotropy = 1.0f;
   gl::ContextBackend context = gl::ContextBackend::kAuto;
@@ -100,7 +101,8 @@ int draw_pyramid(const PyramidOptions& options);
 struct LodOptions {
   std::string file;
   DetailOptions detail;
-  std::optional<int> patch_steps;  // cells along each side of a bicubic patch; unset: the points are triangle corners
+  std::optional<int> patch_steps;  // cells along each side of a bicubic patch; if not set, the points are triangle
+                                   // corners
   PictureOptions picture;
 };
 void add_lod_options(CLI::App& app, LodOptions& options);
@@ -108,7 +110,7 @@ void add_lod_options(CLI::App& app, LodOptions& options);
 int draw_lod(const LodOptions& options);
 
 struct ModelOptions {
-  PictureOptions picture;              // its surface is the model
+  PictureOptions picture;              // options of the picture, whose surface is the model
   std::vector<std::string> materials;  // NAME=FILE.ndf.exr
 };
 void add_model_options(CLI::App& app, ModelOptions& options);

@@ -70,7 +70,8 @@ glm::vec3 parse_colour(const std::string& option, const std::string& text) {
 }
 
 gl::Light parse_light(const std::string& option, const std::string& text) {
-  const char* const expected = "x,y,z towards the light, not all 0, then optionally its irradiance: 0.3,0.8,0.5,3.14";
+  const char* const expected =
+      "x,y,z towards the light, not all 0, then optionally its irradiance, such as 0.3,0.8,0.5,3.14";
   const std::vector<float> n = parse_numbers(option, text, expected);
   if (n.size() != 3 && n.size() != 4) refuse_value(option, text, expected);
   gl::Light light;
@@ -84,7 +85,7 @@ gl::Light parse_light(const std::string& option, const std::string& text) {
 }
 
 gl::PointLight parse_point_light(const std::string& option, const std::string& text) {
-  const char* const expected = "x,y,z of its position, then its intensity >= 0, grey or r,g,b: 0,2,1,3.14";
+  const char* const expected = "x,y,z of its position, then its intensity >= 0, grey or r,g,b, such as 0,2,1,3.14";
   const std::vector<float> n = parse_numbers(option, text, expected);
   if (n.size() != 4 && n.size() != 6) refuse_value(option, text, expected);
   gl::PointLight light{{n[0], n[1], n[2]}, n.size() == 4 ? glm::vec3(n[3]) : glm::vec3(n[3], n[4], n[5])};
@@ -94,7 +95,7 @@ gl::PointLight parse_point_light(const std::string& option, const std::string& t
 
 CameraPlace parse_camera(const std::string& option, const std::string& text) {
   const char* const expected =
-      "eye x,y,z, target x,y,z and optionally the vertical field of view in degrees (1..170): 0,0,0.3,0,1,0,40";
+      "eye x,y,z, target x,y,z and optionally the vertical field of view in degrees (1..170), such as 0,0,0.3,0,1,0,40";
   const std::vector<float> n = parse_numbers(option, text, expected);
   if (n.size() != 6 && n.size() != 7) refuse_value(option, text, expected);
   CameraPlace place{{n[0], n[1], n[2]}, {n[3], n[4], n[5]}, std::nullopt};
@@ -124,7 +125,7 @@ PictureSize parse_size(const std::string& option, const std::string& text) {
 }
 
 std::vector<float> parse_distances(const std::string& option, const std::string& text) {
-  const char* const expected = "different factors of the camera's distance, from 0.01 to 10000: 1,5,25";
+  const char* const expected = "different factors of the distance of the camera, from 0.01 to 10000, such as 1,5,25";
   const std::vector<float> distances = parse_numbers(option, text, expected);
   std::set<std::string> names;
   for (const float factor : distances)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Parses the values of multum-view's options, which have the same form on command lines and in scene plans. Each
-// function throws Error(kUsage) with `option`, the value found and the value expected.
+// function throws Error(kUsage) that names `option`, the value found and the value expected.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -21,7 +21,7 @@ namespace multum {
 
 struct CameraPlace {
   glm::vec3 eye, target;
-  std::optional<float> fov_y_degrees;  // 1..170; unset: unchanged
+  std::optional<float> fov_y_degrees;  // 1..170; unchanged if not set
 };
 
 struct PictureSize {
@@ -35,7 +35,7 @@ extern const Choices<gl::LobeFormula> kLobeFormulas;
 extern const Choices<gl::PixelFilter> kPixelFilters;
 extern const Choices<gl::NormalMaterial::Sampling> kReferenceTexels;
 
-/// Throws Error(kUsage): "--size '640x': expected ...".
+/// Throws Error(kUsage), as in "--size '640x': expected ...".
 [[noreturn]] void refuse_value(const std::string& option, const std::string& found, const std::string& expected);
 
 glm::vec3 parse_colour(const std::string& option, const std::string& text);
@@ -47,9 +47,11 @@ glm::vec3 parse_up(const std::string& option, const std::string& text);
 PictureSize parse_size(const std::string& option, const std::string& text);
 /// Parses factors of a camera's distance. Each may occur only once, because files are named after them.
 std::vector<float> parse_distances(const std::string& option, const std::string& text);
-/// Parses the pictures that --compare draws. Each may occur only once: two pictures of one name would share a file.
+/// Parses the pictures that --compare draws. Each may occur only once, because two pictures of one name would share a
+/// file.
 std::vector<std::string> parse_compared(const std::string& option, const std::string& text);
-/// Parses lookups of a pyramid, each at most once. The reference is put first, because the others are compared with it.
+/// Parses lookups of a pyramid. Each may occur only once. Puts the reference first, because the others are compared
+/// with it.
 std::vector<std::string> parse_lookups(const std::string& option, const std::string& text);
 
 /// Returns a range check that refuses "nan", which CLI11's own check accepts.

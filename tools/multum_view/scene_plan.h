@@ -6,8 +6,8 @@
 
 namespace multum {
 
-/// Sets unset options from the plan's entry for options.object (empty: the plan's only object). Throws Error(kInput) if
-/// the file is not a plan, and Error(kUsage) if the plan does not contain the object.
+/// Sets unset options from the plan's entry for options.object, or for the plan's only object if that is empty. Throws
+/// Error(kInput) if the file is not a plan, and Error(kUsage) if the plan does not contain the object.
 void apply_scene_plan(MapOptions& options);
 
 }  // namespace multum

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // multum-view thumbnails: draws pictures of a job for the service. It runs in its own process, so that a crash caused
-// by a map or a driver ends only the pictures. The most trusted input is drawn first: a failure leaves the earlier
-// pictures and omits the later ones.
+// by a map or a driver ends only the pictures. The most trusted input is drawn first, because after a failure the
+// earlier pictures remain and the later ones are missing.
 #include <fmt/format.h>
 #include <filesystem>
 
@@ -28,18 +28,18 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kWidth = 384, kHeight = 288;  // of renders
+constexpr int kWidth = 384, kHeight = 288;  // size of renders
 constexpr int kSamples = 64;                // reference samples per pixel
 // The nearest tile of the plane fills the picture, so the picture needs no levels that are wider than this.
 constexpr int kLevelSide = 1024;
-// Maximum number of texels for a reference, which is drawn from the whole map. At this limit it needs a third of a GB.
+// Maximum number of texels for a reference, which is drawn from the whole map. At this limit, it needs a third of a GB.
 constexpr std::int64_t kReferenceTexelsMax = std::int64_t{1} << 24;
 
 std::string file_in(const ThumbnailOptions& options, const char* name) {
   return (fs::path(options.folder) / name).string();
 }
 
-/// Reads only the levels that a picture of this size shows, as a separate map. Skips finer levels.
+/// Reads only the levels that a picture of this size shows, as a separate map, and skips finer levels.
 MovmfMipmap read_coarse_levels(const std::string& path) {
   MovmfReader reader(path, 1);
   const MovmfMipmap& header = reader.header();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The subcommands of multum-view, one row for each, and the options that they set.
+// The subcommands of multum-view, with one row for each, and the options that they set.
 #pragma once
 
 #include <vector>
@@ -9,7 +9,7 @@
 namespace multum {
 
 struct CommandOptions {
-  MapOptions map;  // for drawing without a subcommand, for scene and for animate
+  MapOptions map;  // used without a subcommand, and by scene and animate
   SampleOptions sample;
   PlayOptions play;
   ProbeOptions probe;

@@ -19,7 +19,7 @@ namespace {
 
 struct ComparedMethod {
   gl::Baseline baseline;
-  bool has_points;  // shaded at as many points as the baked map needs evaluations
+  bool has_points;  // true if shaded at as many points as the baked map needs evaluations
 };
 
 ComparedMethod method_of(const std::string& name) {
@@ -34,7 +34,7 @@ ComparedMethod method_of(const std::string& name) {
           has_points};
 }
 
-// Returns a number of evaluations that is not below the baked map's number.
+// Returns a number of evaluations that is at least the baked map's number.
 int evaluations_of(const gl::TextureFilter& filter, int lobe_count) {
   if (filter.evaluations > 0) return filter.evaluations;
   return gl::evaluations_of_lobes(lobe_count * (filter.shades_taps ? filter.taps : 1));
@@ -140,8 +140,8 @@ std::vector<NamedPicture> PictureDrawer::draw(const gl::RenderScene& scene) {
   return pictures;
 }
 
-/// Warns about a fault of Mesa 22.3.6. Measured on the plane seen from above, with averaged normals: a terrain of
-/// 403 x 344 has 85 % error with --anisotropy 4 and 60 % without; resized to 256 x 256, it has 65 % and 66 %.
+/// Warns about a fault of Mesa 22.3.6. It was measured on the plane seen from above, with averaged normals. A terrain
+/// of 403 x 344 has 85 % error with --anisotropy 4 and 60 % without. Resized to 256 x 256, it has 65 % and 66 %.
 void warn_of_wrong_anisotropy(const MapOptions& options, const BakedHeader& baked, const std::string& renderer) {
   if (options.picture.shading.anisotropy <= 1.0f || renderer.find("llvmpipe") == std::string::npos) return;
   if (is_power_of_two(baked.width) && is_power_of_two(baked.height)) return;

@@ -13,15 +13,15 @@
 namespace multum {
 
 struct NamedPicture {
-  std::string name;  // "multum", or a name of --compare
+  std::string name;  // "multum" or a name of --compare
   gl::Picture picture;
-  std::shared_ptr<const gl::FloatImage> background = nullptr;  // shown behind the picture; errors ignore it
+  std::shared_ptr<const gl::FloatImage> background = nullptr;  // shown behind the picture; ignored by errors
 };
 
 /// Returns the background of a picture of the scene: the environment, or null for a black background.
 std::shared_ptr<const gl::FloatImage> background_of(const PictureOptions& options, const gl::RenderScene& scene);
 
-/// Returns the picture in front of its background.
+/// Returns the picture drawn in front of its background.
 gl::FloatImage shown_image(const NamedPicture& picture);
 
 /// Draws every picture that the options list, for any number of scenes. Textures are uploaded once.

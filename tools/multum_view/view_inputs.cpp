@@ -26,7 +26,7 @@
 namespace multum {
 namespace {
 
-/// Returns the settings of the bake; settings from the command line replace them.
+/// Returns the settings of the bake. Settings from the command line replace them.
 NormalMapSettings source_settings(const MapOptions& options, const BakedHeader& baked) {
   NormalMapSettings settings = parse_reading_settings(baked.provenance.settings);
   settings.wrap_s = baked.wrap_s;
@@ -66,7 +66,7 @@ ChannelFile roughness_file(const SourceOptions& source) {
 void check_materials(const MapOptions& options, const BakedHeader& baked, const ChannelFile& roughness,
                      std::size_t brdf_count) {
   if (baked.has_roughness == roughness.path.empty())
-    throw Error(ErrorCode::kUsage, fmt::format("{}: was baked {} roughness, found {}, expected {} with --source",
+    throw Error(ErrorCode::kUsage, fmt::format("{}: was baked {} roughness, found --source with {}, expected {}",
                                                options.file, baked.has_roughness ? "with" : "without",
                                                roughness.path.empty() ? "no --roughness and no --gloss"
                                                : roughness.is_gloss   ? "--gloss"
@@ -208,8 +208,9 @@ void read_brdf_roughness(const MapOptions& options, const BakedHeader& baked, Vi
   if (!representation_info(baked.representation).has_kappa || baked.has_roughness)
     throw Error(
         ErrorCode::kUsage,
-        fmt::format("{}: {}, found --brdf-roughness, expected this only with files of lobes baked without roughness",
-                    options.file, baked.has_roughness ? "was baked with roughness" : "holds no vMF lobes"));
+        fmt::format(
+            "{}: {}, so --brdf-roughness cannot be used; expected a file of lobes that was baked without roughness",
+            options.file, baked.has_roughness ? "was baked with roughness" : "holds no vMF lobes"));
   LobeMaterial material =
       read_lobe_material({parse_channel_file(options.brdf_roughness), {}, {}}, baked.width, baked.height, {}, 1);
   for (const std::string& warning : material.roughness->warnings) log_named_warning(warning);
@@ -225,7 +226,7 @@ std::shared_ptr<const EnvironmentLight> read_environment(const LightOptions& opt
   const ColourMap colours = read_environment_map(options.environment);
   if (colours.clamped_count > 0)
     log_warning(options.environment,
-                fmt::format("{} texels are negative or not finite, and are read as black", colours.clamped_count));
+                fmt::format("{} texels are negative or not finite and are read as black", colours.clamped_count));
   EnvironmentMap map{colours.width, colours.height, {}};
   for (std::size_t i = 0; i < colours.r.size(); ++i) map.texels.emplace_back(colours.r[i], colours.g[i], colours.b[i]);
   return make_environment_light(std::move(map));
@@ -240,7 +241,7 @@ void read_environments(const MapOptions& options, ViewScenes& scenes) {
   scenes.last.environment = read_environment(light);
   const EnvironmentMap &from = scenes.first.environment->map, &to = scenes.last.environment->map;
   if (from.width != to.width || from.height != to.height)
-    throw Error(ErrorCode::kInput, fmt::format("{}: found {} x {} texels, expected {} x {}, as {} has", last, to.width,
+    throw Error(ErrorCode::kInput, fmt::format("{}: found {} x {} texels, expected {} x {} as in {}", last, to.width,
                                                to.height, from.width, from.height, options.picture.light.environment));
 }
 
@@ -250,7 +251,7 @@ void warn_of_sources(const MapOptions& options, const BakedHeader& baked) {
   if (baked.first_level > 0 && !options.stored_only && baked.has_colours && options.source.albedo.empty())
     log_warning(
         options.file,
-        fmt::format("has colours from level {} on; without --albedo finer levels use the colours of level {}, blurred",
+        fmt::format("has colours from level {} on; without --albedo, finer levels use blurred colours of level {}",
                     baked.first_level, baked.first_level));
 }
 

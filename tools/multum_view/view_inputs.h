@@ -15,17 +15,17 @@ constexpr float kPlaneSize = 60.0f;
 /// Returns the plane, or the mesh that the options name. Sets the scenes' repeats and camera from it.
 gl::MeshData make_mesh(const PictureOptions& options, ViewScenes& scenes);
 gl::MeshData to_mesh_data(const TriangleMesh& mesh);
-/// Moves the camera so that it shows the whole mesh, unless the options set a camera; always sets near and far planes.
-/// Prints the camera and the bounds of the mesh, which comes from `file`.
+/// Moves the camera so that it shows the whole mesh, unless the options set a camera. Always sets the near and far
+/// planes. Prints the camera and the bounds of the mesh, which comes from `file`.
 void frame_mesh(const TriangleMesh& mesh, const std::string& file, const OutputOptions& output, ViewScenes& scenes);
 
-/// Returns whether the file lacks levels, which then come from the source.
+/// Returns whether levels are missing in the file. These levels then come from the source.
 bool needs_source(const MapOptions& options, const BakedHeader& baked);
 
-/// Returns the map of the bake, read with the settings of the bake; without --source, level 0 of the file.
+/// Returns the map of the bake, read with the settings of the bake, or level 0 of the file if --source is not given.
 gl::NormalImage read_source(const MapOptions& options, const ViewScenes& scenes, const BakedMap& map);
 
-/// Returns the environment of --environment; null without this option.
+/// Returns the environment of --environment, or null without this option.
 std::shared_ptr<const EnvironmentLight> read_environment(const LightOptions& options);
 /// Reads the environments of the first and the last frame. Throws Error(kInput) if their sizes differ.
 void read_environments(const MapOptions& options, ViewScenes& scenes);

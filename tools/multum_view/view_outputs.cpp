@@ -24,7 +24,7 @@ namespace {
 
 bool has_reference(const std::vector<NamedPicture>& pictures) { return pictures[0].name == "reference"; }
 
-/// Composes a sheet: the pictures are in the first row. If there is a reference, their errors are in the second row.
+/// Composes a sheet. The pictures are in the first row. If there is a reference, their errors are in the second row.
 gl::FloatImage compose(const std::vector<NamedPicture>& pictures, float exposure) {
   std::vector<std::vector<gl::SheetCell>> rows(has_reference(pictures) ? 2 : 1);
   for (const NamedPicture& one : pictures) {
@@ -187,7 +187,7 @@ void write_report(const PictureOptions& options, const gl::RenderScene& scene, c
                            {"height", options.output.height()},
                            {"reference_of", facts.comparison.is_of_texels() ? "texels" : "pixel"},
                            {"pixel_filter", choice_name(kPixelFilters, facts.comparison.sampling.filter)},
-                           {"reference", "BRDF and max(n.l, 0) with the normal of every sample"},
+                           {"reference", "the BRDF times max(n.l, 0), with the normal of each sample"},
                            {"formula", choice_name(kLobeFormulas, shading.formula)},
                            {"moments", choice_name(kMomentShadings, shading.moments.value_or(kDefaultMomentShading))},
                            {"filter", filter_json(shading)},

@@ -18,18 +18,19 @@ void check_outputs(const MapOptions& options, const ViewScenes& scenes);
 /// file.
 void write_pictures(const OutputOptions& options, const std::vector<NamedPicture>& pictures);
 
-/// Draws, prints and writes each view of views_of(). Returns the rows of all views.
+/// Draws each view of views_of(), prints its table, and writes its pictures. Returns the rows of all views.
 nlohmann::json draw_views(const PictureOptions& options, const gl::RenderScene& scene,
                           const std::function<std::vector<NamedPicture>(const gl::RenderScene& scene)>& draw);
 
 /// Prints the table and returns its rows.
 nlohmann::json print_table(const std::vector<NamedPicture>& pictures);
 
-/// The contents of a report except its rows.
+/// The contents of a report without its rows.
 struct ReportFacts {
   const gl::HeadlessContext& context;
   ComparisonOptions comparison = {};
-  bool brdf_is_in_map = false;  // each texel of the file has its own roughness, which replaces the scene's roughness
+  bool brdf_is_in_map = false;  // true if each texel of the file has its own roughness, which replaces the scene's
+                                // roughness
 };
 void write_report(const PictureOptions& options, const gl::RenderScene& scene, const ReportFacts& facts,
                   const nlohmann::json& pictures);

@@ -31,7 +31,7 @@ void set_up(const PictureOptions& options, ViewScenes& scenes) {
   scenes.up = options.camera.up.value_or(is_plane ? glm::vec3(0.0f, 0.0f, 1.0f) : glm::vec3(0.0f, 1.0f, 0.0f));
   if (options.camera.up && (scenes.has_camera || is_plane) && looks_along(camera, scenes.up))
     throw Error(ErrorCode::kUsage, "--up is parallel to the line of sight, expected another direction, such as 0,0,1");
-  // A camera that looks straight up or down needs another up direction: +Y over the plane, -Z with a mesh.
+  // A camera that looks straight up or down needs another up direction, which is +Y over the plane and -Z with a mesh.
   if (!options.camera.up && scenes.has_camera && looks_along(camera, scenes.up))
     scenes.up = is_plane ? glm::vec3(0.0f, 1.0f, 0.0f) : glm::vec3(0.0f, 0.0f, -1.0f);
   camera.up = scenes.up;

@@ -12,8 +12,8 @@ namespace multum {
 struct ViewScenes {
   gl::RenderScene first;
   gl::RenderScene last;            // scene of the last frame; for one picture, the same as the first scene
-  std::vector<Brdf> basis;         // several BRDFs are blended by the map's weights
-  glm::vec3 up{0.0f, 0.0f, 1.0f};  // unit vector; the up direction of every camera
+  std::vector<Brdf> basis;         // several BRDFs, which are blended by the map's weights
+  glm::vec3 up{0.0f, 0.0f, 1.0f};  // the up direction of every camera, a unit vector
   bool has_camera = false;
   bool has_last_camera = false;
 };
@@ -30,7 +30,7 @@ struct View {
   std::optional<float> distance;  // the factor of --distance
 };
 
-/// Returns one view for each --distance, or one view without --distance; `scene` contains its camera.
+/// Returns one view for each --distance, or one view without --distance. `scene` contains the camera of that view.
 std::vector<View> views_of(const PictureOptions& options, const gl::RenderScene& scene);
 
 }  // namespace multum

@@ -87,7 +87,7 @@ MultumTextureChunk* multum_decode_section(const std::uint8_t* bytes, std::size_t
   auto decoded = multum::TextureChunk::decode({bytes, size}, last_problem);
   if (decoded == nullptr) return nullptr;
   if (decoded->was_cut_short()) {
-    last_problem = "the chunk is damaged: it ends before its images do";
+    last_problem = "the chunk is damaged: it ends before its last image is complete";
     return nullptr;
   }
   return new MultumTextureChunk{std::move(decoded)};

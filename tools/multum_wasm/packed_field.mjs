@@ -9,7 +9,7 @@
 //     chunk.close(); field.close()
 //     decoder.chunkOf(bytesOfSection)               // for callers that fetch single byte ranges of a file
 
-const notSupported = 52  // WASI's ENOSYS: the decoder uses neither files nor time
+const notSupported = 52  // ENOSYS of WASI; the decoder uses neither files nor time
 
 export async function loadDecoder(bytes) {
   const module = await WebAssembly.compile(bytes)
@@ -70,7 +70,7 @@ class PackedField {
     this.chunkCount = decoder.wasm.multum_chunk_count(field)
   }
 
-  // Returns the object that docs/reference/packed_fields.md, "The description", describes; null if it is damaged or
+  // Returns the object that docs/reference/packed_fields.md, "The description", describes, or null if it is damaged or
   // missing.
   async description() {
     const { wasm } = this.decoder
@@ -107,13 +107,13 @@ class TextureChunk {
     this.sampleCount = decoder.wasm.multum_sample_count(chunk)
   }
 
-  // Returns gamma-coded floats, 255 for a radiance of 1, [height][width][3].
+  // Returns gamma-coded floats [height][width][3], with 255 for a radiance of 1.
   texture(sample) { return this.values(sample, 'multum_texture', Float32Array) }
 
   // Returns radiance as the bits of half floats.
   radianceHalves(sample) { return this.values(sample, 'multum_radiance_halves', Uint16Array) }
 
-  // Returns the radiance of all mip levels, finest first, in the form that `multum unpack` writes: [texels][3].
+  // Returns the radiance of all mip levels, the finest first, as `multum unpack` writes it: [texels][3].
   radianceLevels(sample) {
     return this.values(sample, 'multum_radiance_levels', Uint16Array, this.decoder.wasm.multum_level_texels(this.chunk))
   }

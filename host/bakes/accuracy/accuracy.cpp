@@ -15,19 +15,18 @@
 namespace multum {
 namespace {
 
-// Sums errors per level, kind of point and BRDF. Each sample counts for all texels of its cell. For sampled levels the
-// errors of each point are kept too; their spread gives the confidence interval.
+// Sums errors per level, kind of point and BRDF. Each sample counts for all texels of its cell. For sampled levels,
+// the errors of each point are also kept, because their spread gives the confidence interval.
 //
 // Sums over a level are Horvitz-Thompson estimates, sum_i w_i d_i, where w_i is the number of texels in cell i (Cochran
 // 1977, section 9A.7). The error is a ratio R of two such sums. The variance of R is the variance of sum_i w_i e_i, e_i
-// = d_i - R t_i, divided by the squared sum of the reference (the delta method, Cochran section 6.4). If a texel has no
-// such point, e_i = 0 (section 5A.14).
+// = d_i - R t_i, divided by the squared sum of the reference (the delta method, Cochran section 6.4). If a texel has
+// no point of this kind, e_i = 0 (section 5A.14).
 //
 //   v = n / (n - 1) sum_i (1 - 1 / w_i) (w_i e_i - mean)^2
 //
 // (1 - 1 / w_i) is the finite population correction of a cell. A single sample per cell gives no variance within the
-// cell, so the spread among all cells is used instead. That spread is larger wherever neighbours are similar (section
-// 5A.12).
+// cell, so the spread among all cells is used instead. It is larger if neighbours are similar (section 5A.12).
 class ErrorSums {
  public:
   ErrorSums(const AccuracyPoints& points, std::size_t brdf_count)
@@ -134,8 +133,8 @@ void append_taps(const SamplePoint& point, const std::vector<std::size_t>& model
   taps.finish_point();
 }
 
-// One measurement. Each pass evaluates the reference of as many directions as fit into memory and compares them with
-// the model. Footprints are few, so the first pass handles all of them.
+// One measurement. Each pass evaluates the reference of as many directions as fit into memory and compares it with the
+// model. There are few footprints, so the first pass handles all of them.
 class Comparison {
  public:
   Comparison(const AccuracySettings& settings, const MeasuredPlaces& places, const AccuracyModel& model,
@@ -166,8 +165,7 @@ class Comparison {
     for (std::size_t direction = 0; direction < direction_count() && !points_.samples().empty();) {
       const Pass pass = next_pass(direction);
       for (const auto& reference : pass.references) streamed.push_back(reference.get());
-      // Footprints use all directions in this pass, and reuse the values that the pass
-      // evaluates.
+      // Footprints use all directions in this pass and reuse the values that it evaluates.
       for (std::size_t d = 0; d < footprint_references.size() && direction == 0; ++d)
         if (d < pass.references.size()) pass.references[d]->share_with(*footprint_references[d]);
         else streamed.push_back(footprint_references[d].get());
@@ -218,9 +216,9 @@ class Comparison {
   std::size_t direction_count() const { return half_count() + settings_.directions.lights.size(); }
   std::size_t half_count() const { return highlights_.empty() ? 0 : settings_.directions.half_vectors.size(); }
 
-  // Directions that do not fit need another pass over the map. With 2048 samples per level, all 40 values of a map of
-  // 16384 x 16384 need 33 MB, or four times as much with colours. With every texel of a map of 1024 x 1024, three
-  // values need 34 MB. The result does not depend on the number of threads, because sums are added pass by pass.
+  // Directions that do not fit into memory need another pass over the map. With 2048 samples per level, all 40 values
+  // of a map of 16384 x 16384 need 33 MB, or four times as much with colours. With every texel of a map of 1024 x 1024,
+  // three values need 34 MB. The result does not depend on the number of threads, because sums are added pass by pass.
   Pass next_pass(std::size_t first) const {
     constexpr std::size_t kReferenceBytesMax = std::size_t{256} << 20;
     Pass pass{{{}, {}, highlights_, settings_.has_roughness ? settings_.mean_cosine : 0.0f}, {}};
@@ -294,7 +292,7 @@ class Comparison {
       }
   }
 
-  // Adds the errors of one channel; -1 if there are no colours.
+  // Adds the errors of one channel, which is -1 if there are no colours.
   void add_footprints(const std::vector<std::unique_ptr<FootprintReference>>& references,
                       const std::vector<std::size_t>& point_begin, const std::vector<float>& values, int channel,
                       std::size_t first_brdf) {
@@ -319,7 +317,7 @@ class Comparison {
     }
   }
 
-  // Returns the factor that the reference's averages omit.
+  // Returns the factor that the averages of the reference do not include.
   double value_scale(bool is_light, std::size_t highlight) const {
     return is_light || settings_.has_roughness ? 1.0 : highlight_scale(highlights_[highlight]);
   }
@@ -352,7 +350,7 @@ class Comparison {
     }
   }
 
-  // Fills sums[point][highlights, then Lambert] for one channel; -1 if there are no colours.
+  // Fills sums[point][highlights, then Lambert] for one channel, which is -1 if there are no colours.
   void compare_points(const Pass& pass, const std::vector<SamplePoint>& points, const std::vector<float>& values,
                       int channel, std::vector<ErrorSum>& sums) const {
     constexpr int kPointsPerBand = 4096;
@@ -384,7 +382,7 @@ class Comparison {
     return sum;
   }
 
-  // One group without colours and, if the file has colours, one group with colours.
+  // There is one group without colours and, if the file has colours, one group with colours.
   std::size_t groups_per_shading() const { return channel_count_ > 0 ? 2 : 1; }
   std::size_t brdf_count() const { return plain_count_ * groups_per_shading() * shadings_.size(); }
   AccuracyBrdf what_of(std::size_t brdf) const {
@@ -402,7 +400,7 @@ class Comparison {
   const AccuracyPoints& points_;
   const std::vector<Highlight> highlights_;
   const std::vector<std::string> shadings_;
-  const std::size_t channel_count_;  // 0: no colours
+  const std::size_t channel_count_;  // 0 if there are no colours
   const std::size_t plain_count_;    // number of BRDFs: highlights, then Lambert
   const TexelAverages averages_;
   ErrorSums sums_;
@@ -550,14 +548,14 @@ std::vector<LevelDifference> AccuracyMeter::difference_from(AccuracyMeter& by_de
       sums.push_back({l, settings_.has_roughness ? AccuracyBrdf::roughness() : highlight.id});
     sums.push_back({l, AccuracyBrdf::lambert()});
   }
-  // Values [point][highlight, half vector; then light] of one channel; -1 if there are no colours.
+  // Values [point][highlight, half vector; then light] of one channel. The channel is -1 if there are no colours.
   const auto shaded = [&](AccuracyMeter& meter, int channel) {
     AccuracyModel& shown = meter.model();
     shown.set_map_averages(&finest_lobes);
     const bool takes_mean = channel >= 0 && !shown.has_colours();
     const std::unique_ptr<PointShading> shading = shown.make_shading(device, directions);
     std::vector<float> values;
-    // If there are several shading methods, the runtime's default is the last.
+    // If there are several shading methods, the last one is the runtime's default.
     shading->shade(taps, static_cast<int>(shown.shadings().size()) - 1, takes_mean ? -1 : channel, settings_.threads,
                    values);
     for (std::size_t i = 0; takes_mean && i < points.size(); ++i) {

@@ -2,18 +2,19 @@
 // Measures the error of a baked mipmap against its reference, in two ways.
 //
 // The pixel error is stored in the file, and settings are chosen by the pixel error
-// (host/bakes/accuracy/footprint_error.h). Reference: the average, over the pixel's footprint, of the BRDF times n . l
-// of every finest normal, in double. Model: the stored texels, rounded as stored, read by the runtime's filter
-// (host/formats/asset/tap_filter.h), filtered and shaded by the runtime's formula (accuracy_model.h). Error: relative
-// L1 = sum |model - reference| / sum reference, over footprints and a fixed set of lights and views.
+// (host/bakes/accuracy/footprint_error.h). Its reference is the average, over the pixel's footprint, of the BRDF
+// times n . l of every finest normal, in double precision. Its model takes the texels as rounded for storage, reads
+// them with the runtime's filter (host/formats/asset/tap_filter.h), and shades them by the runtime's formula
+// (accuracy_model.h). The error is relative L1, sum |model - reference| / sum reference, over footprints and a fixed
+// set of lights and views.
 //
 // The table of levels shows where a fit is good: at texel centres, midway between texels and between levels. The
 // reference of the table is the average over the normals that the texels cover, with the same filter. The table
 // measures only the convolution of the BRDF f, without the factor n . l.
 //
 // Levels finer than the first stored level are the normal map's own mips, in float. Each of their texels is one lobe:
-// the mean vector of the normals that the texel covers. Between such a level and a stored one, both are shaded and
-// mixed, as renderers do (docs/contributing/ALGORITHMS.md).
+// the mean vector of the normals that the texel covers. Between such a level and a stored level, both levels are
+// shaded and mixed, as renderers do (docs/contributing/ALGORITHMS.md).
 #pragma once
 
 #include <cstdint>
@@ -43,24 +44,25 @@ struct AccuracyRow {
   int level;
   AccuracyPoint point;
   AccuracyBrdf brdf;
-  double error;  // relative L1, 0.1 = 10 %; the denominator is at least 1 % of a white diffuse surface
-  // Half width of the 95 % interval of `error`. 0 if all texels were measured; at least kIntervalMin if they were
-  // sampled; kIntervalUnstated in rows of a file whose header states no interval.
+  double error;  // relative L1 error (0.1 is 10 %); the denominator is at least 1 % of the reflection of a white
+                 // diffuse surface
+  // Half width of the 95 % interval of `error`. It is 0 if all texels were measured, at least kIntervalMin if they were
+  // sampled, and kIntervalUnstated in rows of a file whose header states no interval.
   double confidence;
-  std::int64_t sample_count;  // texels; 0 in rows read from a file
+  std::int64_t sample_count;  // number of measured texels; 0 in rows read from a file
 };
-/// Smallest interval that is stated: errors have six digits behind the point.
+/// The smallest interval that is stated, because errors have six decimal places.
 constexpr double kIntervalMin = 1e-6;
 constexpr double kIntervalUnstated = -1.0;
 
 /// The finest level whose differences are averages (host/bakes/scene/scene_difference.h).
 constexpr int kSummaryLevel = 2;
 
-/// Difference between two files, summed over texel centres, midpoints and points half-way to the next level: sum of |a
-/// - b| and sum of b.
+/// Difference between two files: the sum of |a - b| and the sum of b, over texel centres, midpoints and points
+/// half-way to the next level.
 struct LevelDifference {
   int level;
-  AccuracyBrdf brdf;  // the BRDF only, without its shading method and without colours
+  AccuracyBrdf brdf;  // the BRDF only, without a shading method or colours
   double difference = 0.0, by_default = 0.0;
 };
 
@@ -70,18 +72,20 @@ std::string error_text(double error, double confidence);
 /// The lights and half vectors of all measured errors: 4 lights, 12 half vectors (docs/evidence/ACCURACY.md lists
 /// them).
 struct AccuracyDirections {
-  std::vector<glm::dvec3> lights;        // at least one
-  std::vector<glm::dvec3> half_vectors;  // at least one
-  std::vector<int> half_vector_lights;   // [half vector]: index of the light; only for footprints
+  std::vector<glm::dvec3> lights;        // at least one direction
+  std::vector<glm::dvec3> half_vectors;  // at least one direction
+  std::vector<int> half_vector_lights;   // [half vector]: index of its light; used only for footprints
 };
 AccuracyDirections accuracy_directions();
 
 struct AccuracySettings {
-  std::vector<double> exponents = {20.0, 100.0, 500.0};  // Blinn-Phong s, 1..1e5
+  std::vector<double> exponents = {20.0, 100.0, 500.0};  // Blinn-Phong exponents s, 1..1e5
   std::vector<Highlight> highlights;                     // further highlights, after the exponents
-  std::int64_t samples_per_level = 2048;                 // texels, see SampleSettings; 0 means every texel
-  int footprints_per_octave = 256;                       // 0: none
-  int replicates = 1;                                    // number of choices of footprints; seeds are consecutive
+  std::int64_t samples_per_level = 2048;                 // number of texels per level (see SampleSettings); 0 means
+                                                         // every texel
+  int footprints_per_octave = 256;                       // 0 measures no footprints
+  int replicates = 1;                                    // number of random choices of footprints, with consecutive
+                                                         // seeds
   std::uint64_t seed = 1;
   bool has_level_table = true;
   int first_level = 0;  // finer levels and smaller footprints are not measured
@@ -95,8 +99,8 @@ struct AccuracySettings {
   int threads = 2;
 };
 
-/// Measures a file's error. Takes the baked rows as they are stored, keeps the texels that the measurement reads, and
-/// measures at the end. With 2048 samples per level it needs about 50 MB for maps of any size.
+/// Measures a file's error. Takes the baked rows as they are stored, and keeps the texels that the measurement reads
+/// until the end. With 2048 samples per level it needs about 50 MB for maps of any size.
 class AccuracyMeter {
  public:
   virtual ~AccuracyMeter() = default;
@@ -106,16 +110,16 @@ class AccuracyMeter {
   /// True if the measurement reads any texel of these rows. Other rows do not need to be added.
   bool needs_rows(int level, int first_row, int row_count) const;
 
-  /// Measures the error. Call it once, after all needed rows were added. With `albedo`, which requires a file with
-  /// colours, colours are compared too, per channel. Reads every normal once, or several times if it measures millions
-  /// of texels. Progress counts no units.
+  /// Measures the error. Call this function once, after all needed rows were added. If `albedo` is given, the file must
+  /// have colours, and each channel is compared. Reads every normal once, or several times if it measures millions of
+  /// texels. Progress counts no units.
   std::vector<AccuracyRow> run(Device& device, const PlaneStore& normals, const PlaneStore* albedo, Progress* progress);
-  /// Difference between the shading of this file and of `by_default`, for the same map at the same texels; call it
-  /// before run(). With `albedo`, which requires colours in `by_default`, Lambert is compared per channel; a file
-  /// without colours is then multiplied by the albedo's mean.
+  /// Computes the difference between the shading of this file and of `by_default`, for the same map at the same texels.
+  /// Call this function before run(). If `albedo` is given, `by_default` must have colours, and Lambert is compared per
+  /// channel. A file without colours is then multiplied by the albedo's mean.
   std::vector<LevelDifference> difference_from(AccuracyMeter& by_default, Device& device, const PlaneStore& normals,
                                                const PlaneStore* albedo, Progress* progress);
-  /// One error per BRDF, for all replicates together; valid after run() if there are footprints.
+  /// Returns one error per BRDF, for all replicates together. Valid after run() if there are footprints.
   const std::vector<FootprintError>& footprint_errors() const { return footprint_errors_; }
   /// Errors of each replicate: [replicate][BRDF].
   const std::vector<std::vector<FootprintError>>& replicate_errors() const { return replicate_errors_; }
@@ -131,7 +135,7 @@ class AccuracyMeter {
   const AccuracySettings settings_;
   const AccuracyPoints points_;  // points of the table of levels
   const FootprintAverages footprints_;
-  const TexelSelection texels_;                 // texels that points_ or footprints_ read
+  const TexelSelection texels_;                 // texels that points_ and footprints_ read
   const std::vector<std::size_t> model_slots_;  // [slot of points_.texels()]: slot of the same texel in texels_
   std::vector<FootprintError> footprint_errors_;
   std::vector<std::vector<FootprintError>> replicate_errors_;
@@ -140,13 +144,13 @@ class AccuracyMeter {
 /// Measures files of lobes.
 class MovmfMeter : public AccuracyMeter {
  public:
-  /// Takes the level sizes, the lobe count and the first level from `header`; the texels of `header` are not needed.
+  /// Takes the level sizes, the lobe count and the first level from `header`. The texels of `header` are not needed.
   MovmfMeter(const MovmfMipmap& header, bool has_colours, const AccuracySettings& settings)
       : AccuracyMeter({header.width(), header.height()}, header.header, settings),
         model_(header, has_colours, texels()) {}
 
-  /// Adds `rows.height` rows of a stored level, rounded as stored. Rows may come in any order, each once, and calls
-  /// must not overlap.
+  /// Adds `rows.height` rows of a stored level, rounded as stored. Each row is added once, in any order, and calls must
+  /// not overlap.
   void add_rows(int level, int first_row, const MovmfLevel& rows) { model_.add_rows(level, first_row, rows); }
 
  private:
@@ -170,7 +174,7 @@ class MomentMeter : public AccuracyMeter {
 /// Measures files of spherical harmonics.
 class ShMeter : public AccuracyMeter {
  public:
-  /// Takes the level sizes, the order and the first level from `header`; the texels of `header` are not needed.
+  /// Takes the level sizes, the order and the first level from `header`. The texels of `header` are not needed.
   ShMeter(const ShMipmap& header, const AccuracySettings& settings)
       : AccuracyMeter({header.header.width, header.header.height}, header.header, settings), model_(header, texels()) {}
 
@@ -182,7 +186,7 @@ class ShMeter : public AccuracyMeter {
   ShModel model_;
 };
 
-/// Measures a whole mipmap against a map of the same size in memory. `albedo`: null, or a map of that size.
+/// Measures a whole mipmap against a map of the same size in memory. `albedo` is null or a map of that size.
 std::vector<AccuracyRow> measure_accuracy(Device& device, const MovmfMipmap& mipmap, const NormalMap& map,
                                           const ColourMap* albedo, const AccuracySettings& settings,
                                           Progress* progress);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Measures the alternatives to a bake by the same method (host/bakes/accuracy/accuracy.h, texel centres): averaged
-// normals, Toksvig, LEAN moments. Uses convolved Blinn-Phong without n . l, in double.
+// Measures the alternatives to a bake: averaged normals, Toksvig, and LEAN moments. The method is that of
+// host/bakes/accuracy/accuracy.h at texel centres. Uses convolved Blinn-Phong without n . l, in double precision.
 #pragma once
 
 #include <string>
@@ -12,9 +12,9 @@ namespace multum {
 
 enum class Baseline {
   kMip,           // the averaged normal, normalised
-  kToksvig,       // exponent shortened by the averaged normal's length (Toksvig 2005)
+  kToksvig,       // exponent reduced according to the averaged normal's length (Toksvig 2005)
   kLean,          // Gaussian of slopes with covariance Sigma + I/s (Olano and Baker 2010)
-  kLeanJacobian,  // LEAN as a density per solid angle: divided by cos^3
+  kLeanJacobian,  // LEAN divided by cos^3, as a density per solid angle
 };
 const char* baseline_name(Baseline baseline);
 
@@ -25,7 +25,7 @@ struct BaselineRow {
   double error;  // relative L1
 };
 
-/// Measures every texel of all levels. Normals are stored as 16-bit normalised values, like the lobes of bakes; moments
+/// Measures every texel of all levels. Normals are stored as 16-bit normalised values, like the lobes of bakes. Moments
 /// are floats.
 std::vector<BaselineRow> measure_baselines(const NormalMap& map, const std::vector<double>& exponents, int threads);
 

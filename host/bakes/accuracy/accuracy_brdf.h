@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Identifies the subject of a measured error: a BRDF, its shading method, and whether colours are included. Only this
-// file writes and parses the text form, which tables, reports and file headers use.
+// file writes and parses its text form, which is used in tables, reports and file headers.
 #pragma once
 
 #include <string>
@@ -16,26 +16,26 @@ enum class AccuracyBrdfKind {
 
 struct AccuracyBrdf {
   AccuracyBrdfKind kind = AccuracyBrdfKind::kLambert;
-  double exponent = 0.0;  // of kBlinnPhong
-  std::string name;       // for kNamed: "ggx:0.5"
-  std::string shading;    // "toksvig", "lean", ... if there are several shading methods; else empty
+  double exponent = 0.0;  // exponent of kBlinnPhong
+  std::string name;       // name of kNamed, such as "ggx:0.5"
+  std::string shading;    // "toksvig", "lean" or another method if there are several; otherwise empty
   bool has_colours = false;
 
   static AccuracyBrdf lambert() { return {}; }
   static AccuracyBrdf blinn_phong(double exponent) { return {AccuracyBrdfKind::kBlinnPhong, exponent, {}, {}, false}; }
   static AccuracyBrdf roughness() { return {AccuracyBrdfKind::kRoughness, 0.0, {}, {}, false}; }
-  /// Replaces spaces in the name by underscores, because a space precedes the shading method.
+  /// Replaces spaces in the name with underscores, because a space separates the name from the shading method.
   static AccuracyBrdf named(std::string name);
 
-  /// True if the BRDFs are equal; ignores shading methods and colours.
+  /// True if the BRDFs are equal. Ignores shading methods and colours.
   bool is_same_brdf(const AccuracyBrdf& other) const {
     return kind == other.kind && exponent == other.exponent && name == other.name;
   }
   bool operator==(const AccuracyBrdf&) const = default;
 
-  /// Text of the BRDF only: "blinn-phong:20".
+  /// Formats only the BRDF, as in "blinn-phong:20".
   std::string brdf_text() const;
-  /// Full text: "blinn-phong:20 lean coloured".
+  /// Formats everything, as in "blinn-phong:20 lean coloured".
   std::string text() const;
 };
 

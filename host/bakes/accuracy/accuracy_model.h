@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Models what a renderer shows of a baked file, for the measurement in host/bakes/accuracy/accuracy.h: values at
-// points of the pyramid, filtered and shaded as the runtime does. A representation can have several shading methods;
+// Models what a renderer shows of a baked file, for the measurement in host/bakes/accuracy/accuracy.h. Computes values
+// at points of the pyramid, filtered and shaded as the runtime does. If a representation has several shading methods,
 // each is measured.
 #pragma once
 
@@ -24,9 +24,9 @@ struct ShadingDirections {
   std::vector<glm::dvec3> half_vectors;
   std::vector<glm::dvec3> lights;
   std::vector<Highlight> highlights;
-  float mean_cosine = 0.0f;  // mean cosine of a baked roughness map, which divides lights; 0 if there is none
-  // [half vector]: index in `lights` of the light whose cosine n . l multiplies the highlights; empty if there is no
-  // cosine.
+  float mean_cosine = 0.0f;  // mean cosine of a baked roughness map, by which lights are divided; 0 without such a map
+  // [half vector]: index in `lights` of the light whose cosine n . l multiplies the highlights. Empty if highlights are
+  // not multiplied by a cosine.
   std::vector<int> half_vector_lights = {};
 };
 
@@ -44,11 +44,11 @@ class AccuracyModel {
  public:
   virtual ~AccuracyModel() = default;
   virtual bool has_colours() const = 0;
-  /// The finest stored level. Finer levels show the averages of the map that set_map_averages() was given, which must
-  /// outlive the model.
+  /// The finest stored level. Finer levels show the map averages that were passed to set_map_averages(). These averages
+  /// must outlive the model.
   int first_level() const { return kept_.first_level(); }
   void set_map_averages(const TexelSums* averages) { map_averages_ = averages; }
-  /// Names of the shading methods; one empty name if there is only one method.
+  /// Returns the names of the shading methods. If there is only one method, its name is empty.
   virtual const std::vector<std::string>& shadings() const = 0;
   /// Call it after all texels were added. The model must outlive the result.
   virtual std::unique_ptr<PointShading> make_shading(Device& device, const ShadingDirections& directions) const = 0;
@@ -78,8 +78,8 @@ class DirectionBuffers {
   int half_count() const { return half_count_; }
   int light_count() const { return light_count_; }
   int highlight_count() const { return highlight_count_; }
-  /// Multiplies values by the integral of their highlight. The values were shaded as Blinn-Phong with the highlight's
-  /// exponent.
+  /// Multiplies values, which were shaded as Blinn-Phong with the highlight's exponent, by the integral of the
+  /// highlight.
   void scale_by_totals(std::vector<float>& values) const;
   const DeviceBuffer& half_vectors() const { return half_buffer_; }
   const DeviceBuffer& lights() const { return light_buffer_; }

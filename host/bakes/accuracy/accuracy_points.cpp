@@ -39,7 +39,8 @@ void append_samples(int level, PlaneSize size, std::int64_t wanted, SplitMix64& 
     }
 }
 
-// The two texels of `size` on either side of the centre of texel i of `fine_size`, along one axis, clamped.
+// Returns the two texels, of `size` along one axis, on either side of the centre of texel i of `fine_size`. They are
+// clamped to the borders.
 struct AxisTaps {
   int first, second;
   double second_weight;
@@ -86,7 +87,7 @@ std::vector<AccuracySample> choose_samples(const std::vector<PlaneSize>& levels,
   return samples;
 }
 
-// If every texel of a level is a sample, points read no other texels of this level. This also holds for every coarser
+// If every texel of a level is a sample, points read no other texels of this level. The same is true for every coarser
 // level.
 TexelSelection needed_texels(const std::vector<PlaneSize>& levels, const std::vector<AccuracySample>& samples,
                              std::int64_t wanted) {

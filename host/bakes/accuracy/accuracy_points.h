@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Chooses the points where a pyramid's error is measured: texels spread evenly at random over each level, and points
-// around them.
+// Chooses the points where a pyramid's error is measured. They are texels, spread evenly at random over each level, and
+// points around them.
 #pragma once
 
 #include <array>
@@ -16,7 +16,7 @@ enum class AccuracyPoint {
   kCentre,   // texel centres: no filtering
   kMidX,     // midway between a texel and its right neighbour
   kMidY,     // midway between a texel and the one below
-  kBetween,  // a texel's centre, half-way to the next coarser level, which is read with bilinear filtering
+  kBetween,  // a texel's centre, half-way to the next coarser level; that level is read with bilinear filtering
 };
 constexpr int kAccuracyPointKinds = 4;
 const char* accuracy_point_name(AccuracyPoint point);
@@ -24,10 +24,11 @@ const char* accuracy_point_name(AccuracyPoint point);
 struct AccuracySample {
   int level;
   int texel;
-  int cell_texels;  // number of texels in the sample's cell: the sample's weight in sums; 1 if all texels are samples
+  int cell_texels;  // number of texels in the sample's cell, which is the sample's weight in sums; 1 if all texels are
+                    // samples
 };
 
-/// A point as weighted texels: one for a centre, two for a midpoint, up to five between levels.
+/// A point as weighted texels: one texel for a centre, two for a midpoint, and up to five between levels.
 struct SamplePoint {
   AccuracyPoint kind;
   std::size_t sample;  // index into AccuracyPoints::samples()
@@ -37,13 +38,13 @@ struct SamplePoint {
 };
 
 /// Levels with at most this many times the wanted number of samples are measured completely. Sampling one of 2 x 2
-/// texels would save too little to justify an interval. Without it, a bake takes at most 0.04 s more processor time
-/// (docs/contributing/ALGORITHMS.md, "Measured error").
+/// texels would save too little to justify an interval. Measuring such a level completely costs a bake at most 0.04 s
+/// of processor time (docs/contributing/ALGORITHMS.md, "Measured error").
 constexpr int kWholeLevelFactor = 4;
 
 struct SampleSettings {
   int first_level = 0;  // finer levels have no samples
-  // Approximate number of samples; 0 means every texel. Levels with at most kWholeLevelFactor times as many texels use
+  // Approximate number of samples. 0 means every texel. Levels with at most kWholeLevelFactor times as many texels use
   // all of them.
   std::int64_t samples_per_level = 2048;
   std::uint64_t seed = 1;
@@ -53,13 +54,13 @@ class AccuracyPoints {
  public:
   AccuracyPoints(const std::vector<PlaneSize>& levels, const SampleSettings& settings);
 
-  /// Samples level by level, the finest level first.
+  /// Samples in order of levels, the finest level first.
   const std::vector<AccuracySample>& samples() const { return samples_; }
   /// Number of samples in sampled levels. These samples come first; in later levels, every texel is a sample.
   std::size_t chosen_count() const { return chosen_count_; }
   /// All texels that any point reads.
   const TexelSelection& texels() const { return texels_; }
-  /// Appends the points of a sample; samples at borders have fewer points.
+  /// Appends the points of a sample. Samples at borders have fewer points.
   void append_points(std::size_t sample, std::vector<SamplePoint>& points) const;
 
  private:

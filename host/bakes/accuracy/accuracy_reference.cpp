@@ -77,7 +77,8 @@ BrdfValues power_values(const glm::dvec3& omega, const std::vector<double>& expo
 
 namespace {
 
-// e = 1 - omega . n = |n - omega|^2 / 2: a narrow f needs e in full precision. n is a unit vector.
+// e = 1 - omega . n = |n - omega|^2 / 2, where n is a unit vector. The second form gives e in full precision, which a
+// narrow f needs.
 void evaluate_density(const Brdf& brdf, const glm::dvec3& omega, const std::array<const float*, 3>& normals, int count,
                       double* values) {
   for (int i = 0; i < count; ++i) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Computes the reference that bakes are measured against: averages over all finest normals that a texel covers, in one
-// pass over the map by bands of rows. Memory: some rows per light or half vector, and a value per measured texel.
+// Computes the reference with which bakes are compared. It consists of averages over all finest normals that a texel
+// covers, and takes one pass over the map by bands of rows. Needs memory for some rows per light or half vector, and
+// for a value per measured texel.
 //
 // Threads share the directions of a band. Each direction adds up rows in their order. The result therefore depends
 // neither on the threads nor on the height of the bands.
@@ -22,13 +23,13 @@
 
 namespace multum {
 
-/// Normals and, unless null, linear colours; both have the size of level 0.
+/// Normals and linear colours of the size of level 0; colours may be null.
 struct FinestPlanes {
   const PlaneStore& normals;
   const PlaneStore* albedo;
 };
 
-/// One row of the planes; colours may be null.
+/// One row of the planes. Colours may be null.
 struct FinestRow {
   int y;
   std::array<const float*, 3> normals;
@@ -39,7 +40,7 @@ struct FinestRow {
 class RowSums {
  public:
   virtual ~RowSums() = default;
-  /// Adds a row; call it once per row, from the top.
+  /// Adds a row. Call it once per row, from the top.
   virtual void add_row(const FinestRow& row) = 0;
   /// Called after the last row.
   virtual void finish() {}
@@ -67,7 +68,7 @@ class TexelSums : public RowSums {
   std::vector<double> sums_;  // [slot][value]
 };
 
-/// Evaluates `count` values per texel of a row, for one direction.
+/// Evaluates `count` values for each texel of a row, for one direction.
 struct BrdfValues {
   std::size_t count;
   std::function<void(const std::array<const float*, 3>& normals, int width, const std::vector<double*>& rows)> evaluate;
@@ -76,20 +77,21 @@ struct BrdfValues {
 BrdfValues power_values(const glm::dvec3& omega, const std::vector<double>& exponents);
 /// f at the half vector `omega` for each highlight, divided by highlight_scale().
 BrdfValues highlight_values(const glm::dvec3& omega, const std::vector<Highlight>& highlights);
-/// (s + 1) / (2 pi) for Blinn-Phong, which is averaged without this factor; 1 for other BRDFs.
+/// Returns (s + 1) / (2 pi) for Blinn-Phong, which is averaged without this factor. Returns 1 for other BRDFs.
 double highlight_scale(const Highlight& highlight);
 /// One value per shortened normal (evaluate_shortened()).
 BrdfValues shortened_values(const glm::dvec3& omega, bool is_lambert);
 
-/// Averages a BRDF times n . l over footprints: the reference of pixels. Value e belongs to highlight e; with colours,
-/// value (1 + c) * count + e is also multiplied by channel c.
+/// Averages a BRDF times n . l over footprints. These averages are the reference of pixels. Value e belongs to
+/// highlight e; with colours, value (1 + c) * count + e is also multiplied by channel c.
 class FootprintReference : public RowSums {
  public:
-  /// `values` are the highlights, which are multiplied by `cosines`; nullopt for Lambert, which uses only the cosines.
+  /// `values` are the highlights, which are multiplied by `cosines`. They are nullopt for Lambert, which uses only the
+  /// cosines.
   FootprintReference(const FootprintAverages& averages, std::optional<BrdfValues> values, BrdfValues cosines,
                      bool has_colours);
   void add_row(const FinestRow& row) override;
-  /// Adds a row with evaluated values of each highlight, or of Lambert.
+  /// Adds a row of values that were evaluated for each highlight, or for Lambert.
   void add_values(const FinestRow& row, const std::vector<double*>& values);
   double at(std::size_t footprint, std::size_t value) const { return sums_[footprint * value_count_ + value]; }
 
@@ -98,13 +100,14 @@ class FootprintReference : public RowSums {
   const std::optional<BrdfValues> brdf_;
   const BrdfValues cosines_;
   const std::size_t highlight_count_, value_count_;
-  std::vector<AlignedRow> rows_;      // [highlight]; one for Lambert
-  AlignedRow cosine_row_, coloured_;  // a row each
+  std::vector<AlignedRow> rows_;      // [highlight]; Lambert has only one
+  AlignedRow cosine_row_, coloured_;  // each holds one row
   AlignedRow scratch_;                // for FootprintAverages
   std::vector<double> sums_;          // [footprint][value]
 };
 
-/// Averages BRDF values over texels: value e; with colours, value (1 + c) * count + e is multiplied by channel c.
+/// Averages BRDF values over texels. Value e belongs to BRDF e; with colours, value (1 + c) * count + e is also
+/// multiplied by channel c.
 class BrdfReference : public TexelSums {
  public:
   BrdfReference(const TexelAverages& averages, BrdfValues values, bool has_colours);
@@ -115,7 +118,7 @@ class BrdfReference : public TexelSums {
  private:
   const BrdfValues brdf_;
   std::vector<AlignedRow> rows_;  // [exponent]
-  AlignedRow coloured_;           // a row
+  AlignedRow coloured_;           // holds one row
   FootprintReference* footprints_ = nullptr;
 };
 
@@ -132,10 +135,10 @@ class PlaneAverages : public TexelSums {
 
 struct StreamSettings {
   int threads = 2;
-  int rows_per_band = 0;  // 0 chooses rows for about 3 MB of normals
+  int rows_per_band = 0;  // 0 chooses bands of about 3 MB of normals
 };
 
-/// Gives every row to all of `sums` and finishes them. Progress counts no units; cancels between bands.
+/// Adds every row to all of `sums` and finishes them. Progress counts no units, but can cancel between bands.
 void stream_rows(const FinestPlanes& planes, const StreamSettings& settings, const std::vector<RowSums*>& sums,
                  Progress* progress);
 

@@ -12,13 +12,13 @@
 namespace multum {
 namespace {
 
-constexpr int kLevelMax = 63;  // the most levels of any file, because sides fit into 32 bits
+constexpr int kLevelMax = 63;  // more levels than any file has, because sides fit into 32 bits
 
 // Rounds as the file does. The table rounds this value again, so that a bake and its file give the same text.
 double rounded(double error) { return std::round(error * 1e6) / 1e6; }
 
-// Half width in millionths, rounded up so that no stated interval is too narrow. First subtracts the rounding error of
-// the product.
+// Half width in millionths, rounded up so that no stated interval is too narrow. The rounding error of the product is
+// subtracted first.
 double millionths_up(double half_width) { return std::max(0.0, std::ceil(half_width * 1e6 - 1e-6)); }
 double hundredths_of_percent_up(double half_width) { return std::ceil(millionths_up(half_width) / 100.0); }
 
@@ -29,7 +29,7 @@ const AccuracyRow* find_row(const std::vector<AccuracyRow>& rows, int level, Acc
   return nullptr;
 }
 
-// "1.23", or "1.23 +- 0.05" if texels were sampled.
+// Formats "1.23", or "1.23 +- 0.05" if texels were sampled.
 std::string percent_text(const AccuracyRow* row) {
   if (row == nullptr) return "-";
   std::string text = fmt::format("{:.2f}", 100.0 * rounded(row->error));
@@ -42,13 +42,13 @@ const AccuracyRow* worse(const AccuracyRow* a, const AccuracyRow* b) {
   return a->error < b->error ? b : a;
 }
 
-// Says which texels of a level were measured.
+// States which texels of a level were measured.
 std::string texels_text(double confidence) {
   if (confidence == kIntervalUnstated) return "unstated";
   return confidence > 0.0 ? "sampled" : "all";
 }
 
-// Part of a table's heading that describes its BRDFs, which share one shading: " of lean with colours".
+// The part of a table's heading that describes the shading of its BRDFs, such as " of lean with colours".
 std::string group_text(const AccuracyBrdf& brdf) {
   return (brdf.shading.empty() ? "" : " of " + brdf.shading) + (brdf.has_colours ? " with colours" : "");
 }
@@ -57,7 +57,7 @@ bool is_shaded_alike(const AccuracyBrdf& a, const AccuracyBrdf& b) {
   return a.shading == b.shading && a.has_colours == b.has_colours;
 }
 
-// `brdfs` has at least one entry; all entries have the same shading method.
+// `brdfs` has at least one entry. All entries have the same shading method.
 std::string table(const std::vector<AccuracyRow>& rows, const std::vector<AccuracyBrdf>& brdfs) {
   std::map<int, double> confidences;  // [level]: confidence of all rows of the level
   bool has_intervals = false;
@@ -132,7 +132,7 @@ std::string footprint_error_text(const std::vector<FootprintError>& errors) {
   if (errors.empty()) return "";
   std::size_t width = 0;
   for (const FootprintError& one : errors) width = std::max(width, one.brdf.text().size());
-  std::string text = "error of pixels, relative L1 with its 95 % interval\n";
+  std::string text = "relative L1 error of pixels with its 95 % interval\n";
   for (const FootprintError& one : errors)
     text += fmt::format(
         "  {:<{}}  {:.2f} +- {:.2f} %; 95 % of pixels within {:.2f} %; worst: {:.2f} % for pixels that cover {}\n",

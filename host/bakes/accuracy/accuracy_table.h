@@ -10,16 +10,16 @@
 
 namespace multum {
 
-/// Errors of pixels, one line per BRDF: "  blinn-phong:100  9.10 +- 0.21 %; 95 % of pixels within 21.30 %; ...". Empty
-/// if there are no errors.
+/// Formats errors of pixels, one line per BRDF: "  blinn-phong:100  9.10 +- 0.21 %; 95 % of pixels within 21.30 %;
+/// ...". The text is empty if there are no errors.
 std::string footprint_error_text(const std::vector<FootprintError>& errors);
 
 /// Formats a table with a line per level and a column per BRDF, with intervals if texels were sampled. There is a table
-/// for each shading method, and further tables for rows with colours. Empty if there are no rows.
+/// for each shading method, and further tables for rows with colours. The text is empty if there are no rows.
 std::string accuracy_table(const std::vector<AccuracyRow>& rows);
 
-/// JSON array of [level, point, BRDF, error, half width of its 95 % interval], with six digits behind the point. Half
-/// widths are rounded up, so that 0 means "all texels"; a row whose interval is unstated omits it. Errors of pixels
+/// Writes a JSON array of [level, point, BRDF, error, half width of its 95 % interval], with six decimal places. Half
+/// widths are rounded up, so that 0 means "all texels". A row whose interval is unstated omits it. Errors of pixels
 /// come first: [-1, "pixels", BRDF, error, half width, 95th percentile, worst octave, its error, footprints].
 std::string measured_error_json(const std::vector<AccuracyRow>& rows, const std::vector<FootprintError>& errors = {});
 
@@ -27,8 +27,8 @@ struct StatedErrors {
   std::vector<FootprintError> footprint_errors;  // empty if the program that wrote the file measured none
   std::vector<AccuracyRow> rows;
 };
-/// Parses the output of measured_error_json(), and of earlier programs, which wrote no intervals. Rows have no sample
-/// counts. Returns nullopt for any other text.
+/// Parses the output of measured_error_json(), and of earlier program versions, which wrote no intervals. The rows have
+/// no sample counts. Returns nullopt for any other text.
 std::optional<StatedErrors> parse_measured_error(const std::string& json);
 
 }  // namespace multum

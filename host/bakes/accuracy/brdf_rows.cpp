@@ -15,7 +15,7 @@
 namespace multum {
 namespace {
 
-constexpr int kColumnsOfBlock = 128;  // about twelve powers of a block stay in the first-level cache
+constexpr int kColumnsOfBlock = 128;  // so many that about twelve powers of a block stay in the first-level cache
 constexpr double kIntegerMax = 1e6;
 
 MULTUM_VECTOR_CLONES
@@ -100,7 +100,8 @@ void BrdfRows::evaluate(const std::array<const float*, 3>& normals, int count, c
   for (std::size_t p = 0; p < powers.size(); ++p) powers[p] = own(p);
   for (int begin = 0; begin < count; begin += kColumnsOfBlock) {
     const int size = std::min(kColumnsOfBlock, count - begin);
-    for (std::size_t e = 0; e < exponents_.size() && size == kColumnsOfBlock; ++e)  // written directly to the output
+    // Results of whole blocks are written directly to the output.
+    for (std::size_t e = 0; e < exponents_.size() && size == kColumnsOfBlock; ++e)
       if (plan_.whole[e] > 0) powers[static_cast<std::size_t>(plan_.whole[e])] = rows[e] + begin;
     clamped_cosines(normals[0] + begin, normals[1] + begin, normals[2] + begin, omega_.x, omega_.y, omega_.z, size,
                     powers[0]);

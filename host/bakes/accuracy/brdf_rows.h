@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Evaluates max(0, omega . n)^s on rows of normals for several s at once, in double: Blinn-Phong without its scale,
-// and Lambert as s = 1. Powers are products of lower powers: t^20, t^100 and t^500 together take 11 products.
+// Evaluates max(0, omega . n)^s on rows of normals, for several s at once and in double precision. This is Blinn-Phong
+// without its scale, and Lambert if s = 1. Powers are products of lower powers: t^20, t^100 and t^500 together take 11
+// products.
 #pragma once
 
 #include <array>
@@ -12,15 +13,16 @@
 
 namespace multum {
 
-/// A power as the product of two earlier powers; number 0 is t itself.
+/// A power as the product of two earlier powers. Power 0 is t itself.
 struct PowerProduct {
   int first, second;
 };
 struct PowerPlan {
   std::vector<PowerProduct> products;  // power 1, 2, ...
-  std::vector<int> whole;              // [exponent]: number of its power; -1 if not an integer, which needs pow()
+  std::vector<int> whole;              // [exponent]: number of its power; -1 for an exponent that is not an integer and
+                                       // needs pow()
 };
-/// Integer exponents up to 1e6 become products; t^s then has the relative error of s roundings.
+/// Integer exponents up to 1e6 become products. The relative error of t^s is then that of s roundings.
 PowerPlan plan_powers(const std::vector<double>& exponents);
 
 class BrdfRows {
@@ -36,9 +38,9 @@ class BrdfRows {
   AlignedRow powers_;  // [power][column of a block]
 };
 
-/// Evaluates rows of normals whose lengths contain a BRDF's width (host/formats/image/material_maps.h): densities
-/// towards `omega` of the vMF lobe of each normal. For Lambert, returns max(0, omega . n) of the unit normal, on which
-/// diffuse light depends.
+/// Evaluates the density of each normal's vMF lobe towards `omega`, for rows of normals whose lengths contain a BRDF's
+/// width (host/formats/image/material_maps.h). For Lambert, returns max(0, omega . n) of the unit normal, because
+/// diffuse light depends only on it.
 void evaluate_shortened(const glm::dvec3& omega, bool is_lambert, const std::array<const float*, 3>& normals, int count,
                         double* values);
 

@@ -12,14 +12,14 @@
 namespace multum {
 namespace {
 
-// A row is summed in this many strips in parallel, which hides the latency of dependent additions.
+// A row is summed in so many strips in parallel, to hide the latency of dependent additions.
 constexpr std::size_t kStrips = 4;
 
 // Returns the number of columns of each strip except the last, which has the remaining columns. A strip has slightly
 // less than a quarter of the columns, because addresses a power of two apart share sets of the cache.
 std::size_t strip_width(std::size_t width) { return width / 4 - width / 64; }
 
-// before[i] is the sum of the strip's columns before column i. Also returns the sums of whole strips.
+// Sets before[i] to the sum of the strip's columns before column i. Also returns the sums of whole strips.
 template <typename Value>
 std::array<double, kStrips> sum_up(const Value& value, std::size_t width, double* before) {
   const std::size_t strip = strip_width(width);
@@ -34,7 +34,8 @@ std::array<double, kStrips> sum_up(const Value& value, std::size_t width, double
   return sums;
 }
 
-// Positions where the line at height y enters and leaves a rectangle; entry >= exit if it misses.
+// Returns the positions where the line at height y enters and leaves a rectangle. If the line misses the rectangle,
+// entry >= exit.
 std::pair<double, double> crossing(const Footprint& footprint, double y) {
   const glm::dvec2 half_longer = 0.5 * footprint.longer_side, half_shorter = 0.5 * footprint.shorter_side;
   const std::array<glm::dvec2, 4> corners = {
@@ -149,7 +150,7 @@ FootprintAverages::FootprintAverages(std::vector<Footprint> footprints, int map_
   std::vector<RowLine> unsorted;
   for (std::uint32_t i = 0; i < footprints_.size(); ++i)
     append_lines(i, split_mix(settings.seed ^ split_mix(i)), unsorted);
-  // Sorts by row and, within a row, by footprint: a fixed order.
+  // Sorts by row and, within a row, by footprint, so that the order is fixed.
   for (const RowLine& one : unsorted) ++line_begin_[static_cast<std::size_t>(one.row) + 1];
   for (std::size_t y = 1; y < line_begin_.size(); ++y) line_begin_[y] += line_begin_[y - 1];
   std::vector<std::size_t> next = line_begin_;
@@ -164,7 +165,7 @@ void FootprintAverages::add_values(int y, const Value& value, double* before, do
   std::array<double, kStrips> upto_strip = {};
   for (std::size_t k = 1; k < kStrips; ++k) upto_strip[k] = upto_strip[k - 1] + strip_sums[k - 1];
   const double whole = upto_strip.back() + strip_sums.back();
-  // Integral over the columns before `texel` and over the fraction `part` of `texel`.
+  // Returns the integral over the columns before `texel` and over the fraction `part` of `texel`.
   const auto integral = [&](std::int32_t texel, float part) {
     const auto i = static_cast<std::size_t>(texel);
     const std::size_t k = (i >= strip ? 1u : 0u) + (i >= 2 * strip ? 1u : 0u) + (i >= 3 * strip ? 1u : 0u);

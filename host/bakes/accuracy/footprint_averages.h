@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Averages a plane over footprints (host/bakes/accuracy/footprints.h): the reference of pixels. The plane comes row by
-// row, and only one sum per footprint is kept. Texels of level 0 are squares of constant value, as with "nearest"
-// filtering.
+// Averages a plane over footprints (host/bakes/accuracy/footprints.h). These averages are the reference of pixels.
+// The plane comes row by row, and only one sum per footprint is kept. Texels of level 0 are squares of constant
+// value, as with "nearest" filtering.
 //
 // A footprint is cut into horizontal lines. Along a line the average is exact, from sums of the row up to each end:
 //
@@ -33,15 +33,16 @@ class FootprintAverages {
   bool needs_row(int y) const {
     return line_begin_[static_cast<std::size_t>(y)] < line_begin_[static_cast<std::size_t>(y) + 1];
   }
-  /// Adds row y of the plane, values[0..map_width()), to sums[footprint * stride]; values are multiplied by `factors`
-  /// unless that is null. Sums begin as 0 and are averages after the last row. `scratch`: scratch_length() doubles.
+  /// Adds row y of the plane, values[0..map_width()), to sums[footprint * stride]. Values are multiplied by `factors`
+  /// unless it is null. Sums start at 0 and become averages after the last row. `scratch` holds scratch_length()
+  /// doubles.
   void add_row(int y, const double* values, const double* factors, double* scratch, double* sums,
                std::size_t stride) const;
 
  private:
-  // Part of a line in a row: weight_turns times the sum of the row, plus weight_end times the integral up to `end` and
-  // end_part of that texel. The corresponding integral for the begin is subtracted. The signs include the mirroring of
-  // rows.
+  // The integral of a part of a line within a row. It is weight_turns times the sum of the row, plus weight_end times
+  // the integral up to `end` and end_part of that texel. The same integral up to the beginning is subtracted. The signs
+  // of the weights account for mirrored rows.
   struct Line {
     std::uint32_t footprint;
     std::int32_t begin, end;

@@ -12,12 +12,12 @@
 
 namespace multum {
 
-/// Sums of |model - reference| and of references, over the directions and colour channels of one or more footprints or
-/// points.
+/// Sums of |model - reference| and of the reference, over the directions and colour channels of one or more footprints
+/// or points.
 struct ErrorSum {
   double difference = 0.0;
   double reference = 0.0;
-  double count = 0.0;  // of values
+  double count = 0.0;  // number of values
   void operator+=(const ErrorSum& other) {
     difference += other.difference;
     reference += other.reference;
@@ -26,9 +26,9 @@ struct ErrorSum {
   ErrorSum times(double weight) const { return {weight * difference, weight * reference, weight * count}; }
 };
 
-/// The denominator of relative errors: the reference, or at least a hundredth of the reflection of a white diffuse
-/// surface, 1/pi. The reference itself is almost 0 if no light or view is near the highlight, and errors relative to
-/// 1e-40 have no meaning.
+/// The denominator of relative errors: the reference, but at least a hundredth of 1/pi, the reflection of a white
+/// diffuse surface. If no light or view is near the highlight, the reference is almost 0, and errors relative to such a
+/// value have no meaning.
 class ErrorBase {
  public:
   explicit ErrorBase(const ErrorSum& all) : is_floor_(all.reference < kFloor * all.count) {}
@@ -39,24 +39,24 @@ class ErrorBase {
   const bool is_floor_;
 };
 
-/// Error of one BRDF; relative L1, 0.1 = 10 %.
+/// Relative L1 error of one BRDF (0.1 is 10 %).
 struct FootprintError {
   AccuracyBrdf brdf;
   double error = 0.0;  // sum of |model - reference| / sum of the reference, with equal weights for octaves
   // Half width of the 95 % interval: 1.96 standard errors of the combined ratio estimate, with octaves as strata
-  // (Cochran 1977, section 6.11). A footprint with all its directions and channels is one draw.
+  // (Cochran 1977, section 6.11). Each footprint, with all its directions and channels, counts as one draw.
   double confidence = 0.0;
   double percentile_95 = 0.0;  // 95th percentile of the errors of single footprints
   int worst_octave = 0;        // octave k of footprints whose shorter side is 2^k to 2^(k+1) texels
   double worst_octave_error = 0.0;
-  std::int64_t sample_count = 0;  // footprints
+  std::int64_t sample_count = 0;  // number of footprints
 };
 
-/// `sums`: one per footprint; `footprints` in the order of choose_footprints().
+/// `sums` has one entry per footprint. `footprints` are in the order of choose_footprints().
 FootprintError footprint_error(AccuracyBrdf brdf, const std::vector<Footprint>& footprints,
                                const std::vector<ErrorSum>& sums);
 
-/// Text of octave k: "1 to 2 texels", "16 to 32 texels".
+/// Formats the sizes of octave k, as in "1 to 2 texels" or "16 to 32 texels".
 std::string octave_text(int octave);
 
 }  // namespace multum

@@ -39,9 +39,10 @@ std::vector<glm::dvec2> spread_points(int count, double width, double height, Sp
   return points;
 }
 
-// The two texels around a position along one axis, in texels of the level, and the weight of the second.
+// The two texels around a position along one axis, and the weight of the second texel. Positions are in texels of the
+// level.
 struct BilinearPair {
-  int first, second;  // -1: none
+  int first, second;  // -1 if there is none
   double second_weight;
 };
 BilinearPair bilinear_pair(double place, int count, WrapMode mode) {

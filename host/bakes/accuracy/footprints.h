@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Chooses the footprints whose errors are measured: the areas of a map that pixels of pictures cover. The footprints
-// are spread evenly over octaves of size, over directions and elongations, and over the map. Lists the texels that the
-// runtime's filter reads for each footprint (host/formats/asset/tap_filter.h).
+// are spread evenly over octaves of size, over directions and elongations, and over the map. Also lists the texels
+// that the runtime's filter reads for each footprint (host/formats/asset/tap_filter.h).
 //
 //         ______             a footprint is a rectangle in texels of level 0: the pixel's square, projected onto a
 //        /     /  b          plane that is seen from any direction. The shorter side b = 2^u texels depends on the
@@ -30,20 +30,20 @@ struct Footprint {
 };
 
 struct FootprintSettings {
-  int per_octave = 256;  // 0: none
+  int per_octave = 256;  // 0 chooses no footprints
   int first_octave = 0;  // smaller footprints are not measured
   std::uint64_t seed = 1;
-  WrapMode wrap_s = WrapMode::kPeriodic, wrap_t = WrapMode::kPeriodic;  // beyond the map's borders
+  WrapMode wrap_s = WrapMode::kPeriodic, wrap_t = WrapMode::kPeriodic;  // apply beyond the map's borders
   TapFilter filter = {};
   double elongation_max = 4.0;  // longer side / shorter side of the longest footprint
 };
 
-/// Number of octaves of a map: from 1 texel to the longer side, at least one.
+/// Number of octaves of a map, from 1 texel to the longer side. There is at least one.
 int footprint_octave_count(int map_width, int map_height);
 
 /// Returns settings.per_octave footprints for each octave, octave by octave. Each centre is a random point in its own
-/// cell; the cells have equal areas and are about square. Each u and each log2 e is random within its own interval; the
-/// intervals have equal lengths and are in random order. e is from 1 to settings.elongation_max.
+/// cell. The cells have equal areas and are about square. Each u and each log2 e is random within its own interval. The
+/// intervals have equal lengths and are in random order. The elongation e is from 1 to settings.elongation_max.
 std::vector<Footprint> choose_footprints(int map_width, int map_height, const FootprintSettings& settings);
 
 /// A texel that a filter reads.
@@ -52,8 +52,8 @@ struct FilterTap {
   int level, texel;
   double weight;
 };
-/// Appends the texels that the filter reads for a footprint. Returns the number of shaded points; the mean of their
-/// values is the footprint's value. The weights of a point sum to 1, or less where part of the point is on a black
+/// Appends the texels that the filter reads for a footprint. Returns the number of shaded points. The mean of their
+/// values is the footprint's value. The weights of a point sum to 1, or to less if part of the point is on a black
 /// border.
 int append_filter_taps(const Footprint& footprint, const std::vector<PlaneSize>& levels,
                        const FootprintSettings& settings, std::vector<FilterTap>& taps);

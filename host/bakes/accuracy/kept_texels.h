@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Indexes the texels that a model keeps: one entry for each texel that points read (texel_selection.h) and that the
-// file stores, from its first level on.
+// Indexes the texels that a model keeps: one entry for each texel that is read by points (texel_selection.h) and stored
+// in the file, from the file's first level on.
 #pragma once
 
 #include <cstddef>
@@ -27,7 +27,7 @@ class KeptTexels {
   /// True if every texel was added.
   bool is_complete() const { return missing_count_ == 0; }
 
-  /// Calls keep(entry, texel) for the kept texels of these rows; `texel` counts from the first texel of the first row.
+  /// Calls keep(entry, texel) for the kept texels of these rows. `texel` counts from the first texel of the first row.
   /// Add each row only once.
   template <typename Level, typename Keep>
   void take_rows(int level, int first_row, const Level& rows, const Keep& keep) {

@@ -19,15 +19,15 @@ class MomentModel : public AccuracyModel {
   /// `texels` must outlive the model.
   MomentModel(const BakedHeader& header, const TexelSelection& texels);
 
-  /// Adds rows of a stored level; rows may come in any order, each once.
+  /// Adds rows of a stored level. Each row is added once, in any order.
   void add_rows(int level, int first_row, const MomentLevel& rows);
 
   bool has_colours() const override { return has_colours_; }
   const std::vector<std::string>& shadings() const override;
   std::unique_ptr<PointShading> make_shading(Device& device, const ShadingDirections& directions) const override;
 
-  /// Moments at points, filtered as hardware does. The share is multiplied by the colours in `channel` unless `channel`
-  /// is -1, because shading is linear in the share. At points between a stored level and a level of the normal map,
+  /// Returns moments at points, filtered as hardware does. Their share is multiplied by the colours in `channel` unless
+  /// `channel` is -1. Shading is linear in the share. At points between a stored level and a level of the normal map,
   /// each side has its own colour.
   std::vector<MultumFilteredMoments> filtered(const PointTaps& points, int channel, int threads) const;
 

@@ -11,8 +11,8 @@
 namespace multum {
 namespace {
 
-// Returns the Gaussian of a mean normal, as computed by a renderer that has no other data: E[x^2 + y^2] = 1 - E[z^2],
-// approximated by 1 minus the square of the mean.
+// Returns the Gaussian of a mean normal as a renderer without other data computes it. E[x^2 + y^2] = 1 - E[z^2] is
+// approximated by 1 minus the square of the mean z.
 glm::dvec4 as_gaussian(const glm::dvec4& mean) {
   return {mean.x, mean.y, mean.w > 0.0 ? mean.w - mean.z * mean.z / mean.w : 0.0, mean.w};
 }
@@ -58,7 +58,8 @@ void MovmfModel::add_tap(std::size_t slot, double weight, int channel, glm::dvec
   }
 }
 
-// Shading is linear in (a r, a), so a lobe that is multiplied by T(a y) / T(a) shades to T(a y) times the lobe's shape.
+// Shading is linear in (a r, a). A lobe that is multiplied by T(a y) / T(a) therefore has the shading T(a y) times the
+// lobe's shape.
 std::vector<glm::vec4> MovmfModel::filtered_lobes(const PointTaps& points, int channel, int threads) const {
   constexpr int kPointsPerBand = 4096;
   MULTUM_CHECK(is_complete());

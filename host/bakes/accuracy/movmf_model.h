@@ -21,7 +21,7 @@ class MovmfModel : public AccuracyModel {
   /// The program that shades models of such mipmaps.
   static ProgramChoice program(Representation representation, int lobe_count, int first_level);
 
-  /// `mipmap` needs no texels; `texels` must outlive the model.
+  /// `mipmap` needs no texels. `texels` must outlive the model.
   MovmfModel(const MovmfMipmap& mipmap, bool has_colours, const TexelSelection& texels);
 
   void add_rows(int level, int first_row, const MovmfLevel& rows);
@@ -33,8 +33,8 @@ class MovmfModel : public AccuracyModel {
   std::size_t lobe_count() const { return lobe_count_ + (first_level() > 0 ? 1 : 0); }
   const ProgramChoice& program() const { return program_; }
 
-  /// lobes[point][lobe], filtered as hardware does, and multiplied by their colours in `channel` unless `channel` is
-  /// -1.
+  /// Returns lobes[point][lobe], filtered as hardware does. They are multiplied by their colours in `channel` unless
+  /// `channel` is -1.
   std::vector<glm::vec4> filtered_lobes(const PointTaps& points, int channel, int threads) const;
 
  private:
@@ -44,7 +44,7 @@ class MovmfModel : public AccuracyModel {
   ProgramChoice program_;
   std::size_t lobe_count_;
   std::vector<glm::vec4> lobes_;    // [kept texel][lobe]
-  std::vector<glm::vec3> colours_;  // the same
+  std::vector<glm::vec3> colours_;  // [kept texel][lobe]
 };
 
 }  // namespace multum

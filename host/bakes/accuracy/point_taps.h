@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stores points of a pyramid as weighted texels, any number per point: the texels that a filter reads.
+// Stores points of a pyramid as weighted texels, which are the texels that a filter reads. A point can have any number
+// of texels.
 #pragma once
 
 #include <cstddef>
@@ -9,7 +10,7 @@
 namespace multum {
 
 struct WeightedSlot {
-  std::size_t slot;  // of a TexelSelection
+  std::size_t slot;  // slot of a TexelSelection
   double weight;
 };
 

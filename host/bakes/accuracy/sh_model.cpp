@@ -11,7 +11,7 @@
 namespace multum {
 namespace {
 
-// About 14 MiB of coefficients at order 20.
+// The coefficients take about 14 MiB at order 20.
 constexpr std::size_t kPointsPerLaunch = 8192;
 constexpr int kShPointsPerBand = 1024;
 

@@ -16,10 +16,10 @@ namespace multum {
 
 class ShModel : public AccuracyModel {
  public:
-  /// `header` needs no texels; `texels` must outlive the model.
+  /// `header` needs no texels. `texels` must outlive the model.
   ShModel(const ShMipmap& header, const TexelSelection& texels);
 
-  /// Adds rows of a stored level; rows may come in any order, each once.
+  /// Adds rows of a stored level. Each row is added once, in any order.
   void add_rows(int level, int first_row, const ShLevel& rows);
 
   int order() const { return order_; }
@@ -30,9 +30,9 @@ class ShModel : public AccuracyModel {
   const std::vector<std::string>& shadings() const override;
   std::unique_ptr<PointShading> make_shading(Device& device, const ShadingDirections& directions) const override;
 
-  /// Points [begin, end), filtered as hardware does; their coefficients are stored separately, [point][coefficient].
-  /// Points and coefficients are multiplied by the colours in `channel` unless it is -1, because shading is linear
-  /// except for its clamp at 0.
+  /// Returns points [begin, end), filtered as hardware does. Their coefficients are stored separately,
+  /// [point][coefficient]. Points and coefficients are multiplied by the colours in `channel` unless it is -1, because
+  /// shading is linear except for its clamp at 0.
   struct Filtered {
     std::vector<float> coefficients;
     std::vector<MultumFilteredSh> points;

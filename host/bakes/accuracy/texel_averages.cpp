@@ -47,7 +47,7 @@ void TexelAverages::add_row(int y, double* row, double* sums, std::size_t stride
     const Level& level = levels_[static_cast<std::size_t>(l)];
     if (level.taps.empty()) continue;
     const std::int64_t height = texels_.sizes()[static_cast<std::size_t>(l)].height;
-    // Positions are in units of 1/height of a finest row: this row is [y height, (y + 1) height), and row r of a level
+    // Positions are in units of 1/height of a finest row. This row is [y height, (y + 1) height), and row r of a level
     // is [r map_height, (r + 1) map_height). A finest row overlaps one or two rows of the level.
     const std::int64_t begin = y * height, end = begin + height;
     for (std::int64_t r = begin / map_height; r * map_height < end; ++r) {

@@ -17,7 +17,7 @@ namespace multum {
 
 class TexelAverages {
  public:
-  /// Averages over the texels selected in levels 0 to level_count - 1; level 0 is the plane itself. `texels` must
+  /// Averages over the texels selected in levels 0 to level_count - 1. Level 0 is the plane itself. `texels` must
   /// outlive the object.
   TexelAverages(const TexelSelection& texels, int level_count);
 
@@ -25,17 +25,17 @@ class TexelAverages {
   int level_count() const { return level_count_; }
   /// Number of slots of these levels, each with one sum.
   std::size_t slot_count() const { return texels_.level_begin(level_count_); }
-  /// Number of values of a row of the plane, followed by the sums of its blocks.
+  /// Number of values in a row of the plane and the sums of its blocks, which follow it.
   std::size_t row_length() const { return blocks_.node_count(); }
-  /// Adds row y of the plane, row[0..width), to sums[slot * stride] and overwrites the rest of `row`. Sums begin as 0;
-  /// add each row once, from the top.
+  /// Adds row y of the plane, row[0..width), to sums[slot * stride] and overwrites the rest of `row`. Sums start at 0.
+  /// Add each row once, from the top.
   void add_row(int y, double* row, double* sums, std::size_t stride) const;
   /// Factor that converts the sums of a level's slots to averages.
   double share(int level) const;
 
  private:
   struct Level {
-    std::vector<std::uint32_t> tap_begin;  // [column] and the end of the last range; empty if no texel is selected
+    std::vector<std::uint32_t> tap_begin;  // [column], then the end of the last range; empty if no texel is selected
     std::vector<RowBlocks::Tap> taps;
   };
   Level make_level(int width) const;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Numbers selected texels of each level of a pyramid. The slot of a texel is its number: level by level, row by row,
-// left to right. The data of selected texels is therefore a plain array.
+// Numbers selected texels of each level of a pyramid. The slot of a texel is its number. Texels are counted level by
+// level, row by row, from left to right. The data of selected texels is therefore a plain array.
 #pragma once
 
 #include <cstddef>
@@ -12,12 +12,12 @@ namespace multum {
 
 class TexelSelection {
  public:
-  /// `texels` of each level are y * width + x, in any order; repeated texels count once.
+  /// The `texels` of each level are given as y * width + x, in any order. Repeated texels count once.
   TexelSelection(std::vector<PlaneSize> sizes, std::vector<std::vector<int>> texels);
 
   const std::vector<PlaneSize>& sizes() const { return sizes_; }
   std::size_t slot_count() const { return columns_.size(); }
-  /// First slot of a row of a level; also valid for the row after the last.
+  /// First slot of a row of a level. Also valid for the row after the last one.
   std::size_t row_begin(int level, int row) const {
     return row_begin_[level_row_[static_cast<std::size_t>(level)] + static_cast<std::size_t>(row)];
   }
@@ -30,7 +30,8 @@ class TexelSelection {
  private:
   std::vector<PlaneSize> sizes_;
   std::vector<std::size_t> level_row_;  // [level]: index of the level's first row among the rows of all levels
-  std::vector<std::size_t> row_begin_;  // [row of all levels]: its first slot; the last entry ends the last range
+  std::vector<std::size_t> row_begin_;  // [row of all levels]: its first slot; the last entry is the end of the last
+                                        // range
   std::vector<int> columns_;            // [slot]
 };
 

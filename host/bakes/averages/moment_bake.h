@@ -12,19 +12,19 @@
 
 namespace multum {
 
-/// Receives finished rows: the rows of a level in order from the top, the levels in any order.
+/// Receives finished rows. The rows of a level come in order from the top. Levels come in any order.
 class MomentSink {
  public:
   virtual ~MomentSink() = default;
   virtual void add_level(int level, int first_row, MomentLevel rows) = 0;
 };
 
-/// Gives rows to `sink`, exact to float, before they are rounded for storage (quantize_moments). Fills device, plan
-/// and counts of `report`. Errors and progress are those of average_map().
+/// Passes rows to `sink` as floats, before they are rounded for storage (quantize_moments). Fills the device, plan and
+/// counts of `report`. Errors and progress are those of average_map().
 void bake_moments(Device& device, const AverageInputs& inputs, MomentSink& sink, AverageReport& report,
                   Progress* progress);
 
-/// Bakes maps in memory into a whole mipmap; `albedo` may be null. The header contains sizes only.
+/// Bakes maps in memory into a whole mipmap. `albedo` may be null. The header contains sizes only.
 MomentMipmap bake_moments(Device& device, const NormalMap& map, const ColourMap* albedo, const AverageInputs& inputs,
                           AverageReport& report, Progress* progress);
 

@@ -10,7 +10,7 @@
 
 namespace multum {
 
-/// Receives finished rows: the rows of a level in order from the top, the levels in any order.
+/// Receives finished rows. The rows of a level come in order from the top. Levels come in any order.
 class ShSink {
  public:
   virtual ~ShSink() = default;
@@ -20,12 +20,12 @@ class ShSink {
 /// Throws Error(kUsage) if the order is out of range.
 void validate_sh_order(int order);
 
-/// Gives rows to `sink`, exact to float, before they are rounded for storage (quantize_sh). Fills device and plan of
+/// Passes rows to `sink` as floats, before they are rounded for storage (quantize_sh). Fills the device and plan of
 /// `report`. Errors and progress are those of average_map().
 void bake_sh(Device& device, int order, const AverageInputs& inputs, ShSink& sink, AverageReport& report,
              Progress* progress);
 
-/// Bakes maps in memory into a whole mipmap; `albedo` may be null. The header contains sizes only.
+/// Bakes maps in memory into a whole mipmap. `albedo` may be null. The header contains sizes only.
 ShMipmap bake_sh(Device& device, int order, const NormalMap& map, const ColourMap* albedo, const AverageInputs& inputs,
                  AverageReport& report, Progress* progress);
 

@@ -22,7 +22,7 @@
 namespace multum {
 namespace {
 
-// Programs choose a reader by the extension: they would treat a baked file named .png as a broken picture.
+// Programs choose a reader by the extension. They would treat a baked file named .png as a broken picture.
 void check_output_name(const std::string& path) {
   if (!path.ends_with(".exr"))
     throw Error(ErrorCode::kUsage,
@@ -39,15 +39,15 @@ void report_counts(const DeviceCounts& counts, Device& device, BakeReport& repor
 }
 
 // Memory of the process for a map of any size: the program, the OpenCL driver with its compiler, and rows that wait to
-// be rounded and compressed. Measured with PoCL 3.1: 215 MiB before the first texel.
+// be rounded and compressed. With PoCL 3.1, 215 MiB were measured before the first texel.
 constexpr std::uint64_t kProcessBytes = std::uint64_t{224} << 20;
 constexpr std::uint64_t kQueueBytes = std::uint64_t{56} << 20;
 constexpr std::uint64_t kRoomy = std::uint64_t{128} << 20;  // memory above the minimum on small machines
 
 // The default is 5/32 of the machine's memory: a quarter, minus 3/32 for up to three maps
 // (host/bakes/bake/bake_source.cpp). In a small container, this share is too small. The default is then the bake's
-// minimum plus kRoomy, up to seven eighths of the memory. The system can drop many of the program's own pages, which
-// belong to libraries: maps of 4096 x 4096 were baked with 400 MB.
+// minimum plus kRoomy, up to seven eighths of the memory. The process then works with less memory than it asks for,
+// because the system can drop pages of libraries. For example, maps of 4096 x 4096 were baked with 400 MB.
 std::uint64_t usual_memory(std::uint64_t least) {
   const std::uint64_t all = machine_memory_bytes(), most = all / 8 * 7;
   if (most < least)
@@ -68,7 +68,7 @@ std::uint64_t window_bytes(const BakeJob& job) {
   return memory - kTaken;
 }
 
-// `tiles`: names of the other tiles of the set that this map used.
+// `tiles` are the names of the other tiles of the set that this map used.
 BakedProvenance make_provenance(const BakeJob& job, const std::string& source, const std::string& settings,
                                 const std::string& tiles = "") {
   BakedProvenance from;
@@ -86,7 +86,7 @@ BakedProvenance make_provenance(const BakeJob& job, const std::string& source, c
 }
 
 // Returns the map that share 0 has decoded. Returns nullopt if share 0 is missing or damaged. GatheredRows then lists
-// the missing shares; if no share is missing, the map is read.
+// the missing shares. If no share is missing, the map is read.
 std::optional<BakeSource> source_of_shares(const BakeJob& job, const std::string& key) {
   try {
     return read_shard_source(job, key);
@@ -106,9 +106,9 @@ BakeJob with_region(BakeJob job, const BakeSource& source) {
 }
 
 // Roughness shortens lobes, which also widens them for diffuse light. The shader divides by the mean of c
-// (without_roughness in kernels/device/vmf_shading.clh), so the difference between a texel's c and that mean remains.
-// The error is 0 where roughness is nearly constant. On a map with polished and dull parts it exceeds the error of
-// averaged normals at fine levels (docs/evidence/INPUT_MAPS.md has the measurements).
+// (without_roughness in kernels/device/vmf_shading.clh), so the difference between a texel's c and that mean remains as
+// an error. It is almost 0 where roughness is nearly constant. On a map with polished and dull parts, it exceeds the
+// error of averaged normals at fine levels (docs/evidence/INPUT_MAPS.md has the measurements).
 constexpr double kDiffuseErrorNoted = 0.02;
 constexpr int kFineLevels = 2;
 
@@ -157,7 +157,7 @@ BakeReport unchanged_report(const BakeJob& job) {
 }
 
 BakeReport bake_file(const BakeJob& asked, const BakeSource* given, Device& device, Progress* progress) {
-  const std::uint64_t memory_bytes = window_bytes(asked);  // reports a lack of memory first
+  const std::uint64_t memory_bytes = window_bytes(asked);  // first, because it reports a lack of memory
   check_job(asked);
   if (asked.shard && asked.shard->index > 0) take_share_hashes(asked);
   const std::string asked_settings = all_settings_json(asked);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bakes from file to file: reads, fits or averages, rounds, measures, writes. Called by the command line and the
-// service.
+// Bakes from file to file. A bake reads, fits or averages, rounds, measures and writes. Called by the command line and
+// the service.
 #pragma once
 
 #include "host/bakes/bake/bake_job.h"
@@ -15,8 +15,8 @@ namespace multum {
 void check_job(const BakeJob& job);
 
 /// Bakes a job. The output appears when the bake is complete, or not at all. Does nothing if the output already exists
-/// from the same file with the same settings (BakeReport::unchanged), unless JOB.force. `source`: the result of
-/// read_bake_source() for this job; if null, this function reads it. Throws Error, Cancelled.
+/// from the same file with the same settings (BakeReport::unchanged), unless JOB.force. `source` is the result of
+/// read_bake_source() for this job. If it is null, this function reads the source. Throws Error and Cancelled.
 BakeReport bake_file(const BakeJob& job, const BakeSource* source, Device& device, Progress* progress);
 
 /// Returns the report of an output that stays unchanged. Writes BakeJob::report.

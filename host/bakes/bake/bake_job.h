@@ -23,40 +23,43 @@ class StartMemory;
 
 struct BakeJob {
   std::string input;                // a normal map or height field
-  std::string albedo;               // empty: no colours
+  std::string albedo;               // empty if the bake has no colours
   std::string roughness;            // FILE or FILE:CHANNEL (parse_channel_file); empty if there is none
-  bool roughness_is_gloss = false;  // the file holds 1 - roughness
-  std::string weights;              // weights of basis BRDFs, a channel each; empty if there are none
+  bool roughness_is_gloss = false;  // true if the file holds 1 - roughness
+  std::string weights;              // weights of basis BRDFs, one channel each; empty if there are none
   std::string output;               // *.ndf.exr
-  std::string report;               // JSON file; empty: none
+  std::string report;               // JSON file; empty if no report is written
   NormalMapSettings reading;
-  MapSurface surface = MapSurface::kTexels;  // kInterpolated is only for levels from 1 on, because level 0 is the map
+  MapSurface surface = MapSurface::kTexels;  // kInterpolated is only for bakes from level 1 on, because level 0 is the
+                                             // map
   Representation representation = Representation::kMovmf;
   int sh_order = 4;       // order of spherical harmonics, 1..20
   MovmfSettings fitting;  // settings of lobes; their first level applies to every representation
   StorageEncoding encoding = StorageEncoding::kSnorm16;
   BakedWriteOptions writing;
   bool measure = true;                                            // measure the error of the written file
-  std::vector<double> measured_exponents = {20.0, 100.0, 500.0};  // Blinn-Phong s; Lambert is always measured
+  std::vector<double> measured_exponents = {20.0, 100.0, 500.0};  // Blinn-Phong exponents s; Lambert is always measured
   std::vector<Highlight> highlights;                              // further highlights, measured for the report
   bool measure_levels = true;                                     // true to measure single levels in addition to pixels
-  std::string chosen_for;          // target of chosen settings (target_key()), stored in the file; empty: none
-  bool stored_only = false;        // levels finer than the first stored one are never seen nor measured
-  bool force = false;              // bake even if the output has the same file and settings
+  std::string chosen_for;          // target of chosen settings (target_key()), stored in the file; empty if no settings
+                                   // were chosen
+  bool stored_only = false;        // levels finer than the first stored one are neither shown nor measured
+  bool force = false;              // bake even if the output was baked from the same file with the same settings
   std::uint64_t memory_bytes = 0;  // limit of resident memory; 0 means a quarter of the machine's memory
-  std::string scratch_folder;      // folder for data that does not fit into memory; empty: the output's folder
+  std::string scratch_folder;      // folder for data that does not fit into memory; if empty, the output's folder is
+                                   // used
   bool resume = false;             // continue a killed bake of the same output
-  // Lobes only: fit one process's share of the map, to a file next to the output (host/bakes/movmf/map_shard.h).
+  // For lobes only: the share of the map that this process fits, into a file next to the output
+  // (host/bakes/movmf/map_shard.h).
   std::optional<MapShard> shard;
   int merged_shards = 0;  // number of finished shares to merge into the output; 0 to fit all rows
-  // If not empty, the file that was baked before an edit and receives a newly fitted region of the map. Without
-  // `region`, the changed part is fitted.
+  // If not empty, names the file that was baked before an edit. A region of the map is fitted anew and written onto it.
+  // If `region` is not set, the changed part of the map is fitted.
   std::string onto;
   std::optional<MapRegion> region;
   int threads = 2;  // number of threads for loops on the host
-  // Shared by consecutive bakes of one map on one device: a start that was found is reused, and the report
-  // states the time that the search would have taken (FitReport::start_remembered). If null, each bake searches for its
-  // own start.
+  // Shared by consecutive bakes of one map on one device. A start that an earlier bake found is reused, and the report
+  // states how long the search took (FitReport::start_remembered). If null, each bake searches for its own start.
   std::shared_ptr<StartMemory> starts;
   // Hashes of the input files. Copies of a job share the hashes, so that each file is hashed once.
   std::shared_ptr<InputHashes> hashes = std::make_shared<InputHashes>();
@@ -68,12 +71,12 @@ constexpr std::string BakeJob::*kMaterialMaps[] = {&BakeJob::albedo, &BakeJob::r
 /// Parses BakeJob::roughness, which must not be empty.
 ChannelFile roughness_file(const BakeJob& job);
 
-/// Returns the finest level whose error is measured. Finer levels are never seen, or contain the normal map's own
+/// Returns the finest level whose error is measured. Finer levels are never shown, or contain the normal map's own
 /// texels instead of points of the surface.
 int first_measured_level(const BakeJob& job);
 
-/// BakeJob::memory_bytes for a command whose --memory covers only maps and buffers: adds the program and the OpenCL
-/// driver, about 300 MiB, and the rows that wait to be written.
+/// Returns BakeJob::memory_bytes for a command whose --memory covers only maps and buffers. Adds about 300 MiB for the
+/// program and the OpenCL driver, and the rows that wait to be written.
 constexpr std::uint64_t resident_memory_of(std::uint64_t maps_and_buffers) {
   return maps_and_buffers + (std::uint64_t{512} << 20);
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Takes the rows of a bake of lobes: rounds them for storage, passes them to the measurement, and writes them.
+// Takes the rows of a bake of lobes, rounds them for storage, passes them to the measurement, and writes them.
 #pragma once
 
 #include "host/bakes/accuracy/accuracy.h"
@@ -11,7 +11,7 @@ namespace multum {
 
 class BakeOutput : public MovmfSink {
  public:
-  /// `header` is the header of the file; `meter` is null if nothing is measured. Fills OutputReport::unrepresentable
+  /// `header` is the header of the file. `meter` is null if nothing is measured. Fills OutputReport::unrepresentable
   /// and the times of rounding and writing.
   BakeOutput(MovmfWriter& writer, MovmfMeter* meter, const MovmfMipmap& header, int threads, OutputReport& report)
       : writer_(writer), meter_(meter), header_(header), threads_(threads), report_(report) {}

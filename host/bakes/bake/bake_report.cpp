@@ -42,7 +42,7 @@ Json error_json(const std::vector<FootprintError>& errors) {
   return list;
 }
 
-// Returns one line if any texel was repaired, else an empty string.
+// Returns one line if any texel was repaired, otherwise an empty string.
 std::string repairs_text(const NormalMapReport& input) {
   if (input.nonfinite_repaired + input.zero_length_repaired + input.below_horizon_repaired + input.unused_texels == 0)
     return "";
@@ -147,7 +147,7 @@ std::string BakeReport::to_text() const {
   const bool has_finer =
       std::any_of(accuracy.begin(), accuracy.end(), [&](const AccuracyRow& row) { return row.level < first_level; });
   if (first_level > 0 && stored_only)
-    text += fmt::format("levels finer than {} are never visible, and not stored\n", first_level);
+    text += fmt::format("levels finer than {} are never visible, and are not stored\n", first_level);
   else if (first_level > 0)
     text += fmt::format("levels finer than {} are not stored: renderers compute them from the normal map{}\n",
                         first_level, has_finer ? ", as this table does" : "");

@@ -26,8 +26,8 @@ struct StageTime {
 struct OutputReport {
   double round_seconds = 0.0;
   double write_wait_seconds = 0.0;  // time spent waiting for the thread that compresses and writes
-  // Lobes of levels coarser than 0 with a spread that the encoding cannot store, and the share of normals in these
-  // lobes (host/formats/asset/lobes/movmf_mipmap.h, SharpLobes).
+  // Lobes of levels coarser than 0 that are too sharp for the encoding, and the share of normals in these lobes
+  // (host/formats/asset/lobes/movmf_mipmap.h, SharpLobes).
   std::uint64_t unrepresentable = 0;
   double unrepresentable_amplitude = 0.0;
   double unrepresentable_share = 0.0;
@@ -36,31 +36,34 @@ struct OutputReport {
 struct BakeReport {
   std::string source;
   int first_level = 0;       // the finest stored level
-  bool stored_only = false;  // finer levels are never seen
-  std::string shard;         // file of the share, if only one share was baked; else empty
-  bool unchanged = false;    // the output existed already; all other fields are meaningless
+  bool stored_only = false;  // true if finer levels are never shown
+  std::string shard;         // file of the share if only one share was baked; otherwise empty
+  bool unchanged = false;    // true if the output already existed; all other fields are then meaningless
   std::string device;
   std::uint64_t rows_resumed = 0;  // rows of levels that a killed bake had finished
   NormalMapReport input;
-  std::int64_t albedo_clamped = 0;           // texels of the albedo with a negative or non-finite value, read as 0
+  std::int64_t albedo_clamped = 0;           // number of albedo texels with a negative or non-finite value, which is
+                                             // read as 0
   std::optional<RoughnessReport> roughness;  // set if the bake has a roughness map
   std::vector<StageTime> stages;
-  FitReport fit;          // of lobes
+  FitReport fit;          // for lobes
   AverageReport average;  // for moments and harmonics
   OutputReport output;
-  std::map<std::string, std::uint64_t> launches;  // by kernel
-  std::map<std::string, double> launch_seconds;   // device time per kernel, if launches were timed (--runstats)
+  std::map<std::string, std::uint64_t> launches;  // number of launches per kernel
+  std::map<std::string, double> launch_seconds;   // device seconds per kernel if launches were timed (--runstats)
   TransferCounts transfers;                       // copies between host and device
   std::uint64_t device_bytes_peak = 0;            // largest total of device buffers
-  std::map<std::string, int> builds;              // programs built or loaded from the cache, by kernels/FILE.cl
+  std::map<std::string, int> builds;              // number of programs built or loaded from the cache, by
+                                                  // kernels/FILE.cl
   std::vector<AccuracyRow> accuracy;
   std::vector<FootprintError> error;    // pixel errors for each BRDF of `accuracy`
-  std::string choice;                   // reasons for chosen settings, one per line; empty if no settings were chosen
+  std::string choice;                   // reasons for the chosen settings, one per line; empty if no settings were
+                                        // chosen
   std::optional<double> picture_error;  // relative L1 error of a picture with the chosen settings, if it was drawn
 
-  /// Plan of bands and levels, of the fit or of the averages.
+  /// Plan of the bands and levels, for the fit or for the averages.
   const std::string& plan() const { return fit.plan.empty() ? average.plan : fit.plan; }
-  /// Sum of all stages except choosing and measuring.
+  /// Total time of all stages except choosing and measuring.
   double bake_seconds() const;
   std::string to_json() const;
   /// Formats a few lines for a terminal.

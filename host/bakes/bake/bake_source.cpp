@@ -40,7 +40,7 @@ void check_range(const BakeJob& job, float largest) {
                     is_float ? "" : ", the largest half float" + advice("; <data_format float> stores larger values")));
 }
 
-// Replaces texels by points of the surface.
+// Replaces texels with points of the surface.
 void take_surface_points(const BakeJob& job, const SpillPolicy& spill, BakeSource& source, Progress* progress) {
   progress_stage(progress, "interpolate " + job.input);
   const MapWrap wrap = {source.map.report.wrap_s, source.map.report.wrap_t};

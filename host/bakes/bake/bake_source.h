@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads a bake's inputs, the map and its material maps, into memory if they are small, else into scratch files.
+// Reads a bake's inputs, the map and its material maps. Small inputs are kept in memory, others in scratch files.
 #pragma once
 
 #include <cstdint>
@@ -24,7 +24,7 @@ enum class MapReadings { kFew, kMany };
 struct BakeSource {
   NormalMapRows map;
   std::optional<PlaneStore> albedo;                         // albedo, if the job has one
-  std::optional<WeightMap> weights;                         // the same
+  std::optional<WeightMap> weights;                         // weights, if the job has them
   double mean_cosine = 1.0;                                 // mean cosine of the roughness map
   std::optional<RoughnessReport> roughness = std::nullopt;  // report about the roughness file
   std::int64_t albedo_clamped = 0;                          // ColourRows::clamped_count
@@ -39,10 +39,10 @@ struct BakeSource {
 /// The folder for data that does not fit into memory: the job's scratch folder, or the output's folder.
 std::string scratch_folder(const BakeJob& job);
 
-/// Header of files that are baked from the source, without their provenance.
+/// Header, without provenance, of files that are baked from the source.
 BakedHeader baked_header_of(const BakeJob& job, const BakeSource& source);
 
-/// BakedProvenance::reading: properties found in the files, and assumptions about unclear properties.
+/// Properties found in the files, and assumptions about unclear properties (BakedProvenance::reading).
 std::string reading_json(const BakeJob& job, const BakeSource& source);
 
 /// Throws Error(kInput) for unusable files.

@@ -16,17 +16,18 @@ namespace {
 
 // Allowed differences. The device that measures may differ from the device that baked, and both shade in float. Six
 // maps of 16 to 64 texels per side were baked with PoCL 3.1 and measured with Oclgrind 21.10. No error differs by more
-// than 5e-7, which is below the six digits in the header. GPUs were not measured; 1 % leaves room for their exp and
-// sqrt. If an error is nearly 0, as at the finest level of a smooth map, rounding is a large part of the error. The
-// second limit covers this case: it is one unit of the last digit that `multum info` prints.
+// than 5e-7, which is below the six digits in the header. GPUs were not measured. The limit of 1 % leaves room for the
+// errors of their exp and sqrt. If an error is nearly 0, as at the finest level of a smooth map, rounding is a large
+// part of the error. The second limit covers this case. It is one unit of the last digit that `multum info` prints.
 constexpr double kAllowedRelative = 0.01;
 constexpr double kAllowedAbsolute = 1e-4;
-// Errors without an interval come from programs that measured other texels and gave too much weight to texels at the
-// borders of thin maps. For example, an error of 60.9 % was stated as 42.6 % (4097 x 7, level 1), which is lower by a
-// factor of 1.43. The limit of 0.5 detects damage, not rounding.
+// Errors without an interval come from earlier program versions, which measured other texels and gave too much weight
+// to texels at the borders of thin maps. For example, they stated an error of 60.9 % as 42.6 % (4097 x 7, level 1),
+// which is lower by a factor of 1.43. The limit of 0.5 detects damage, not rounding.
 constexpr double kAllowedOfUnstated = 0.5;
 
-// Describes why a file that names this source was not baked from it; empty if there is no such reason.
+// Returns the reason why a file that names this source was not baked from it, or an empty string if there is no such
+// reason.
 std::string other_shape(const BakedHeader& header, const BakeSource& source) {
   const PlaneStore& normals = source.map.normals;
   if (header.width != normals.width() || header.height != normals.height())
@@ -55,7 +56,7 @@ std::string find_damage(const BakeJob& job, Representation representation, Verif
     for (const VerifyFinding& finding : file.findings)
       if (!finding.passed) return fmt::format("{}: {}", finding.check, finding.detail);
   } catch (const Error& error) {
-    // The source has been read by now, so the unreadable file is the baked one: this is a finding of the check, not an
+    // The source has been read by now, so the unreadable file is the baked one. This is a finding of the check, not an
     // error.
     if (error.code() != ErrorCode::kInput) throw;
     return error.what();

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Checks that a finished file is undamaged and that its error is no larger than stated. Verifies it as `multum verify`
-// does and measures it again as the bake did (docs/evidence/ACCURACY.md): with the same texels, lights, views and
-// BRDFs, so that an unchanged file gives the same errors.
+// does and measures it again as the bake did (docs/evidence/ACCURACY.md). The texels, lights, views and BRDFs are the
+// same, so an unchanged file gives the same errors.
 #pragma once
 
 #include <optional>
@@ -20,16 +20,16 @@ struct BakedCheck {
   StatedErrors measured;  // empty if the file is damaged
 };
 
-/// Checks JOB.output against JOB.input; writes only scratch files. Throws Error(kInput) if the source cannot be read,
-/// Cancelled. Memory: rows of tiles of the file and bands of the source.
+/// Checks JOB.output against JOB.input. Writes only scratch files. Throws Error(kInput) if the source cannot be read,
+/// and Cancelled. Needs memory for rows of tiles of the file and for bands of the source.
 BakedCheck check_baked_file(const BakeJob& job, Device& device, Progress* progress);
 
-/// The largest pixel error of all BRDFs; nullopt if there is none.
+/// Returns the largest pixel error of all BRDFs, or nullopt if there is none.
 std::optional<double> worst_error(const std::vector<FootprintError>& errors);
 
-/// Names the error that exceeds its value in `stated` by most, or that `stated` lacks. Rounding is ignored. Empty if
-/// there is no such error. Errors of pixels come before errors of levels. Pixel errors are not compared for files of
-/// earlier programs, which state none.
+/// Names the error that exceeds its value in `stated` most, or that is missing from `stated`. Ignores rounding. The
+/// result is empty if there is no such error. Errors of pixels come before errors of levels. Pixel errors are not
+/// compared for files of earlier program versions, which do not state them.
 std::string worse_than_stated(const StatedErrors& measured, const StatedErrors& stated);
 
 }  // namespace multum

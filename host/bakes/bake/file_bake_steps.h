@@ -14,13 +14,14 @@
 
 namespace multum {
 
-/// A sink for plain averages. Rounds rows for storage, passes them to the measurement if there is one, and writes them.
+/// A sink for plain averages. Rounds rows for storage, passes them to the measurement if errors are measured, and
+/// writes them.
 template <typename Sink, typename Level, typename Writer, typename Meter>
 class RoundingSink : public Sink {
  public:
   using Round = void (*)(Level& rows, StorageEncoding encoding, int threads);
 
-  /// `meter`: null if nothing is measured.
+  /// `meter` is null if nothing is measured.
   RoundingSink(Round round, Writer& writer, Meter* meter, const BakeJob& job)
       : round_(round), writer_(writer), meter_(meter), encoding_(job.encoding), threads_(job.threads) {}
 
@@ -38,14 +39,15 @@ class RoundingSink : public Sink {
   const int threads_;
 };
 
-/// Inputs of a bake of averages, from its source; `waiting_bytes`: memory of its writer (memory_beside_writer()).
+/// Inputs of a bake of averages, from its source. `waiting_bytes` is the memory of its writer (memory_beside_writer()).
 inline AverageInputs average_inputs(const BakeRun& run, std::uint64_t waiting_bytes) {
   AverageInputs inputs{run, run.header.first_level};
   inputs.memory_bytes = memory_beside_writer(run, waiting_bytes);
   return inputs;
 }
 
-/// Settings for measuring a bake's error; BakeJob::highlights follow the BRDFs that are measured for every map.
+/// Returns the settings for measuring a bake's error. BakeJob::highlights follow the BRDFs that are measured for every
+/// map.
 inline AccuracySettings accuracy_settings(const BakeJob& job) {
   AccuracySettings settings;
   settings.threads = job.threads;
@@ -56,7 +58,7 @@ inline AccuracySettings accuracy_settings(const BakeJob& job) {
   return settings;
 }
 
-/// Removes the errors of BakeJob::highlights; every file states the remaining ones.
+/// Removes the errors of BakeJob::highlights. Every file states the remaining errors.
 template <typename Measured>
 std::vector<Measured> stated(const BakeJob& job, std::vector<Measured> all) {
   for (const Highlight& one : job.highlights)
@@ -64,13 +66,13 @@ std::vector<Measured> stated(const BakeJob& job, std::vector<Measured> all) {
   return all;
 }
 
-/// A writer that drops its rows, for bakes that are only measured.
+/// A writer that discards its rows, for bakes that are only measured.
 struct NoFile {
   template <typename Rows>
   void write_level(int, int, const Rows&) {}
 };
 
-/// Measures the error after the last row, unless `meter` is null, and finishes the file. The measurement counts as
+/// Finishes the file after the last row, and measures its error unless `meter` is null. The measurement counts as
 /// `measure_units` of progress.
 template <typename Writer>
 void measure_and_commit(const BakeRun& run, AccuracyMeter* meter, std::uint64_t measure_units, Writer& writer,

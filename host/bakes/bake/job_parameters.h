@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Applies the parameters of bake_parameters() to a job: equal parameters make equal jobs on command lines, in
+// Applies the parameters of bake_parameters() to a job. Equal parameters thus make equal jobs on command lines, in
 // manifests, in scenes and for candidates of a target.
 #pragma once
 
@@ -13,7 +13,7 @@
 
 namespace multum {
 
-/// Makes values of bake_parameters(): bake_values({{"ndf", "vmf"}, {"lobes", 3}}).
+/// Makes values of bake_parameters(), as in bake_values({{"ndf", "vmf"}, {"lobes", 3}}).
 ParameterValues bake_values(std::initializer_list<std::pair<const char*, ParameterValue>> values = {});
 
 /// Replaces the job's values by the given values. If no storage encoding is given, uses the representation's
@@ -27,17 +27,17 @@ void apply_region(const ParameterValues& values, BakeJob& job);
 /// The representation of `ndf`; nullopt if it is not given.
 std::optional<Representation> given_representation(const ParameterValues& values);
 
-/// The first given parameter that a target would choose; null if there is none.
+/// Returns the first given parameter that a target would choose, or null if there is none.
 const Parameter* given_of_target(const ParameterValues& values);
 /// Removes all parameters that a target chooses.
 ParameterValues without_those_of_target(ParameterValues values);
 
-/// Options of `multum bake` for the values of representation, fit and storage: "--ndf vmf --lobes 3".
+/// Formats the values of representation, fit and storage as options of `multum bake`: "--ndf vmf --lobes 3".
 std::string options_text(const ParameterValues& values);
 
-/// Returns a given parameter of a representation other than `ndf`; null if there is none.
+/// Returns a given parameter that belongs to another representation than `ndf`, or null if there is none.
 const Parameter* given_of_another_ndf(const ParameterValues& values);
-/// The values of --ndf that the parameter is for: "for vmf and gmm".
+/// Lists the values of --ndf to which the parameter applies: "for vmf and gmm".
 std::string scope_text(const Parameter& parameter);
 /// Throws Error(kUsage) for a parameter of another representation: "--lobes is for --ndf vmf and gmm, found --ndf sh".
 void check_scopes(const ParameterValues& values);

@@ -24,9 +24,9 @@
 namespace multum {
 namespace {
 
-// Share of normals in too sharp lobes above which a warning is printed. Every map has some such lobes at level 1, from
-// two or three normals that are nearly equal. Measured with snorm16: 2 to 28 % on ordinary maps, 36 to 57 % on
-// surfaces with slopes of 0.01 rms, which are visible only on glossy materials.
+// If a larger share of normals is in lobes that are too sharp, a warning is printed. Every map has some such lobes at
+// level 1, from two or three normals that are nearly equal. With snorm16, the share is 2 to 28 % on ordinary maps and
+// 36 to 57 % on surfaces with slopes of 0.01 rms, which are visible only on glossy materials.
 constexpr double kUnrepresentableNoted = 1.0 / 3.0;
 
 void warn_of_sharp_lobes(const BakeJob& job, const MovmfMipmap& header, OutputReport& report) {
@@ -51,11 +51,11 @@ void warn_of_sharp_lobes(const BakeJob& job, const MovmfMipmap& header, OutputRe
 }
 
 // Bakes of maps up to this size do not keep the rows of the finest fitted level, unless the bake is resumed. That level
-// has three quarters of all rows. The fit of such maps takes some seconds, and writing the rows would take a fifth of
+// has three quarters of all rows. The fit of such a map takes a few seconds, and writing the rows would add a fifth of
 // that time.
 constexpr std::int64_t kQuickTexels = std::int64_t{4096} * 4096;
 
-// Bytes of the tile rows that the writer holds: rows of the fitted level, and of level 0 together with level 1.
+// Bytes of the tile rows that the writer holds: rows of the fitted level and, if stored, of level 0.
 std::uint64_t waiting_bytes(const BakeRun& run) {
   const BakedHeader& header = run.header;
   const std::uint64_t features = (header.has_colours ? 3u : 0u) + static_cast<std::uint64_t>(header.weight_count);
@@ -83,7 +83,7 @@ void bake_lobe_shard(const BakeRun& run, BakeReport& report, Progress* progress)
   run.clock.finish("write");
 }
 
-// Rows of a bake that is not a share.
+// Makes the rows of a bake that is not a share.
 std::unique_ptr<RowOrigin> make_rows(const BakeRun& run, const MovmfMipmap& header, BakeOutput& output) {
   const BakeJob& job = run.job;
   const std::string key = rows_key(header.header.provenance);

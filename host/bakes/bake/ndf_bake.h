@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lists the bakes of the representations. A row (NdfBake) holds the steps that differ between representations, for a
-// bake from file to file (host/bakes/bake/bake_file.h).
+// Lists the bakes of all representations. Each row (NdfBake) holds the steps of a bake from file to file
+// (host/bakes/bake/bake_file.h) that differ between representations.
 #pragma once
 
 #include <memory>
@@ -15,7 +15,7 @@
 
 namespace multum {
 
-/// Appends to the report the time since its construction or since the last stage.
+/// Appends a stage to the report, with the time since construction or since the previous stage.
 class StageClock {
  public:
   explicit StageClock(BakeReport& report) : report_(report) {}
@@ -42,14 +42,14 @@ MapInputs map_inputs(const BakeJob& job, const BakeSource& source, std::uint64_t
 /// Bytes that the writer holds per level until a row of tiles is full, at `value_count` values per texel, including
 /// the buffers for conversion from float to half.
 std::uint64_t tile_row_bytes(const BakedHeader& header, int level, int tile_size, std::uint64_t value_count);
-/// Sum over all levels, for bakes that compute all levels at once.
+/// Sum of these bytes over all levels, for bakes that compute all levels at once.
 std::uint64_t tile_rows_bytes(const BakedHeader& header, int tile_size, std::uint64_t value_count);
 /// Bytes left for windows and buffers, in addition to the `waiting_bytes` used by rows of tiles. A default amount is
-/// already reserved for every bake (bake_file.cpp); wide maps need more. Throws Error(kUsage) naming --memory if too
-/// little remains.
+/// already reserved for every bake (bake_file.cpp), but wide maps need more. Throws Error(kUsage) that names --memory
+/// if too little remains.
 std::uint64_t memory_beside_writer(const BakeRun& run, std::uint64_t waiting_bytes);
 
-/// Findings about a file, and a meter that has read its rows.
+/// The findings about a file, and a meter that has read the file's rows.
 struct VerifiedFile {
   std::vector<VerifyFinding> findings;
   std::unique_ptr<AccuracyMeter> meter;
@@ -63,8 +63,8 @@ struct NdfBake {
   std::string (*settings)(const BakeJob& job);
   /// Throws Error(kInput) or Error(kUsage) for a map that cannot be baked with the settings.
   void (*check_map)(const BakeJob& job, int width, int height);
-  /// Bakes, measures if the job asks for it, and writes JOB.output. Fills `report`, except for fields common to all
-  /// bakes.
+  /// Bakes the map, measures the error if the job asks for it, and writes JOB.output. Fills `report`, except for fields
+  /// common to all bakes.
   void (*bake)(const BakeRun& run, BakeReport& report, Progress* progress);
   /// Bakes and rounds as `bake` does, writes nothing, and returns a meter that has read all rows. Works for maps that
   /// fit into memory. Reports the bake's time as stage "fit" or "average".
@@ -77,13 +77,13 @@ struct NdfBake {
 const NdfBake& ndf_bake(Representation representation);
 
 /// Tries a job on a map that fits into memory. Bakes from level `accuracy.first_level` on, or from the job's first
-/// level if that is coarser: no level depends on a finer one.
+/// level if that is coarser. No level depends on a finer one.
 std::unique_ptr<AccuracyMeter> try_levels(Device& device, BakeJob job, const BakeSource& source,
                                           AccuracySettings accuracy, BakeReport& report, Progress* progress);
 
-// The rows of the list, each in its own file: movmf_file_bake.cpp, moment_file_bake.cpp, sh_file_bake.cpp.
+// The rows of the list. Each is defined in its own file: movmf_file_bake.cpp, moment_file_bake.cpp, sh_file_bake.cpp.
 extern const NdfBake kMovmfBake;
-extern const NdfBake kGmmBake;  // in movmf_file_bake.cpp, for another family of lobes
+extern const NdfBake kGmmBake;  // also in movmf_file_bake.cpp, for another family of lobes
 extern const NdfBake kMomentBake;
 extern const NdfBake kShBake;
 

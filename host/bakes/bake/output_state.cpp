@@ -24,7 +24,7 @@
 namespace multum {
 namespace {
 
-// Formats a float with the fewest digits: 0.01, which JSON holds as 0.00999999977.
+// Formats a float with the fewest digits, such as 0.01, which JSON holds as 0.00999999977.
 std::string shown(const nlohmann::json& json, const std::string& key) {
   const auto found = json.find(key);
   if (found == json.end()) return "not stated";
@@ -35,7 +35,7 @@ std::string shown(const nlohmann::json& json, const std::string& key) {
 const std::map<std::string, std::string> kHashedMaps = {
     {"albedo", "albedo"}, {"roughness", "roughness map"}, {"weights", "map of weights"}};
 
-// Lists the settings that differ, with both values; hashes are replaced by words.
+// Lists the settings that differ, with both values. Hashes are replaced with words.
 std::vector<std::string> changed_settings(const std::string& there, const std::string& now) {
   const nlohmann::json old_json = nlohmann::json::parse(there, nullptr, false);
   const nlohmann::json new_json = nlohmann::json::parse(now);
@@ -55,7 +55,8 @@ std::vector<std::string> changed_settings(const std::string& there, const std::s
   return changes;
 }
 
-// If the bake chose its own settings, compares only target and inputs: the settings are unknown until the map is baked.
+// If the bake chooses its own settings, compares only the target and inputs, because the settings are unknown until the
+// map is baked.
 std::vector<std::string> changed_target(const std::string& there, const std::string& now) {
   const nlohmann::json old_json = nlohmann::json::parse(there, nullptr, false);
   const nlohmann::json new_json = nlohmann::json::parse(now);
@@ -97,12 +98,12 @@ std::string all_settings_json(const BakeJob& job) {
   nlohmann::json json = nlohmann::json::parse(ndf_bake(job.representation).settings(job));
   add_reading_settings(job.reading, json);
   if (job.reading.tiles != nullptr) json["tile"] = job.reading.tile;
-  // Otherwise omitted, so that files of programs without this setting keep their hash.
+  // Otherwise the setting is omitted, so that files of earlier program versions keep their hash.
   if (job.surface == MapSurface::kInterpolated) json["surface"] = map_surface_name(job.surface);
   json["encoding"] = storage_encoding_name(job.encoding);
   json["compression"] = job.writing.compression;
   json["albedo"] = job.albedo.empty() ? "" : job.hashes->hash(job.albedo);
-  // Without weights, the text equals that of programs that did not support them.
+  // Without weights, the text is the same as that of earlier program versions, which did not support them.
   if (!job.weights.empty()) json["weights"] = job.hashes->hash(job.weights);
   if (!job.roughness.empty()) {
     const ChannelFile file = roughness_file(job);
@@ -111,7 +112,7 @@ std::string all_settings_json(const BakeJob& job) {
   }
   if (!job.onto.empty()) {
     if (job.region) json["region"] = {job.region->x, job.region->y, job.region->width, job.region->height};
-    else json["region"] = "auto";  // until the region is computed
+    else json["region"] = "auto";  // placeholder until the region is computed
     json["onto"] = read_baked_header(job.onto).provenance.content_hash;
   }
   if (!job.chosen_for.empty()) json["target"] = job.chosen_for;

@@ -59,7 +59,7 @@ void check_region(const MapRegion& region, const MovmfMipmap& header) {
                             region.x, region.y, region.width, region.height));
 }
 
-// Texels of a level along one axis that overlap [first, first + count) of the map, plus the halo.
+// Returns the texels of a level along one axis that overlap [first, first + count) of the map, plus the halo.
 std::pair<int, int> touched(int first, int count, int map_size, int level_size) {
   const auto texel = [&](std::int64_t map_texel) { return map_texel * level_size; };
   const int begin = static_cast<int>(texel(first) / map_size);
@@ -94,8 +94,8 @@ bool is_near(int begin, int end, const TexelRange& range, int height) {
   return false;
 }
 
-// Compares the stored values of a texel; the texel can belong to different lobes. Ignores rounding differences between
-// two encodings of the same map.
+// Compares the stored values of a texel, which can belong to a different lobe in each file. Ignores rounding
+// differences between two encodings of the same map.
 bool is_same_texel(const MovmfFinest& a, const MovmfFinest& b, std::size_t i) {
   constexpr float kNormalSteps = 2.0f / 32767.0f, kColourSteps = 2.0f / 2048.0f;
   const auto is_near = [](float x, float y, float steps) {
@@ -169,7 +169,7 @@ RegionBake::RegionBake(const std::string& old, const MovmfMipmap& header, const 
       output_(output),
       next_row_(header.levels.size(), 0) {
   check_old(old, old_.header(), header);
-  // The surface is part of the settings, which the header lacks during the search for changes.
+  // The surface is part of the settings, which are not yet in the header during the search for changes.
   check_same(old, "a surface of", baked_surface(old_.header().header), baked_surface(header.header));
   check_region(region, header);
 }
@@ -204,7 +204,7 @@ RowStore RegionBake::old_lobes(int level) const {
   const std::size_t lobes = size.lobes.size();
   RowStore store(size.height, lobes * width * sizeof(MultumVmfLobe), spill_);
   std::vector<MultumVmfLobe> rows(lobes * width);
-  store.write(size.height - 1, 1, rows.data());  // rows that are not read stay zero
+  store.write(size.height - 1, 1, rows.data());  // gives the file its full length; rows that are not read stay zero
   const TexelRange where = texels(level);
   for (int first = 0; first < size.height; first += old_.tile_size()) {
     if (!is_near(first, first + old_.tile_size(), where, size.height)) continue;

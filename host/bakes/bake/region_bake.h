@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bakes an edited part of a map onto the file that was baked before the edit. The part's texels on every level, and a
-// few around them, are fitted again, each from its parent and with the old file's texels as neighbours. All other
+// Bakes an edited part of a map onto the file that was baked before the edit. On every level, the part's texels and a
+// few around them are fitted again. Each starts from its parent, with the old file's texels as neighbours. All other
 // texels keep the old file's values.
 //
 // This is an approximation. The coarsest texel starts from its old lobes, not from the whole map's candidates, and
@@ -24,29 +24,29 @@ struct MapRegion {
   bool operator==(const MapRegion&) const = default;
 };
 
-/// The smallest rectangle of level 0 that contains every changed texel: texels that differ from `old` by more than two
-/// steps of 16-bit normals or of halfs. The rectangle's height is 0 if no texel differs. Returns nullopt if `old`
-/// stores no level 0. `header`: of the file to write; `normals`, `features`: the data to compare. Throws as RegionBake
-/// does.
+/// Returns the smallest rectangle of level 0 that contains every changed texel. Changed texels differ from `old` by
+/// more than two steps of 16-bit normals or of halfs. The rectangle's height is 0 if no texel differs. Returns nullopt
+/// if `old` stores no level 0. `header` belongs to the file to write. `normals` and `features` are the data to compare.
+/// Throws as RegionBake does.
 std::optional<MapRegion> find_changed_region(const std::string& old, const MovmfMipmap& header,
                                              const PlaneStore& normals, const FeaturePlanes& features, int threads);
 
-/// Chooses the region to bake again: `asked`, or the changed part. Throws Error(kInput) if texels outside `asked` have
-/// changed, because they would keep their old values. Throws Error(kUsage) if `asked` is not set and `old` stores no
-/// level 0.
+/// Chooses the region to bake again, which is `asked` if it is set and otherwise the changed part. Throws Error(kInput)
+/// if texels outside `asked` have changed, because they would keep their old values. Throws Error(kUsage) if `asked` is
+/// not set and `old` stores no level 0.
 MapRegion resolve_region(const std::optional<MapRegion>& asked, const std::string& input, const std::string& old,
                          const MovmfMipmap& header, const PlaneStore& normals, const FeaturePlanes& features,
                          int threads);
 
-/// Number of texels around a region that are fitted again on every level, because coherence ties a texel to its
-/// neighbours.
+/// Number of texels around a region that are fitted again on every level, because the alignment prior ties a texel to
+/// its neighbours.
 constexpr int kRegionHalo = 2;
 
 class RegionBake : public RowOrigin, public MovmfSink {
  public:
-  /// `old` is the file to bake onto; `header` belongs to the file to write. The two files must agree in sizes, lobes,
-  /// encoding, first level and colours. Throws Error(kInput) naming the file and the difference, and Error(kUsage) for
-  /// a region outside the map.
+  /// `old` is the file to bake onto. `header` belongs to the file to write. The two files must agree in sizes, lobes,
+  /// encoding, first level and colours. Throws Error(kInput) that names the file and the difference, and Error(kUsage)
+  /// for a region outside the map.
   RegionBake(const std::string& old, const MovmfMipmap& header, const MapRegion& region, const SpillPolicy& spill,
              BakeOutput& output);
 
@@ -70,7 +70,7 @@ class RegionBake : public RowOrigin, public MovmfSink {
   const MovmfMipmap& header_;
   const MapRegion region_;
   BakeOutput& output_;
-  std::vector<int> next_row_;  // [level]: the first row that is not written yet
+  std::vector<int> next_row_;  // [level]: the first row that is not yet written
 };
 
 }  // namespace multum

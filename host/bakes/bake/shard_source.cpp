@@ -16,7 +16,7 @@
 
 namespace multum {
 
-// Members of the report in a share's note. Writing and reading use the same list.
+// The members of the report that a share's note contains. Writing and reading use this list.
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(NormalMapReport, format, encoding, encoding_reason, unused_texels,
                                    nonfinite_repaired, zero_length_repaired, below_horizon_repaired, wrap_s, wrap_t,
                                    tiles, warnings)
@@ -25,17 +25,17 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(RoughnessReport, mean_cosine, least, mean, mo
 
 namespace {
 
-using NoteJson = nlohmann::json;  // member types that NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE supports
+using NoteJson = nlohmann::json;  // all members must have types that NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE supports
 
-// Map rows use negative level numbers: -1 for the planes of normals, one plane after another; -2 and below for
-// features, in rows of three planes. Normals are split into blocks that fit into a record for any width of the map, and
-// are read in place.
+// Map rows use negative level numbers. Level -1 holds the planes of normals, one after another. Levels -2 and below
+// hold features, in rows of three planes. Normals are split into blocks that fit into a record for any width of the
+// map, and are read in place.
 constexpr int kNormalsLevel = -1;
 constexpr int level_of_feature(std::size_t store) { return kNormalsLevel - static_cast<int>(store); }
 constexpr int kPlaneRows = 32, kFeatureRows = kPlaneRows / 3;
 constexpr std::uint64_t kPlaneGap = sizeof(RowBlock) + RecordFile::kHeadBytes + RecordFile::kChecksumBytes;
 
-// Lists the stores of normals, then the stores of features; each has three planes.
+// Lists the stores of normals, then the stores of features. Each store has three planes.
 template <typename Source, typename Store>
 std::vector<Store*> stores_of(Source& source) {
   std::vector<Store*> stores = {&source.map.normals};
@@ -45,7 +45,7 @@ std::vector<Store*> stores_of(Source& source) {
   return stores;
 }
 
-// The source described by a note. Normals are read in place; other planes have no rows yet.
+// Makes the source that a note describes. Normals are read in place. Other planes have no rows yet.
 BakeSource source_of(const NoteJson& note, const std::string& share, std::uint64_t normals_begin,
                      const SpillPolicy& spill) {
   const int width = json_int(note, "width"), height = json_int(note, "height"),
@@ -174,7 +174,7 @@ void take_share_hashes(const BakeJob& job) {
 BakeSource read_shard_source(const BakeJob& job, const std::string& key) {
   RowRecords rows;
   const ShareFile share(job.output, {0, share_count(job)}, &key, rows);
-  // A merge reads all rows of features; a band reads few.
+  // A merge reads all rows of features. A band reads only a few.
   const SpillPolicy spill = {scratch_folder(job),
                              job.memory_bytes > 0 || !job.shard ? std::int64_t{16} << 20 : std::int64_t{1} << 30};
   std::optional<BakeSource> source;

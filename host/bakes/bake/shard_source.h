@@ -11,19 +11,19 @@
 
 namespace multum {
 
-/// Writes the properties of the map that other processes need, in one line of JSON: sizes, features, and findings about
-/// its files with their hashes.
+/// Writes one line of JSON with the properties of the map that other processes need: sizes, features, hashes of its
+/// files and findings about them.
 std::string shard_note(const BakeJob& job, const BakeSource& source);
 
 /// Writes the planes of the map, then those of its features, before any other rows of the share.
 void write_map_rows(const BakeSource& source, ShareWriter& writer);
 
-/// Takes hashes of the job's files from share 0 if the files have not changed since: because a band uses the data that
-/// share 0 has read.
+/// Takes hashes of the job's files from share 0 if the files have not changed since then, because a band uses the data
+/// that share 0 has read.
 void take_share_hashes(const BakeJob& job);
 
-/// The source of a band, JOB.shard, in which rows outside the band may have no values; or of the merge of
-/// JOB.merged_shards. `key`: rows_key(). Throws Error(kEnvironment) as ShareFile does.
+/// Returns the source of the band JOB.shard, in which rows outside the band may have no values, or the source of the
+/// merge of JOB.merged_shards. `key` is rows_key(). Throws Error(kEnvironment) as ShareFile does.
 BakeSource read_shard_source(const BakeJob& job, const std::string& key);
 
 }  // namespace multum

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads maps one by one, each on top of [defaults]. Compares all maps afterwards, because an output must belong to only
-// one map.
+// Reads maps one by one, each with the values of [defaults] as a base. Then compares all maps, because an output must
+// belong to only one map.
 #include "host/bakes/manifest/bake_manifest.h"
 
 #include <fmt/format.h>
@@ -45,7 +45,7 @@ constexpr std::pair<const char*, std::string BakeJob::*> kMaterialKeys[] = {
 
 bool has_target(const ParameterValues& values) { return values.has("target_error") || values.has("budget_ms"); }
 
-// A map's own values override the defaults: its target removes default settings, its setting removes the default
+// A map's own values override the defaults. Its target removes default settings, and its settings remove the default
 // target.
 void read_values(const StrictTable& table, ParameterValues& values) {
   if (table.has("target_error") || table.has("budget_ms")) values = without_those_of_target(values);
@@ -61,7 +61,7 @@ void read_values(const StrictTable& table, ParameterValues& values) {
     if (table.has(key) && !has_target(values)) table.refuse(key, "needs target_error or budget_ms, found neither");
 }
 
-// Target for an error or a time; empty if neither is given.
+// Returns the target for an error or a time, or nullopt if neither is given.
 BakeTarget target_of(const StrictTable& table, const std::string& manifest, const ParameterValues& values) {
   BakeTarget target;
   target.error = values.number("target_error");
@@ -81,7 +81,7 @@ BakeTarget target_of(const StrictTable& table, const std::string& manifest, cons
   return target;
 }
 
-// Reports names that make_bake_jobs() would reject or misread, with their line.
+// Reports names that make_bake_jobs() would reject or misread, and their lines.
 void check_paths(const StrictTable& table, const BakeJob& job) {
   const bool is_set = has_udim(job.input);
   if (is_set && !has_udim(fs::path(job.input).filename().string()))
@@ -99,7 +99,8 @@ void check_paths(const StrictTable& table, const BakeJob& job) {
   if (is_set && !has_udim(job.output) && !is_folder)
     table.refuse(
         "output",
-        fmt::format("is \"{}\", one name for several maps: expected <UDIM> in it, or an existing folder", job.output));
+        fmt::format("is \"{}\", which is one name for several maps: expected <UDIM> in it, or an existing folder",
+                    job.output));
   if (!is_folder && !job.output.ends_with(".exr"))
     table.refuse("output", fmt::format("is \"{}\", expected a name that ends in .ndf.exr or .exr", job.output));
 }
@@ -109,7 +110,7 @@ std::vector<BakeJob> jobs_of(const BakeJob& job) {
   return {job};
 }
 
-// [defaults] may set the fit of lobes for all maps with lobes; a map without lobes may not set it.
+// [defaults] may set the fit of lobes for all maps with lobes. A map without lobes may not set it.
 void check_own_scopes(const StrictTable& table, const ParameterValues& values) {
   ParameterValues own = values;
   for (const Parameter& row : bake_parameters().rows())
@@ -150,9 +151,10 @@ ManifestEntry read_entry(const std::string& path, const toml::table& toml, const
   return entry;
 }
 
-// Compares names through a map, not pair by pair as check_paths_differ() does: a manifest may list thousands of maps.
+// Compares names by means of a map, not pair by pair as check_paths_differ() does, because a manifest may list
+// thousands of maps.
 void check_apart(const std::vector<ManifestEntry>& entries) {
-  std::map<std::string, std::string> inputs, outputs;  // use of each canonical name
+  std::map<std::string, std::string> inputs, outputs;  // what each canonical name is used for
   for (const ManifestEntry& entry : entries)
     for (const ManifestMap& map : entry.maps)
       for (const std::string& input : input_files(map.job))

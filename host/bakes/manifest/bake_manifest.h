@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads the list of a project's maps, with the settings and the largest allowed error of each. A build pipeline keeps
-// these maps up to date.
+// Reads the list of maps that a build pipeline keeps up to date, with the settings and the largest allowed error of
+// each.
 #pragma once
 
 #include <cstdint>
@@ -13,14 +13,14 @@
 namespace multum {
 
 struct ManifestMap {
-  std::string name;  // the output's name in the manifest, with the tile number if the map is a tile of a set
+  std::string name;  // the output's name in the manifest, including the tile number if the map is a tile of a set
   BakeJob job;
   std::optional<double> error_max;   // the largest allowed error, relative L1, above 0
   std::optional<BakeTarget> target;  // target for which settings are chosen
 };
 
-/// Reads and validates a manifest; each map's job is `pattern` with the manifest's values. A set gives one map per
-/// tile; a set without tiles gives one map, whose input does not exist. Reads no other file. Throws Error(kInput) that
+/// Reads and validates a manifest. Each map's job is `pattern` with the manifest's values. A set gives one map per
+/// tile. A set without tiles gives one map, whose input does not exist. Reads no other file. Throws Error(kInput) that
 /// names the file, the line, the value found and the value expected.
 std::vector<ManifestMap> read_bake_manifest(const std::string& path, const BakeJob& pattern);
 

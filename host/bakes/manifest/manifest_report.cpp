@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Escapes names and reasons for XML and Markdown. File names may contain any byte except '/' and NUL; XML 1.0 takes
-// valid UTF-8 without most control characters, and Markdown gives punctuation a meaning.
+// Escapes names and reasons for XML and Markdown. File names may contain any byte except '/' and NUL. XML 1.0 allows
+// only valid UTF-8 without most control characters, and Markdown gives punctuation a meaning.
 #include "host/bakes/manifest/manifest_report.h"
 
 #include <fmt/format.h>
@@ -17,8 +17,8 @@ namespace {
 
 constexpr char kReplacement[] = "\xEF\xBF\xBD";  // U+FFFD, for invalid characters
 
-// The length of the UTF-8 sequence that begins at `at`; 0 if it is invalid or not allowed in XML 1.0: overlong forms,
-// surrogates, characters beyond U+10FFFF, U+FFFE and U+FFFF.
+// Returns the length of the UTF-8 sequence that begins at `at`, or 0 if it is invalid or not allowed in XML 1.0.
+// Overlong forms, surrogates, characters beyond U+10FFFF, U+FFFE and U+FFFF are not allowed.
 std::size_t character_length(const std::string& text, std::size_t at) {
   const auto byte = [&](std::size_t i) { return i < text.size() ? static_cast<unsigned char>(text[i]) : 0u; };
   const std::uint32_t first = byte(at);
@@ -36,7 +36,7 @@ std::size_t character_length(const std::string& text, std::size_t at) {
   return is_valid ? length : 0;
 }
 
-// Copies characters; `escape` replaces those of one byte.
+// Copies characters. `escape` replaces characters of one byte.
 template <typename Escape>
 std::string escaped(const std::string& name_or_reason, const Escape& escape) {
   const std::string text = text_of_path(name_or_reason);  // without bytes that are not UTF-8
@@ -51,7 +51,7 @@ std::string escaped(const std::string& name_or_reason, const Escape& escape) {
   return result;
 }
 
-// Escapes contents and attributes in double quotes; parsers would convert tabs and line ends there to spaces.
+// Escapes contents, and attributes in double quotes, where parsers would convert tabs and line ends to spaces.
 std::string xml(const std::string& text) {
   return escaped(text, [](char c) -> std::string {
     switch (c) {
@@ -92,7 +92,7 @@ std::size_t count_of(const ManifestOutcome& outcome, MapState state) {
                                                 [&](const MapResult& result) { return result.state == state; }));
 }
 
-// Counts maps by state: "1 stale, 1 worse"; counts either the states that are in place or the other states.
+// Counts maps by state, as in "1 stale, 1 worse". Counts either the states that are in place or the other states.
 std::string counts(const ManifestOutcome& outcome, bool in_place) {
   std::vector<std::string> parts;
   for (int s = 0; s < kMapStateCount; ++s) {
@@ -173,7 +173,7 @@ std::string manifest_summary(const ManifestOutcome& outcome) {
         fmt::format("| {} | {} | {} | {} | {} | {:.2f} | {} |\n", markdown(result.name), map_state_name(result.state),
                     percent_or_dash(result.error), percent_or_dash(result.stated), percent_or_dash(result.allowed),
                     result.seconds, result.bytes > 0 ? fmt::format("{}", result.bytes) : "-");
-  text += "\nErrors are relative L1 errors of pixels; each is the largest of all BRDFs.\n";
+  text += "\nErrors are relative L1 errors of pixels; each is the largest over all BRDFs.\n";
   if (failure_count(outcome) > 0) text += "\n";
   for (const MapResult& result : outcome.results)
     if (!is_in_place(result.state))

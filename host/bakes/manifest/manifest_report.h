@@ -16,21 +16,22 @@ struct ManifestOutcome {
   double seconds = 0.0;
 };
 
-/// One line: "multum bake --check: passed, 3 maps in place", "... FAILED for 2 of 3 maps: 1 stale, 1 worse".
+/// Formats one line: "multum bake --check: passed, 3 maps in place", "... FAILED for 2 of 3 maps: 1 stale, 1 worse".
 std::string manifest_verdict(const ManifestOutcome& outcome);
 
-/// The verdict and, below it, a line for each map that is not in place: state, name, reason. Empty if all are in place.
+/// Formats the verdict and, below it, a line for each map that is not in place, with state, name and reason. The text
+/// is empty if all maps are in place.
 std::string manifest_failures(const ManifestOutcome& outcome);
 
-/// A test suite with one test case per map: <failure> for findings of a check (missing, stale, damaged, worse),
-/// <error> for maps that failed and therefore have an unknown state.
+/// Formats a test suite with one test case per map. <failure> marks findings of a check (missing, stale, damaged,
+/// worse). <error> marks maps that failed, so that their state is unknown.
 std::string manifest_junit(const ManifestOutcome& outcome);
 
-/// The verdict, a table with a row per map, and the reasons for maps that are not in place.
+/// Formats the verdict, a table with a row per map, and the reasons for maps that are not in place.
 std::string manifest_summary(const ManifestOutcome& outcome);
 
-/// 0 if all maps are in place. If a map failed, the exit code of the first such map (3 input, 4 environment), because
-/// the check is then incomplete. Otherwise 5.
+/// Returns 0 if all maps are in place. If a map failed, the check is incomplete, and the exit code of the first such
+/// map is returned (3 for input, 4 for environment). Otherwise returns 5.
 int manifest_exit_code(const ManifestOutcome& outcome);
 
 }  // namespace multum

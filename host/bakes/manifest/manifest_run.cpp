@@ -50,7 +50,7 @@ void note_finding(const OutputState& found, MapResult& result) {
   result.why = found.why;
 }
 
-// 0 if the file does not exist.
+// Returns 0 if the file does not exist.
 std::uint64_t file_bytes(const std::string& path) {
   std::error_code none;
   const auto bytes = fs::file_size(path, none);
@@ -68,10 +68,10 @@ void bake_map(const ManifestMap& map, Device& device, Progress* progress, MapRes
     if (chosen.written) result.report = chosen.report;
     if (!chosen.met) {
       result.state = MapState::kWorse;
-      add_reason(result,
-                 fmt::format("no settings reach {}: the best, {}, have an error of {}{}", target_text(*map.target),
-                             chosen.options, error_text(chosen.reached.error, chosen.reached.confidence),
-                             chosen.written ? "" : ", not written"));
+      add_reason(result, fmt::format("no settings reach {}: the best settings, {}, have an error of {}{}",
+                                     target_text(*map.target), chosen.options,
+                                     error_text(chosen.reached.error, chosen.reached.confidence),
+                                     chosen.written ? "" : ", not written"));
     }
   }
   if (result.report) result.error = worst_error(result.report->error);
@@ -90,7 +90,7 @@ void check_can_be_baked(const ManifestMap& map, Progress* progress) {
   ndf_bake(job.representation).check_map(job, source.map.normals.width(), source.map.normals.height());
 }
 
-// If a map cannot be baked, a report of only "missing" would mislead, because a bake would fail.
+// If a map cannot be baked, it would be misleading to report only "missing", because a bake would fail.
 [[noreturn]] void rethrow_with_finding(const Error& error, const MapResult& result) {
   if (result.why.empty()) throw error;
   throw Error(error.code(), fmt::format("{}, and cannot be baked: {}", result.why, error.what()));
@@ -128,7 +128,7 @@ MapResult run_manifest_map(const ManifestMap& map, const ManifestRunSettings& se
     note_finding(found, result);
     if (is_current) check_in_place(map, found, device, progress, result);
   }
-  // A file that is worse than allowed is not baked again: the same source would give the same error.
+  // A file that is worse than allowed is not baked again, because the same source would give the same error.
   const bool must_be_baked = !is_current || result.state == MapState::kDamaged;
   try {
     if (must_be_baked && settings.dry_run) check_can_be_baked(map, progress);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Brings one map of a manifest up to date: bakes the map if its file is missing or stale, otherwise leaves the file
+// Brings one map of a manifest up to date. Bakes the map if its file is missing or stale, and otherwise leaves the file
 // unchanged. A check also verifies and measures the file.
 #pragma once
 
@@ -15,15 +15,15 @@
 
 namespace multum {
 
-/// State in which a map was found; docs/reference/manifests.md describes each.
+/// The state in which a map was found. docs/reference/manifests.md describes each state.
 enum class MapState {
-  kUnchanged,  // in place; a check also found no damage, and no error above the stated and allowed errors
+  kUnchanged,  // in place; a check also found no damage and no error above the stated or allowed errors
   kBaked,      // baked in this run; a check instead reports one of the states below
-  kMissing,    // only in checks, like the next two states
+  kMissing,    // occurs only in checks, like the next two states
   kStale,
   kDamaged,
   kWorse,   // in place or just baked, but with an error above the stated error or error_max
-  kFailed,  // could not be read or baked; nothing is known about it
+  kFailed,  // the map could not be read or baked, so nothing is known about it
 };
 constexpr int kMapStateCount = 7;
 const char* map_state_name(MapState state);
@@ -34,12 +34,12 @@ struct MapResult {
   MapState state = MapState::kUnchanged;
   std::string why;                   // for every state except kUnchanged and kBaked
   std::optional<BakeReport> report;  // set if the file was written in this run
-  // The largest relative L1 error: `error` was measured in this run, `stated` is from the header of the existing file,
-  // `allowed` from the manifest.
+  // The largest relative L1 error. `error` was measured in this run, `stated` is from the header of the existing file,
+  // and `allowed` is from the manifest.
   std::optional<double> error, stated, allowed;
   double seconds = 0.0;
   std::uint64_t bytes = 0;                // size of the file; 0 if it does not exist
-  ErrorCode failure = ErrorCode::kInput;  // of kFailed
+  ErrorCode failure = ErrorCode::kInput;  // the error of a map that is kFailed
 };
 
 struct ManifestRunSettings {
@@ -47,7 +47,7 @@ struct ManifestRunSettings {
   bool dry_run = false;  // bake nothing, but check that needed bakes can read their inputs
 };
 
-/// Throws Cancelled, and Error if the map cannot be read or baked.
+/// Throws Error if the map cannot be read or baked, and Cancelled.
 MapResult run_manifest_map(const ManifestMap& map, const ManifestRunSettings& settings, Device& device,
                            Progress* progress);
 

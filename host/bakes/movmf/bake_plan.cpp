@@ -11,9 +11,9 @@ namespace multum {
 namespace {
 
 constexpr int kBandRows[] = {4096, 2048, 1024, 512, 256, 192, 128, 96, 64, 48, 32, 24, 16, 12, 8, 6, 4, 2, 1};
-constexpr int kBandRowsWanted = 8;  // fewer rows give many threads too little work, so more memory is used
+constexpr int kBandRowsWanted = 8;  // with fewer rows, many threads have too little work, so more memory is used
 
-// The memory for windows, and where its limit comes from.
+// The memory for windows and the source of its limit.
 struct WindowMemory {
   std::uint64_t bytes;
   bool on_device;
@@ -26,7 +26,8 @@ struct WindowMemory {
                           static_cast<double>(wanted) / (1 << 20), what));
 }
 
-// Chooses as many rows as fit into the useful memory; up to kBandRowsWanted rows only need to fit into the limit.
+// Chooses as many rows as fit into the useful memory. Up to kBandRowsWanted rows may exceed it if they fit into the
+// limit.
 template <typename BytesOf>
 int choose_rows(int rows_max, const WindowMemory& memory, std::uint64_t useful_bytes, const BytesOf& bytes_of,
                 const std::string& what) {
@@ -64,7 +65,8 @@ BakePlan make_bake_plan(const MipSchedule& schedule, const MovmfSettings& settin
       band = {height, map_height};
       while (band.map_band_rows > 1 && bytes_of(band.map_band_rows) > memory_bytes) band.map_band_rows /= 2;
       if (bytes_of(band.map_band_rows) > memory_bytes)
-        refuse(fitting, bytes_of(1), fmt::format("all texels of level {} at once (--coarse-normals all)", level.level));
+        refuse(fitting, bytes_of(1),
+               fmt::format("all texels of level {} at the same time (--coarse-normals all)", level.level));
     } else {
       const auto bytes_of = [&](int rows) {
         return fit_level_bytes(level, settings, rgb_plane_count, {rows, map_height});

@@ -18,19 +18,19 @@ struct BakePlan {
   std::uint64_t memory_bytes = 0;  // limit for the windows and buffers of a level
   std::map<int, BandPlan> levels;  // [level], for fitted levels
   int bin_rows = 1;                // rows of the map per band for binning coarse texels
-  std::int64_t spill_bytes = 0;    // larger outputs, which the next level reads, go to scratch files
+  std::int64_t spill_bytes = 0;    // outputs for the next level that are larger go to scratch files
 
-  /// Describes the plan: one line for the whole fit and one line per level.
+  /// Describes the plan, in one line for the whole fit and one line per level.
   std::string to_text(const MipSchedule& schedule, const MovmfSettings& settings, int rgb_plane_count) const;
 };
 
-/// Memory that windows use if it is available; larger bands are no faster.
+/// Memory that windows use if it is available. Larger bands are not faster.
 constexpr std::uint64_t kUsefulWindowBytes = std::uint64_t{64} << 20;
-constexpr std::uint64_t kUsefulBytesAColumn = std::uint64_t{12} << 10;  // for wider maps, useful bytes per column
+constexpr std::uint64_t kUsefulBytesAColumn = std::uint64_t{12} << 10;  // useful bytes per column of wider maps
 
 /// `shape` describes the device. If the device has its own memory, windows are in this memory, and the map's
-/// memory_bytes are ignored. If not even one row of a level fits, throws Error(kUsage) naming --memory, or
-/// Error(kEnvironment) naming the device.
+/// memory_bytes are ignored. If not even one row of a level fits, throws Error(kUsage) that names --memory, or
+/// Error(kEnvironment) that names the device.
 BakePlan make_bake_plan(const MipSchedule& schedule, const MovmfSettings& settings, const MapInputs& map,
                         const LaunchShape& shape);
 

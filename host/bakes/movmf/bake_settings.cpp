@@ -45,7 +45,7 @@ constexpr Flag kFlags[] = {{"refine", &MovmfSettings::refine, true},
 // Returns the key in multum:settings.
 const std::string& hashed_as(const char* name) { return bake_parameters().at(name).hashed_as; }
 
-// Compares a float with the bounds as floats: 0.1f is slightly above 0.1.
+// Compares a float with the bounds as floats, because 0.1f is slightly above 0.1.
 bool is_legal(const Parameter& row, int value) { return multum::is_legal(row, std::int64_t{value}); }
 bool is_legal(const Parameter& row, float value) {
   return value >= static_cast<float>(row.low) && value <= static_cast<float>(row.high);
@@ -121,7 +121,7 @@ std::string settings_json(const MovmfSettings& s) {
   json[hashed_as("no_start_search")] = s.search_start;
   json["periodic"] = {s.periodic_x, s.periodic_y};
   json[hashed_as("unaligned")] = s.aligned_start;
-  // Otherwise omitted, so that files of programs without these settings keep their hash.
+  // Otherwise these settings are omitted, so that files of earlier program versions keep their hash.
   if (s.refine) json[hashed_as("refine")] = true;
   if (s.farthest_start) json[hashed_as("farthest_start")] = true;
   return json.dump();

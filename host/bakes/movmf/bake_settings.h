@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Holds the settings for fitting lobes. Rows of bake_parameters() define the ranges, the displayed names and the names
-// in the settings hash. The bake validates them once.
+// Holds the settings for fitting lobes. The rows of bake_parameters() define the ranges, the displayed names and the
+// names in the settings hash. The bake validates the settings once.
 #pragma once
 
 #include <string>
@@ -19,19 +19,19 @@ LobeCounts lobe_counts();
 struct MovmfSettings {
   Representation representation = Representation::kMovmf;  // type of lobe
   int lobe_count = 4;                                      // 1..8
-  int iteration_count = 12;                                // maximum of EM iterations per texel, 1..1000
-  // For texels that cover more than kSamplesUnchunkedMax normals, because every finer level inherits the errors of
-  // these texels.
+  int iteration_count = 12;                                // maximum number of EM iterations per texel, 1..1000
+  // Number of EM iterations for texels that cover more than kSamplesUnchunkedMax normals. These texels get more
+  // iterations, because every finer level inherits their errors.
   int iteration_count_coarse = 30;  // 1..1000
   int iteration_count_top = 60;     // iterations for the coarsest level, 1..1000
-  // Number of passes over a level. In each further pass, every texel starts from its own lobes and all its neighbours
-  // are fitted; in the first pass, the texels that are fitted first use only their parent.
+  // Number of passes over a level. In the first pass, the texels that are fitted first use only their parent. In each
+  // further pass, every texel starts from its own lobes, and all its neighbours are already fitted.
   int pass_count = 2;  // 1..8
-  // Maximum of EM iterations per texel in each further pass, 1..1000. Coarse texels run a third of their first pass's
-  // iterations if that number is larger.
+  // Maximum number of EM iterations per texel in each further pass, 1..1000. Coarse texels run a third of their first
+  // pass's iterations if that number is larger.
   int refit_iterations = 6;
   // A texel stops early when no lobe's kappa or weight changes by more than this ratio, and no lobe turns by more than
-  // this ratio of its width; 0 means never. Coarse texels always run all iterations.
+  // this ratio of its width. If 0, texels never stop early. Coarse texels always run all iterations.
   float convergence_tolerance = 0.01f;  // 0..0.1
   CoarseNormals coarse_normals = CoarseNormals::kBinned;
   // After EM, refines each texel's lobes to reduce the error of their highlights (movmf_refine.cl). Applies only to
@@ -42,16 +42,17 @@ struct MovmfSettings {
   bool search_start = true;  // try the coarsest level's candidates on a small proxy of the map
   // For comparison, starts the coarsest level only from the normals that are farthest apart.
   bool farthest_start = false;
-  // True if the map repeats. Texels are then also aligned to texels across the border. bake_file() derives this from
-  // the wrap modes.
+  // True if the map repeats. Texels are then also aligned to texels across the border. bake_file() derives this setting
+  // from the wrap modes.
   bool periodic_x = false;
   bool periodic_y = false;
   // The finest fitted level, 0..levels - 1. No level depends on a finer level, and finer levels of the result have no
   // texels.
   int first_level = 0;
-  bool aligned_start = true;  // false for comparison: texels start independently, so filtering mixes unrelated lobes
-  // Cap of kappa (1/sigma^2 of Gaussians) inside EM: kappa_cap + kappa_cap_slope * (kappa of all normals of the texel).
-  // The stored spread of a lobe does not depend on the cap.
+  bool aligned_start = true;  // if false, for comparison, texels start independently, so filtering mixes unrelated
+                              // lobes
+  // Upper limit of kappa (1/sigma^2 for Gaussians) inside EM: kappa_cap + kappa_cap_slope * (kappa of all normals of
+  // the texel). The stored spread of a lobe does not depend on this limit.
   float kappa_cap = 500.0f;           // 1..1e5
   float kappa_cap_slope = 10.0f;      // 0..1000
   float start_kappa_factor = 0.5f;    // start kappa / kappa of the parent, 0.01..1
@@ -60,17 +61,17 @@ struct MovmfSettings {
   bool operator==(const MovmfSettings&) const = default;
 };
 
-/// Replaces settings by the given values, `reference` and `unaligned` first. `values` are of bake_parameters().
+/// Applies the given values of bake_parameters() to the settings, `reference` and `unaligned` first.
 void apply(const ParameterValues& values, MovmfSettings& settings);
 
-/// Sets the reference for the default settings: every normal at every level, 30 iterations, 10 in further passes, no
-/// early stop (docs/contributing/ALGORITHMS.md, "Fewer evaluations").
+/// Sets the reference with which the default settings are compared: every normal at every level, 30 iterations, 10 in
+/// further passes, and no early stop (docs/contributing/ALGORITHMS.md, "Fewer evaluations").
 void make_reference(MovmfSettings& settings);
 
-/// Fits every texel independently, without alignment. For comparison only (Tan et al. 2005, figures 5 and 6).
+/// Fits every texel independently, without alignment, as in figures 5 and 6 of Tan et al. 2005. For comparison only.
 void make_unaligned(MovmfSettings& settings);
 
-/// Throws Error(kUsage) naming the setting, its value and its range.
+/// Throws Error(kUsage) that names the setting, its value and its range.
 void validate(const MovmfSettings& settings);
 
 /// Returns every setting that changes pixels, as JSON with sorted keys. The file's settings hash is the hash of this

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Holds counts and times of a fit of lobes: its part of a bake's report (host/bakes/bake/bake_report.h).
+// Holds counts and times of a fit of lobes, which are part of a bake's report (host/bakes/bake/bake_report.h).
 #pragma once
 
 #include <cstdint>
@@ -25,12 +25,14 @@ struct FitReport {
   double binning_seconds = 0.0;  // time to bin the normals of coarse texels
   std::uint64_t binning_launches = 0;
   std::vector<LevelReport> levels;  // finest first
-  // Rare numerical events over all texels and lobes of all levels.
+  // Counts of rare numerical events, over all texels and lobes of all levels.
   std::uint64_t lobe_count_total = 0;
   std::uint64_t nonfinite = 0;         // must be 0
-  std::uint64_t kappa_clamped = 0;     // lobes above MovmfSettings::kappa_cap, which EM may have treated as less sharp
-  std::uint64_t dead_lobes = 0;        // amplitude below 1e-6; below 1e-7 (DEAD_SHARE), EM keeps the direction
-  std::uint64_t undirected_lobes = 0;  // |r| below 1e-3: opposite normals in equal shares
+  std::uint64_t kappa_clamped = 0;     // lobes with a kappa above MovmfSettings::kappa_cap; EM may have treated them as
+                                       // less sharp
+  std::uint64_t dead_lobes = 0;        // lobes with an amplitude below 1e-6; below 1e-7 (DEAD_SHARE), EM does not
+                                       // change the direction
+  std::uint64_t undirected_lobes = 0;  // lobes with |r| below 1e-3, which represent opposite normals in equal shares
 };
 
 }  // namespace multum

@@ -6,12 +6,12 @@
 
 namespace multum {
 
-/// Rows [begin, end). On a map that repeats, they may be outside its borders.
+/// Rows [begin, end). On a map that repeats, these rows may be outside the borders.
 struct LevelRows {
   int begin = 0, end = 0;
 };
 
-/// Intersection of two ranges; empty if begin >= end.
+/// Intersection of two ranges. It is empty if begin >= end.
 inline LevelRows common_rows(const LevelRows& a, const LevelRows& b) {
   return {std::max(a.begin, b.begin), std::min(a.end, b.end)};
 }

@@ -30,8 +30,8 @@ struct LobeEvents {
   }
 };
 
-// A share is a sum of many single-precision responsibilities. On a 2048 map, the sum of a texel's shares differs from 1
-// by up to 7e-6. The other channels contain the same factor, so all channels are divided by the sum.
+// A share is a sum of many single-precision responsibilities. On a map of 2048 x 2048, the sum of a texel's shares
+// differs from 1 by up to 7e-6. The other channels contain the same factor, so all channels are divided by the sum.
 void make_shares_sum_to_one(MovmfLevel& level, std::size_t texel) {
   double sum = 0.0;
   for (const auto& lobe : level.lobes) sum += static_cast<double>(lobe[texel].w);

@@ -17,7 +17,7 @@ namespace {
 
 constexpr int kCountMax = 4096;
 
-// Rows that contain the parents of rows [begin, end) of the finer level, plus one row on either side.
+// Returns the rows that contain the parents of rows [begin, end) of the finer level, plus one row on either side.
 LevelRows parents_of(const LevelRows& rows) {
   const auto half = [](int row) { return row >= 0 ? row / 2 : (row - 1) / 2; };
   return {half(rows.begin) - 1, half(rows.end - 1) + 2};
@@ -32,8 +32,8 @@ LevelRows band(int height, const MapShard& shard) {
 }
 
 // A band needs about the same number of extra rows on every level, so the share of extra rows doubles with each coarser
-// level. On the coarsest divided level, there may be at most half as many extra rows as kept rows, on the next finer
-// level a quarter, and so on. On the finest level, there may be as many extra rows as kept rows, because nothing can be
+// level. On the coarsest divided level, a band may have at most half as many extra rows as kept rows, on the next finer
+// level a quarter, and so on. On the finest level, it may have as many extra rows as kept rows, because nothing can be
 // divided without this level.
 bool is_worth_dividing(const LevelSchedule& level, const LevelRows& fitted, int steps, int count, bool is_finest) {
   const int height = level.fit.height, rows = fitted.end - fitted.begin + 2 * (steps - 1);
@@ -65,7 +65,7 @@ ShardPlan plan_shard(const MipSchedule& schedule, const MovmfSettings& settings,
                 "--shard is given with unaligned lobes, expected aligned lobes: levels of unaligned lobes do not "
                 "depend on each other");
   ShardPlan plan;
-  // All shares must divide the same levels, so the rows of a band in the middle decide.
+  // All shares must divide the same levels, so they are chosen by the rows of a band in the middle.
   LevelRows middle_before{}, own_before{};
   int steps_before = 0;
   bool is_first = true;

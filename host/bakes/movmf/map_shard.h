@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Divides the fit of one map's lobes among processes. The first share fits the coarse levels, which need the whole map;
-// each other share fits a band of rows of every finer level. A texel depends on a few rows around it and on its
+// Divides the fit of one map's lobes among processes. The first share fits the coarse levels, which need the whole
+// map. Each other share fits a band of rows of every finer level. A texel depends on a few rows around it and on its
 // parents. A band is therefore fitted with extra rows on either side, more on coarser levels. The extra rows are
 // dropped afterwards:
 //
@@ -8,7 +8,7 @@
 //   level 2      [ ###### ]         ###  kept
 //   level 1       [######]
 //
-// The kept rows equal those that one process fits, bit for bit (movmf_level_fit.h).
+// The kept rows are bit for bit the rows that one process would fit (movmf_level_fit.h).
 #pragma once
 
 #include <array>
@@ -25,7 +25,7 @@
 
 namespace multum {
 
-/// Share 0 fits the coarse levels; shares 1 to `count`, at least 2, fit bands.
+/// Share 0 fits the coarse levels. Shares 1 to `count` fit bands; `count` is at least 2.
 struct MapShard {
   int index = 0, count = 2;
   bool operator==(const MapShard&) const = default;
@@ -43,20 +43,20 @@ struct ShardPlan {
 /// Throws Error(kUsage) if the map is too small for so many bands, or if the levels do not depend on each other.
 ShardPlan plan_shard(const MipSchedule& schedule, const MovmfSettings& settings, const MapShard& shard);
 
-/// Rows of the map that a band's levels cover, including those that windows may hold. On a map that repeats, they may
-/// be outside its borders.
+/// Rows of the map that a band's levels cover, including rows that windows may hold. On a map that repeats, these rows
+/// may be outside the borders.
 LevelRows map_rows(const ShardPlan& plan, const MipSchedule& schedule, const MovmfSettings& settings);
 
-/// Path of a share's file, next to the output: OUTPUT.shard-3-of-8.
+/// Path of a share's file, which is next to the output: OUTPUT.shard-3-of-8.
 std::string shard_path(const std::string& output, const MapShard& shard);
 
-/// Writes the file of a share; the file appears when it is complete. The file's records are a note for readers, rows
-/// (host/bakes/movmf/row_records.h), and an empty record at the end.
+/// Writes the file of a share. The file appears when it is complete. Its records are a note for the processes that read
+/// it, the rows (host/bakes/movmf/row_records.h), and an empty record at the end.
 class ShareWriter {
  public:
-  /// `key`: one line that identifies the inputs of the rows. Throws Error(kEnvironment), like the other members.
+  /// `key` is one line that identifies the inputs of the rows. All members throw Error(kEnvironment).
   ShareWriter(const std::string& path, const std::string& key, const std::string& note);
-  /// `parts`: see RowRecords::add().
+  /// For `parts`, see RowRecords::add().
   void add_rows(const RowBlock& rows, const std::array<const void*, 3>& parts) { rows_.add(records_, rows, parts); }
   void commit();
 
@@ -69,9 +69,9 @@ class ShareWriter {
 /// Reads the file of a finished share.
 class ShareFile {
  public:
-  /// Adds the file's rows to `rows`; the object must outlive `rows`. `key`: null accepts any key. `output`: as for
-  /// shard_path(). Throws Error(kEnvironment) that names the file, the problem (missing, cut off, or from another
-  /// bake), and the share that makes it again.
+  /// Adds the file's rows to `rows`. The object must outlive `rows`. If `key` is null, any key is accepted. `output` is
+  /// as for shard_path(). Throws Error(kEnvironment) that names the file, the problem (missing, cut off, or from
+  /// another bake), and the share to bake again.
   ShareFile(const std::string& output, const MapShard& shard, const std::string* key, RowRecords& rows);
   const std::string& note() const { return note_; }
   const std::string& path() const { return path_; }
@@ -87,7 +87,7 @@ class ShareFile {
   bool is_whole_ = false;
 };
 
-/// True if the share exists, belongs to this bake and is complete; its rows are not checked.
+/// True if the share exists, belongs to this bake and is complete. Does not check its rows.
 bool has_shard(const std::string& output, const MapShard& shard, const std::string& key);
 
 /// Removes the files of shares 0 to `count`.

@@ -15,7 +15,7 @@ int covered_max(int map_size, int level_size) {
   int most = 0;
   for (std::int64_t x = 0; x < level_size; ++x) {
     const std::int64_t first = x * map_size / level_size;
-    const std::int64_t last = ((x + 1) * map_size + level_size - 1) / level_size;  // one past
+    const std::int64_t last = ((x + 1) * map_size + level_size - 1) / level_size;  // one past the last
     most = std::max(most, static_cast<int>(last - first));
   }
   return most;
@@ -124,8 +124,8 @@ MipSchedule make_mip_schedule(int map_width, int map_height, const MovmfSettings
     fit.parent_window_rows = fit.parent_height;
     fit.map_window_rows = map_height;
     level.order = settings.order;
-    // Scan-line order as a wavefront: a texel needs its left and its three upper neighbours. The last of them is (x +
-    // 1, y - 1), so texel (x, y) belongs to step x + 2 y.
+    // Scan-line order runs as a wavefront. A texel needs its left and its three upper neighbours. The last of these to
+    // be fitted is (x + 1, y - 1), so texel (x, y) belongs to step x + 2 y.
     level.step_count = level.order == FitOrder::kColour ? 4 : fit.width + 2 * (fit.height - 1);
     schedule.levels.push_back(level);
   }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Schedules the fit of a pyramid's texels: levels from the coarsest to the finest, and each level in steps of mutually
-// independent texels (docs/contributing/ALGORITHMS.md, "Order"). A step for some rows is one launch of the EM kernels.
+// Schedules the fit of a pyramid's texels. Levels are fitted from the coarsest to the finest, and each level in steps
+// of mutually independent texels (docs/contributing/ALGORITHMS.md, "Order"). A step for some rows is one launch of the
+// EM kernels.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +14,7 @@
 namespace multum {
 
 enum class FitMethod {
-  kChoice,  // four normals, each assigned to a lobe: movmf_choose
+  kChoice,  // each of the four normals is assigned to a lobe: movmf_choose
   kTexels,  // every normal is a sample, one work-item per texel: movmf_em_texels
   kBinned,  // movmf_binning, then movmf_em_texels
   kChunks,  // every normal is a sample, summed in chunks: movmf_em_chunks, movmf_em_mstep
@@ -21,11 +22,11 @@ enum class FitMethod {
 
 struct LevelSchedule {
   int level;
-  MultumMovmfFit fit;  // values for the whole level at once, without slot_count
+  MultumMovmfFit fit;  // values for the whole level; slot_count is not set
   FitMethod method;
   FitOrder order;
-  int refit_iterations;  // EM iterations of each further pass; `fit` has the number for the first pass
-  int step_count;        // of a pass
+  int refit_iterations;  // EM iterations in each further pass; `fit` has the number for the first pass
+  int step_count;        // number of steps of a pass
 };
 
 struct MipSchedule {
@@ -37,53 +38,57 @@ struct MipSchedule {
 
 /// Weight of the mixed widths of movmf_choose.cl, in units of MovmfSettings::alignment.
 constexpr float kChoiceAlignment = 14.0f;
-/// One work-item sums a texel of up to this many samples; larger texels are binned or summed in chunks. The choice
-/// depends only on the sample count, so that the order of sums never depends on bands or devices. With 1024, the packed
-/// normals of a group still fit into a core's cache, and the rounding error of a plain sum stays below 1e-6.
+/// One work-item sums a texel of up to this many samples. Larger texels are binned or summed in chunks. The choice
+/// depends only on the sample count, so that the order of sums never depends on bands or devices. With a limit of 1024,
+/// the packed normals of a group still fit into a core's cache, and the rounding error of a plain sum stays below 1e-6.
 constexpr int kSamplesUnchunkedMax = 1024;
-/// Cells per side of the grid of a binned texel. Texels of up to kSamplesFewCellsMax samples, which are numerous, have
-/// fewer cells. Both numbers are odd. If a map tilts equally in both directions, its flat normals then fall into the
+/// Cells per side of the grid of a binned texel. Texels of up to kSamplesFewCellsMax samples are numerous, so they have
+/// fewer cells. Both numbers are odd. If a map tilts equally in both directions, its flat normals are therefore in the
 /// middle of a cell and not on an edge.
 constexpr int kSamplesFewCellsMax = 4096;
 constexpr int kCellSideFew = 31;
 constexpr int kCellSide = 71;
-/// Cells per side for shortened normals. These have a grid per class of lengths, with about twice as many cells in
-/// total.
+/// Cells per side for shortened normals. Such normals have one grid per class of lengths, and in total about twice as
+/// many cells.
 constexpr int kCellSideFewShortened = 21;
 constexpr int kCellSideShortened = 47;
-/// With early stops, a texel of at most this many normals (level 1) runs kIterationsFewNormals iterations instead.
-/// Lobes of such a texel find the normals at once and then move slowly. A stop when the lobes have almost stopped
-/// moving increases the error by up to a fifth. Softer starts, with kappa times kStartFactorFewNormals, converge sooner
-/// and reduce the error at centres. With a stronger alignment, errors between centres also decrease.
+/// A texel of at most this many normals (level 1) runs kIterationsFewNormals iterations instead of stopping early. The
+/// lobes of such a texel find the normals at once and then move slowly. Stopping when they hardly move would increase
+/// the error by up to a fifth. Softer starts, with kappa times kStartFactorFewNormals, converge sooner and reduce the
+/// error at centres. With a stronger alignment, errors between centres also decrease.
 constexpr int kFewNormals = 4;
 constexpr int kIterationsFewNormals = 7;
 constexpr float kStartFactorFewNormals = 0.5f;
 constexpr float kAlignmentFactorFewNormals = 1.2f;
 /// Texels that cover fewer normals are not refined (movmf_refine.cl). The lobes of such texels already follow their
-/// normals. Refining reduces errors at texel centres, but increases them between centres. On the four-quarter map of
-/// 256 x 256 texels with s = 100, errors at midpoints rise from 10.8 to 11.4 % at level 1, and from 12.5 to 12.6 % at
-/// level 2. Texels of level 3 cover 64 normals, or about 64 if sides are not powers of two.
+/// normals. Refining reduces errors at texel centres, but increases them between centres. For example, on the
+/// four-quarter map of 256 x 256 texels with s = 100, refining these texels would raise errors at midpoints from 10.8
+/// to 11.4 % at level 1, and from 12.5 to 12.6 % at level 2. Texels of level 3 cover 64 normals, or about 64 if sides
+/// are not powers of two.
 constexpr float kRefinedNormalsMin = 32.0f;
 /// Approximate number of samples per EM chunk.
 constexpr int kSamplesPerChunk = 4096;
 
-/// `weighted`: use the kernels that weigh samples, even if texels cover only whole texels. The result is equal.
+/// `weighted` selects the kernels that weigh samples, even if texels cover only whole finest texels. The result is the
+/// same.
 MipSchedule make_mip_schedule(int map_width, int map_height, const MovmfSettings& settings, bool weighted = false);
 
-/// Number of facets that a shortened normal represents when EM divides it among lobes (movmf_em.clh). Errors at level 2
-/// of the four-quarter map of 256 x 256 texels with a constant, a smooth and a noisy roughness: 10.7, 13.5 and 38.8 %
-/// with 1 facet; 5.8, 9.1 and 26.0 % with 4 facets; 6.3, 9.4 and 29.6 % with 16 facets.
+/// Number of facets that a shortened normal represents when EM divides it among lobes (movmf_em.clh). The number 4 gave
+/// the lowest errors at level 2 of the four-quarter map of 256 x 256 texels. Errors with a constant, a smooth and a
+/// noisy roughness are 5.8, 9.1 and 26.0 %. With 1 facet, they are 10.7, 13.5 and 38.8 %, and with 16 facets 6.3, 9.4
+/// and 29.6 %.
 constexpr float kCopiesShortened = 4.0f;
 /// Adapts the schedule to normals that are shortened by a BRDF's width.
 void make_shortened(MipSchedule& schedule);
-/// Makes the schedule of a map, whose planes state whether normals are shortened.
+/// Makes the schedule of a map. The map's planes state whether normals are shortened.
 MipSchedule make_mip_schedule(const PlaneStore& normals, const MovmfSettings& settings, bool weighted = false);
 
-/// The texels of step `step` in the rows [first_row, last_row) of a level, as positions (row - window_first_row) *
-/// width + column in a window. Rows outside the level's borders are rows of the repeated level.
+/// Lists the texels of step `step` in the rows [first_row, last_row) of a level, as positions (row - window_first_row)
+/// * width + column in a window. Rows outside the level's borders belong to the repeated level.
 std::vector<int> step_texels(const LevelSchedule& level, int step, int first_row, int last_row, int window_first_row);
 
-/// The first finest row that row `row` of the level covers, and one past the last. Rows may be outside the borders.
+/// The range of finest rows that row `row` of the level covers: the first, and one past the last. Rows may be outside
+/// the borders.
 int first_covered_row(const MultumMovmfFit& fit, int row);
 int last_covered_row(const MultumMovmfFit& fit, int row);
 

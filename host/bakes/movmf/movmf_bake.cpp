@@ -57,10 +57,10 @@ class MovmfMipmapSink : public MovmfSink {
   MovmfMipmap mipmap_;
 };
 
-// Largest side of the proxy map's levels that are compared: finer levels hold too few normals per texel.
+// Largest side of the proxy map's levels that are compared. Finer levels hold too few normals per texel.
 constexpr int kComparedSideMax = 16;
 
-// Bakes a small proxy map from one start after another; shared data is made once.
+// Bakes a small proxy map from one start after another. Shared data is made once.
 class StartTrial {
  public:
   StartTrial(Device& device, const NormalMap& proxy, const MovmfSettings& settings, const MipSchedule& of_map)
@@ -72,10 +72,10 @@ class StartTrial {
         schedule_(make_mip_schedule(planes_, settings, of_map.weighted)),
         plan_(make_bake_plan(schedule_, settings, map_, device.shape())) {}
 
-  // Builds the pyramid from one candidate and returns its error at texel centres and between. The error of the finer
-  // levels decides whether a start is good. Neither the likelihood nor the error of the start itself predicts this
-  // error: on the four-quarter map with 6 lobes, the best start ranked 14th by error. With 4096 normals, a candidate
-  // takes about 50 ms.
+  // Builds the pyramid from one candidate and returns its error at and between texel centres. A start is good if the
+  // error of the finer levels is low. Neither the likelihood nor the error of the start itself predicts this error. On
+  // the four-quarter map with 6 lobes, for example, the best start ranked 14th by its own error. With 4096 normals, a
+  // candidate takes about 50 ms.
   double error_from(const std::vector<MultumVmfLobe>& start) const {
     FitReport ignored;
     MovmfMipmapSink sink(planes_, settings_, {});
@@ -94,7 +94,7 @@ class StartTrial {
       return size.width > kComparedSideMax || size.height > kComparedSideMax;
     };
     while (too_fine(accuracy.first_level)) ++accuracy.first_level;
-    double error = 0.0;  // log of the product of the errors, so that no BRDF or level dominates
+    double error = 0.0;  // logarithm of the product of the errors, so that no BRDF or level dominates
     for (const AccuracyRow& row : measure_accuracy(device_, mipmap, proxy_, accuracy, nullptr))
       if (row.brdf != AccuracyBrdf::lambert()) error += std::log(row.error + 0.005);
     return error;
@@ -110,7 +110,7 @@ class StartTrial {
   const BakePlan plan_;
 };
 
-// Returns candidates for the map. A memory keeps them for all settings with the same number of lobes.
+// Returns candidates for the map. A StartMemory keeps them for all settings with the same number of lobes.
 StartCandidates find_candidates(const PlaneStore& normals, const StartSearch& search, StartMemory* memory) {
   if (memory != nullptr)
     if (const StartCandidates* known = memory->candidates(search.lobe_count, search.kappa_max)) return *known;
@@ -120,7 +120,8 @@ StartCandidates find_candidates(const PlaneStore& normals, const StartSearch& se
   return memory == nullptr ? found : memory->remember(search.lobe_count, search.kappa_max, std::move(found));
 }
 
-// Returns the candidate with the best pyramid on a proxy map. `is_timed`: the kernels are loaded before timing starts.
+// Returns the candidate with the best pyramid on a proxy map. If `is_timed` is true, the kernels are loaded before
+// timing starts.
 ChosenStart try_candidates(Device& device, const NormalMap& proxy, const MovmfSettings& whole,
                            const MipSchedule& schedule, const std::vector<std::vector<MultumVmfLobe>>& candidates,
                            bool is_timed) {

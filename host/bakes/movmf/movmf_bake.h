@@ -22,23 +22,23 @@ namespace multum {
 /// Error(kInput) for a map that is too large.
 void validate(const MovmfSettings& settings, int map_width, int map_height);
 
-/// Units of progress of a bake of lobes.
+/// Number of progress units of a bake of lobes.
 inline std::uint64_t movmf_bake_units(int width, int height, int first_level = 0) {
   return static_cast<std::uint64_t>(mip_level_count(width, height) - first_level) * static_cast<std::uint64_t>(width) *
          static_cast<std::uint64_t>(height);
 }
 
-/// Gives finished rows to the sink of `rows`, exact to float, before they are rounded for storage (quantize_movmf).
-/// `starts` belongs to bakes of this map; if null, this bake searches for its own start. Counts and times go to
+/// Passes finished rows to the sink of `rows` as floats, before they are rounded for storage (quantize_movmf). `starts`
+/// is shared by the bakes of this map. If it is null, this bake searches for its own start. Counts and times go to
 /// `report`. Throws Error(kUsage) for settings out of range and for too little memory, Error(kEnvironment) for errors
-/// of the disk or the device, Cancelled.
+/// of the disk or the device, and Cancelled.
 void bake_movmf(Device& device, const MapInputs& map, const MovmfSettings& settings, RowOrigin& rows,
                 StartMemory* starts, FitReport& report, Progress* progress);
 
 /// Bakes planes in memory into a whole mipmap. Levels finer than settings.first_level have only sizes.
 MovmfMipmap bake_movmf(Device& device, const MapInputs& map, const MovmfSettings& settings, FitReport& report,
                        Progress* progress, StartMemory* starts = nullptr);
-/// Bakes maps in memory into a whole mipmap; `albedo` may be null.
+/// Bakes maps in memory into a whole mipmap. `albedo` may be null.
 MovmfMipmap bake_movmf(Device& device, const NormalMap& map, const ColourMap* albedo, const MovmfSettings& settings,
                        FitReport& report, Progress* progress);
 

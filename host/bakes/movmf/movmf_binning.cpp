@@ -11,7 +11,7 @@
 namespace multum {
 namespace {
 
-constexpr int kChunkColumns = 256;  // approximate columns per work-item that fills its own cells
+constexpr int kChunkColumns = 256;  // approximate number of columns per work-item that fills its own cells
 constexpr int kStripRows = 32;      // rows per work-item that adds to shared cells
 
 constexpr std::size_t kAxisBytes = std::size_t{2} * MULTUM_AXIS_FLOATS * sizeof(float);
@@ -31,7 +31,7 @@ int chunk_count_of(const MultumMovmfFit& fit, const LaunchShape& shape) {
   return shape.atomic_cells ? 1 : (fit.sample_columns + kChunkColumns - 1) / kChunkColumns;
 }
 
-// Bins one level during a pass over the map. Has buffers for the texel rows that the band overlaps; row y is in slot y
+// Bins one level during a pass over the map. Has buffers for the texel rows that the band overlaps. Row y is in slot y
 // % slots.
 class LevelBinner {
  public:
@@ -84,7 +84,7 @@ class LevelBinner {
     }
   }
 
-  // Second pass: fills cells; `features` must hold the same rows as `normals`.
+  // Second pass: fills cells. `features` must hold the same rows as `normals`.
   void add(const MapWindow& normals, const std::vector<MapWindow>& features) {
     for_each_row(normals, [&](int y, Slot& slot, bool begins, bool ends) {
       if (begins) {
@@ -116,7 +116,7 @@ class LevelBinner {
     return device_.make_buffer(width_ * static_cast<std::size_t>(chunk_count_) * cell_bytes(fit_), "cells of normals");
   }
 
-  // Calls body(y, slot, begins, ends) for each row of texels that overlaps the window; `begins` and `ends` state
+  // Calls body(y, slot, begins, ends) for each row of texels that overlaps the window. `begins` and `ends` state
   // whether the window contains the first and the last map row of the texels.
   template <typename Body>
   void for_each_row(const MapWindow& normals, const Body& body) {
@@ -125,7 +125,7 @@ class LevelBinner {
     fit_.map_window_rows = normals.row_count();
     int y = static_cast<int>(std::int64_t{first} * fit_.height / fit_.map_height);
     for (; y < fit_.height && first_covered_row(fit_, y) < end; ++y) {
-      // The first y was rounded down: a row of texels that ends above the band is finished.
+      // The first y was rounded down, so a row of texels may end above the band. It is then finished.
       if (last_covered_row(fit_, y) <= first) continue;
       body(y, slots_[static_cast<std::size_t>(y) % slots_.size()], first_covered_row(fit_, y) >= first,
            last_covered_row(fit_, y) <= end);
@@ -166,7 +166,7 @@ class LevelBinner {
   const std::size_t width_;
   const int chunk_count_;
   RowStore axes_;
-  const std::size_t row_bytes_;  // of samples
+  const std::size_t row_bytes_;  // bytes of a row of samples
   BinnedLevel result_;
   std::vector<Slot> slots_;
   std::vector<unsigned char> host_;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bins the normals and features of coarse texels for all levels in two passes over the map: the first for the axes of
-// the grids, the second for the cells (kernels/movmf_binning.cl; docs/contributing/ALGORITHMS.md, "Binned normals").
+// Bins the normals and features of coarse texels for all levels in two passes over the map. The first pass finds the
+// axes of the grids, and the second pass fills the cells (kernels/movmf_binning.cl; docs/contributing/ALGORITHMS.md,
+// "Binned normals").
 #pragma once
 
 #include <map>
@@ -22,14 +23,14 @@ std::size_t binned_bytes(const MultumMovmfFit& fit);
 /// belong to the same samples, in order of rgb_planes.
 struct BinnedLevel {
   RowStore samples;
-  RowStore counts;  // one int per texel
+  RowStore counts;  // one number per texel
   std::vector<RowStore> rgb_planes;
 };
 
 /// Copies a level's samples, or a triple of its features, into a window that has room for all cells of each texel.
 RowWindow::Fill fill_binned(const BinnedLevel& level, const RowStore& samples, std::size_t texel_bytes);
 
-/// Bins the levels of `schedule` whose method is kBinned, for lobes of `representation`; returns them by level.
+/// Bins the levels of `schedule` whose method is kBinned, for lobes of `representation`. Returns the result by level.
 /// `features` are rgb_planes. The map is read in bands of at most `band_rows` rows, which do not change the result. If
 /// one band holds all rows and `on_device` is not null, the map is read from the device. Throws Cancelled.
 std::map<int, BinnedLevel> bin_levels(Device& device, const PlaneStore& normals,
@@ -37,7 +38,7 @@ std::map<int, BinnedLevel> bin_levels(Device& device, const PlaneStore& normals,
                                       Representation representation, int band_rows, MapWindows* on_device,
                                       const SpillPolicy& spill, Progress* progress);
 
-/// The programs that bin_levels() needs; empty if no level is binned.
+/// Returns the programs that bin_levels() needs. Empty if no level is binned.
 std::vector<ProgramChoice> binning_programs(const MipSchedule& schedule, Representation representation,
                                             const LaunchShape& shape);
 

@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::size_t kPartialSums = 5;  // sums per lobe in movmf_em_chunks.cl
 constexpr std::size_t kWeightedPlanes = 4;
-// For all four colours of a window: the device starts one after the other without waiting for the host.
+// Enough for all four colours of a window, so that the device starts one after the other without waiting for the host.
 constexpr std::size_t kStepsQueuedMax = 4;
 
 std::size_t group_count(std::size_t texels) { return (texels + MULTUM_GROUP - 1) / MULTUM_GROUP; }
@@ -72,7 +72,7 @@ MovmfEmStep::MovmfEmStep(Device& device, const MovmfSettings& settings, bool wei
 }
 
 MovmfEmStep::~MovmfEmStep() {
-  if (lists_.empty()) return;  // the list is not empty if a fit was cancelled or failed
+  if (lists_.empty()) return;  // the list still has entries if a fit was cancelled or failed
   try {
     device_.finish();
   } catch (const Error&) {
@@ -88,7 +88,7 @@ std::vector<ProgramChoice> MovmfEmStep::programs(const MipSchedule& schedule, bo
   if (schedule.uses(FitMethod::kChoice)) programs.push_back({"movmf_choose", starting_});
   if (uses_em) programs.push_back({"movmf_start", starting_});
   if (uses_binned || uses_texels) programs.push_back({"movmf_pack", packing_});
-  // If the map's sides are not powers of two, this program equals the first program, which is prepared only once.
+  // If the map's sides are not powers of two, this is the same as the first program, which is prepared only once.
   if (uses_binned) programs.push_back({"movmf_em_texels", binned_});
   if (settings_.refine) {
     if (uses_texels) programs.push_back({"movmf_refine", fast_});
@@ -228,7 +228,7 @@ void MovmfEmStep::run_chunks(MultumMovmfFit fit, std::size_t texel_count, StepWi
           .launch({texel_count}, partial_, start_, list_, fit);
     mstep_kernel_.launch({texel_count * lobe_count()}, partial_, start_, list_, windows.lobes.buffer(),
                          windows.alignment_vectors.buffer(), fit, i);
-    // An iteration reads every normal of its texels, which takes seconds on the largest maps; the caller can cancel
+    // An iteration reads every normal of its texels, which takes seconds on the largest maps. The caller can cancel
     // after each iteration.
     device_.finish();
     progress_advance(progress, 0);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Runs one step of a fit on the device: fits some mutually independent texels of one level from their starts to their
+// Runs one step of a fit on the device. Fits some mutually independent texels of one level, from their starts to their
 // lobes (Han et al. 2007, section 7). movmf_level_fit.h chooses the texels and their order.
 #pragma once
 
@@ -13,16 +13,16 @@
 
 namespace multum {
 
-/// Inputs and outputs of a step: the rows of a level on the device, at the positions in MultumMovmfFit. Windows that a
-/// method does not need are empty.
+/// Inputs and outputs of a step: the rows of a level on the device, at the positions in MultumMovmfFit. If a method
+/// does not need a window, the window is empty.
 struct StepWindows {
   RowWindow parent;                      // lobes of the next coarser level; empty if fit.parent_width is 0
   RowWindow lobes;                       // lobes of the level
-  RowWindow refined;                     // refined lobes; empty without refining
+  RowWindow refined;                     // refined lobes; empty if the level is not refined
   RowWindow alignment_vectors;           // vectors of the level that neighbours read for alignment
   RowWindow features;                    // features of the level, [rgb_plane][lobe]
-  MapWindows* map = nullptr;             // normals and features that the level covers: kTexels, kChunks
-  RowWindow binned, binned_counts;       // kBinned: samples and their numbers
+  MapWindows* map = nullptr;             // for kTexels and kChunks: normals and features that the level covers
+  RowWindow binned, binned_counts;       // for kBinned: samples and their numbers
   std::vector<RowWindow> binned_planes;  // features of the samples, in triples
   bool wants_features = false;           // true if this step writes features
 };
@@ -34,7 +34,7 @@ class MovmfEmStep {
   MovmfEmStep(const MovmfEmStep&) = delete;
   MovmfEmStep& operator=(const MovmfEmStep&) = delete;
 
-  /// Programs that run() needs for the levels of `schedule`, for the finest levels first.
+  /// Programs that run() needs for the levels of `schedule`. Programs for the finest levels come first.
   std::vector<ProgramChoice> programs(const MipSchedule& schedule, bool has_features) const;
   /// Queues the fit of the texels (positions in the window, from step_texels()). kChunks reads the map once per
   /// iteration, in bands that fit into `normals`. Throws Cancelled.
@@ -43,7 +43,7 @@ class MovmfEmStep {
   /// lobes (movmf_refine.cl). The fitted lobes do not change, so the order of texels does not matter. Applies to
   /// kTexels and kBinned. Throws Cancelled.
   void refine(FitMethod method, MultumMovmfFit fit, std::vector<int> texels, StepWindows& windows, Progress* progress);
-  /// Waits for all queued work. Throws Cancelled.
+  /// Waits until all queued work is done. Throws Cancelled.
   void finish(Progress* progress);
 
  private:
@@ -65,7 +65,7 @@ class MovmfEmStep {
   Device& device_;
   const MovmfSettings settings_;
   KernelVariant scalar_, fast_, binned_;
-  KernelVariant starting_, packing_;  // only options that these kernels use, so that fewer programs are built
+  KernelVariant starting_, packing_;  // with only the options that these kernels use, so that fewer programs are built
   Kernel choose_kernel_, feature_chosen_kernel_;
   Kernel start_kernel_, pack_kernel_, em_texels_kernel_, em_team_kernel_;
   Kernel refine_kernel_, refine_binned_kernel_;

@@ -141,7 +141,7 @@ void MovmfFit::hand_over_there(const LevelSchedule& level, const LevelShape& sha
 // One past the last row of level 0 whose parents are in rows of level 1 above `row`.
 int MovmfFit::finest_end(const MultumMovmfFit& fit, int row) const { return row == fit.height ? map_height_ : 2 * row; }
 
-// Returns the start of texels without a parent: of the coarsest level, and of every level of an unaligned bake.
+// Returns the start of texels without a parent: texels of the coarsest level, and of every level in an unaligned bake.
 RowStore MovmfFit::parentless_start(const LevelSchedule& level) {
   const MultumMovmfFit& fit = level.fit;
   const auto width = static_cast<std::size_t>(fit.width);
@@ -170,7 +170,7 @@ RowStore MovmfFit::parentless_start(const LevelSchedule& level) {
 
 void MovmfFit::hand_over(const LevelSchedule& level, const FittedRows& rows, bool is_there) {
   const std::size_t texels = static_cast<std::size_t>(level.fit.width) * static_cast<std::size_t>(rows.row_count);
-  // Leaves the memory uninitialised, because a band has tens of megabytes.
+  // Leaves the memory uninitialised to save time, because a band has tens of megabytes.
   auto lobes = std::make_shared_for_overwrite<MultumVmfLobe[]>(lobe_count() * texels);
   rows.lobes->copy_rows(rows.first_row, rows.row_count, lobes.get());
   std::vector<MultumVmfLobe> em_lobes;  // lobes of EM, if they differ from the stored lobes

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Fits the levels of a pyramid of lobes on the device, from the coarsest to the finest (Han et al. 2007, section 7).
-// Skips rows that already exist, and hands rows over when they are finished. Bakes call movmf_bake.h.
+// Skips rows that already exist, and hands rows over when they are finished. Bakes call this class through
+// movmf_bake.h.
 #pragma once
 
 #include <functional>
@@ -23,7 +24,7 @@
 
 namespace multum {
 
-/// Begins to build the programs of MovmfFit for a schedule, in the order of their launches.
+/// Begins to build the programs that MovmfFit needs for a schedule, in the order of their launches.
 void prepare_fit(Device& device, const MipSchedule& schedule, const MovmfSettings& settings, bool has_features);
 
 class MovmfFit {
@@ -31,14 +32,14 @@ class MovmfFit {
   /// Returns the lobes of the coarsest level's texel.
   using ChooseStart = std::function<std::vector<MultumVmfLobe>()>;
 
-  /// Settings must be valid, features must have the map's size, and all arguments must outlive the object. Calls
+  /// Settings must be valid, and features must have the map's size. All arguments must outlive the object. Calls
   /// `choose_start` before it fits the coarsest level. Progress advances by movmf_bake_units().
   MovmfFit(Device& device, const MapInputs& map, const MovmfSettings& settings, const MipSchedule& schedule,
            const BakePlan& plan, RowOrigin& rows, ChooseStart choose_start, FitReport& report, Progress* progress);
 
-  /// Fits a level; call it for the levels of the schedule in order.
+  /// Fits a level. Call this function for the levels of the schedule in order.
   void fit(const LevelSchedule& level);
-  /// Handles a map of one texel, which has no level 1.
+  /// Handles a map of a single texel, which has no level 1.
   void fit_single_texel();
 
  private:
@@ -79,7 +80,7 @@ class MovmfFit {
   LevelRows kept_;  // rows of the current level to keep
   double zero_seconds_ = 0.0;
   std::uint64_t zero_launches_ = 0;
-  BackgroundTask handing_over_;  // gives the last rows to the sink
+  BackgroundTask handing_over_;  // passes the last rows to the sink
 };
 
 }  // namespace multum

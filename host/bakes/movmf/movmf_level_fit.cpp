@@ -27,7 +27,7 @@ int total_steps(const LevelSchedule& level, const MovmfSettings& settings) {
   return em_steps(level, settings) + (is_refined(level, settings) ? 1 : 0);
 }
 
-// True if windows hold the whole level. Scan-line order needs the whole level. Chunks need it too, because they are
+// True if windows hold the whole level. Scan-line order needs the whole level. Chunks also need it, because they are
 // summed for all texels at once, band by band. A window that would hold nearly all rows holds the whole level instead.
 bool is_whole(const LevelSchedule& level, const MovmfSettings& settings, const BandPlan& plan) {
   return plan.band_rows + total_steps(level, settings) >= level.fit.height || level.order == FitOrder::kScanline ||
@@ -47,7 +47,7 @@ WindowRows window_rows(const LevelSchedule& level, const MovmfSettings& settings
   WindowRows rows{fit.height, fit.parent_height, fit.map_height};
   if (!is_whole(level, settings, plan)) {
     rows.level = plan.band_rows + total_steps(level, settings);
-    rows.parent = rows.level / 2 + 5;  // one more above and below, because movmf_choose.cl reads neighbours
+    rows.parent = rows.level / 2 + 5;  // with one more row above and below, because movmf_choose.cl reads neighbours
     rows.map = map_rows_end(fit, rows.level) + 1;
   }
   if (level.method == FitMethod::kChunks)
@@ -55,8 +55,8 @@ WindowRows window_rows(const LevelSchedule& level, const MovmfSettings& settings
   return rows;
 }
 
-// Returns the number of rows per handover, usually a band. On a device with its own memory, bands are large, so a
-// handover has only as many rows as the host should hold.
+// Returns the number of rows per handover, usually the rows of a band. On a device with its own memory, bands are
+// large, so a handover has only as many rows as the host should hold.
 int handed_rows(const Device& device, const LevelSchedule& level, const MovmfSettings& settings, const MapInputs& map,
                 int band_rows) {
   constexpr std::size_t kHandedBytes = std::size_t{64} << 20;
@@ -155,8 +155,8 @@ void LevelFit::run(const std::function<void(const FittedRows&)>& finished) {
   }
 }
 
-// Rows that step `step` must fit so that the last step's rows are correct: one more row on each side for each following
-// step.
+// Returns the rows that step `step` must fit so that the last step's rows are correct. For each following step, it is
+// one more row on each side.
 LevelFit::RowRange LevelFit::rows_of_step(int step) const {
   if (range_) return wanted_;  // texels outside the range keep their lobes
   if (whole_) return {0, fit_.height};
@@ -207,7 +207,7 @@ int LevelFit::last_map_row(int row) const {
   return repeats() ? end : std::min(end, fit_.map_height);
 }
 
-// Fills the alignment vectors of lobes that existed before the fit, as movmf_em_texels.cl would write them.
+// Fills the alignment vectors of lobes that existed before the fit, in the same way as movmf_em_texels.cl.
 RowWindow::Fill LevelFit::fill_alignment_vectors(const RowWindow::Fill& fill_lobes) {
   return [this, fill_lobes](int row, int count, const std::vector<unsigned char*>& planes) {
     fill_lobes(row, count, planes);
@@ -281,8 +281,7 @@ std::uint64_t fit_level_bytes(const LevelSchedule& level, const MovmfSettings& s
   bytes += product(fit.parent_width, rows.parent) * lobe_bytes;
   if (level.method != FitMethod::kBinned)
     bytes += product(fit.map_width, rows.map) * sizeof(float) * 3 * (1 + rgb_planes);
-  // The largest step has a quarter of a band's texels. In scan-line order, it has one texel per two rows of the
-  // wavefront.
+  // The largest step has a quarter of a band's texels. In scan-line order, it has one texel per two rows.
   const int step_rows = is_whole(level, settings, plan) ? fit.height : plan.band_rows;
   const std::uint64_t step_texels = level.order == FitOrder::kScanline
                                         ? static_cast<std::uint64_t>(fit.height / 2 + 1)

@@ -2,15 +2,15 @@
 // Fits one level in bands of rows that slide down the level, so that neither the level nor the map must fit into
 // memory.
 //
-// A texel depends on its eight neighbours after the earlier steps. Step s of a row therefore needs step s - 1 of
-// the adjacent rows only. The steps move down the level, each step one row behind the step before it:
+// A texel depends on its eight neighbours after the earlier steps. Step s of a row therefore needs only step s - 1 of
+// the adjacent rows. The steps move down the level, each step one row behind the step before it:
 //
 //   step 0          rows  [f, f + B)
 //   step 1          rows  [f - 1, f + B - 1)
 //   ...
 //   last step S-1   rows  [f - S + 1, f + B - S + 1)      done: handed over
 //
-// Refining (movmf_refine.cl) is a separate step after those of EM: it reads the lobes of EM and writes to another
+// Refining (movmf_refine.cl) is a separate step after the EM steps. It reads the lobes of EM and writes to another
 // window.
 //
 // The result for a texel depends on neither B nor f, and equals the result of running each step over the whole level,
@@ -41,30 +41,31 @@ struct CoarseTexels {
   std::map<int, BinnedLevel> binned;    // levels of kBinned
 };
 
-/// Some finished rows, while the windows still hold them.
+/// Finished rows that the windows still hold.
 struct FittedRows {
   int first_row, row_count;
-  const RowWindow* lobes;     // a window with these rows; lobes are refined if the level is refined
-  const RowWindow* features;  // [triple][lobe]; null: none
-  const MapWindow* normals;   // normals under the rows, on levels that are fitted to all normals; else null
+  const RowWindow* lobes;     // a window with these rows; refined lobes if the level is refined
+  const RowWindow* features;  // [triple][lobe]; null if there are no features
+  const MapWindow* normals;   // normals under the rows, on levels that are fitted to all normals; otherwise null
   MultumMovmfFit fit;         // with the current windows
-  const RowWindow* em_lobes;  // lobes of EM, from which finer levels grow; `lobes` if the level is not refined
+  const RowWindow* em_lobes;  // lobes of EM, from which finer levels grow; the same as `lobes` if the level is not
+                              // refined
 };
 
 /// True if --refine changes lobes of the level (kRefinedNormalsMin).
 bool is_refined(const LevelSchedule& level, const MovmfSettings& settings);
 
 struct BandPlan {
-  int band_rows;      // B, at least 1; equal to the level's height for all rows at once
-  int map_band_rows;  // rows of the map, for a method that reads it band by band: kChunks
+  int band_rows;      // B, at least 1; if it is the level's height, all rows are fitted at once
+  int map_band_rows;  // rows of the map per band, for kChunks, which reads the map in bands
 };
 
 /// The fit of one level, or of a part of its rows.
 class LevelFit {
  public:
-  /// `fitted`: rows to hand over; other rows are finished, or belong to another process. On a map that repeats, rows
-  /// may be outside its borders. `origin` provides the parents, the lobes from which the level starts, and the texels
-  /// to fit.
+  /// `fitted` are the rows to hand over. Other rows are finished or belong to another process. On a map that repeats,
+  /// rows may be outside the borders. `origin` provides the parents, the lobes from which the level starts, and the
+  /// texels to fit.
   LevelFit(Device& device, MovmfEmStep& em_step, const LevelSchedule& level, const MovmfSettings& settings,
            const MapInputs& map, CoarseTexels& coarse, RowOrigin& origin, const LevelRows& fitted, const BandPlan& plan,
            Progress* progress);
@@ -77,9 +78,9 @@ class LevelFit {
   void make_windows(Device& device, const MovmfSettings& settings, CoarseTexels& coarse, const BandPlan& plan);
   bool refines() const { return steps_ > em_steps_; }
   bool has_features() const { return !map_.features.empty(); }
-  // True if the method reads the map's rows under the window's rows directly.
+  // True if the method directly reads the rows of the map that the window's rows cover.
   bool reads_map_rows() const { return level_.method == FitMethod::kTexels || level_.method == FitMethod::kChoice; }
-  // True if the map repeats. Rows beyond a border then exist, as far as the steps need them.
+  // True if the map repeats. Rows beyond a border then exist if the steps need them.
   bool repeats() const { return fit_.periodic_y != 0 && fit_.parent_width > 0; }
   int lower_bound() const { return repeats() ? std::min(wanted_.begin, 0) - steps_ : 0; }
   int upper_bound() const { return repeats() ? std::max(wanted_.end, fit_.height) + steps_ : fit_.height; }
@@ -97,27 +98,27 @@ class LevelFit {
   const MapInputs& map_;
   const CoarseTexels& coarse_;
   const bool has_parent_;
-  const std::optional<TexelRange> range_;  // nullopt: all texels
+  const std::optional<TexelRange> range_;  // nullopt means all texels
   const RowWindow::Fill before_, parent_;
   const int lobe_count_;
   const bool gaussians_;
   const bool whole_;
   const int band_rows_;
   const int em_steps_;
-  const int steps_;        // including refinement
-  const int handed_rows_;  // at a time
+  const int steps_;        // number of steps, including refinement
+  const int handed_rows_;  // rows that are handed over at a time
   const RowRange wanted_;  // rows to hand over
   Progress* progress_;
   StepWindows windows_;
   std::optional<MapWindows> windows_of_map_;  // set if the map is not on the device
 };
 
-/// The ranges of rows that LevelFit hands over, for all rows of a level that grows from another. Files store their
-/// tiles in that order.
+/// The ranges of rows that LevelFit hands over, for all rows of a level that grows from another level. Files store
+/// their tiles in the order of these ranges.
 std::vector<LevelRows> handed_ranges(const Device& device, const LevelSchedule& level, const MovmfSettings& settings,
                                      const MapInputs& map, const BandPlan& plan);
 
-/// Number of steps of a level. The fit of a row depends on this many rows on either side.
+/// Number of steps of a level. The fit of a row depends on the same number of rows on either side.
 int fit_steps(const LevelSchedule& level, const MovmfSettings& settings);
 
 /// Approximate bytes of the windows and buffers of LevelFit.

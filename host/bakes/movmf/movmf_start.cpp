@@ -48,8 +48,9 @@ Normals sample_normals(const PlaneStore& map, const TexelRectangle& where, doubl
   return normals;
 }
 
-// Ranks candidates by the error of their highlights compared with those of the normals, for a broad, a medium and a
-// sharp BRDF. Likelihood would rank sharp lobes around few normals too high for their small effect in a picture.
+// Ranks candidates by the error of their highlights compared with the highlights of the normals, for a broad, a medium
+// and a sharp BRDF. By likelihood, sharp lobes around few normals would rank too high, although they have little effect
+// in a picture.
 class HighlightError {
  public:
   explicit HighlightError(const Normals& normals) : directions_(spread_half_vectors(kDirections)) {
@@ -68,7 +69,7 @@ class HighlightError {
       for (std::size_t d = 0; d < kDirections; ++d) {
         double model = 0.0;
         for (const Lobe& lobe : fit.lobes) {
-          // Mean cosines multiply under convolution: docs/contributing/ALGORITHMS.md, "Shading a filtered lobe".
+          // Mean cosines multiply under convolution (docs/contributing/ALGORITHMS.md, "Shading a filtered lobe").
           const double mean_cosine = lobe.mean_length * (1.0 - 1.0 / kSharpness[s]);
           model += lobe.amplitude * density(kappa_of_mean_cosine(mean_cosine, 1e6), glm::dot(lobe.mu, directions_[d]));
         }
@@ -81,7 +82,7 @@ class HighlightError {
   }
 
  private:
-  // Highlight of a normal; a shortened normal has the width of its own lobe.
+  // Returns the highlight of a normal. A shortened normal has the width of its own lobe.
   static double highlight(const glm::dvec3& n, double sharpness, const glm::dvec3& direction) {
     const double length = glm::length(n);
     if (length > 1.0 - 1e-6) return density(sharpness, glm::dot(n, direction));
@@ -163,15 +164,16 @@ class StartTrials {
   }
 
  private:
-  // Many short trials, then longer ones from the best: 0.2 s on one core for any map size. About one random trial in
-  // 30 finds the basin of the best optimum on the four-quarter map with 4 lobes, and fewer do with more lobes.
+  // First many short trials are made, then longer ones from the best. This takes 0.2 s on one core for any map size. On
+  // the four-quarter map with 4 lobes, about one random trial in 30 finds the basin of the best optimum. With more
+  // lobes, fewer trials do.
   static constexpr int kTrials = 128, kShortIterations = 12, kLongIterations = 30;
-  // With 5 lobes or more, some trials start from the best fits with two lobes fewer, which are found more reliably, and
-  // add two lobes. More lobes then never have a higher error. With fewer lobes, random trials suffice.
+  // With 5 lobes or more, some trials add two lobes to the best fits with two lobes fewer, which are found more
+  // reliably. More lobes then never have a higher error. With fewer lobes, random trials suffice.
   static constexpr int kGrownTrials = 48, kGrownLobesMin = 5, kLobesAdded = 2;
   static constexpr std::size_t kGrownFrom = 6;
 
-  // Fits from random trials and from trials that grow from `smaller`; the lowest error first.
+  // Returns fits from random trials and from trials that grow from `smaller`, the lowest error first.
   std::vector<Fit> best_fits(int lobe_count, const std::vector<Fit>& smaller) const {
     std::vector<Fit> fits(static_cast<std::size_t>(kTrials + (smaller.empty() ? 0 : kGrownTrials)));
     for_each_item(static_cast<int>(fits.size()), search_.threads, [&](int trial) {
@@ -256,8 +258,8 @@ NormalMap sample_proxy_map(const PlaneStore& map, int side_max, std::uint64_t se
 }
 
 std::vector<glm::dvec3> spread_half_vectors(int count) {
-  // Squared height and azimuth of light and view: a Kronecker sequence in four dimensions. The steps of the sequence
-  // are the powers of the inverse root of x^5 = x + 1, which generalises the golden ratio (Roberts 2018).
+  // The squared heights and the azimuths of light and view follow a Kronecker sequence in four dimensions. The steps of
+  // the sequence are the powers of the inverse root of x^5 = x + 1, which generalises the golden ratio (Roberts 2018).
   constexpr double kRoot = 1.16730397826141868;
   const auto direction = [](double height, double turn) {
     const double side = std::sqrt(1.0 - height * height), azimuth = 2.0 * std::numbers::pi * turn;

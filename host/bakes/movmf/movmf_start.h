@@ -19,39 +19,39 @@ struct TexelRectangle {
   int x0, y0, x1, y1;
 };
 
-/// Returns `lobe_count` lobes of equal amplitude and kappa 20, far apart: first the normal farthest from the mean,
-/// then repeatedly the normal farthest from all chosen normals (Hochbaum and Shmoys; Han et al. 2007, section 7.2,
-/// choose among lobes in this way). Reads at most about 2^14 normals on a regular grid.
+/// Returns `lobe_count` lobes of equal amplitude and kappa 20, far apart: first the normal farthest from the mean, then
+/// repeatedly the normal farthest from all chosen normals. This is the method of Hochbaum and Shmoys, with which Han et
+/// al. 2007, section 7.2, choose among lobes. Reads at most about 2^14 normals on a regular grid.
 std::vector<MultumVmfLobe> farthest_first_lobes(const PlaneStore& map, const TexelRectangle& where, int lobe_count);
 
-/// Converts the lobes to `representation`. For Gaussians: the mean's x and y, and sigma^2 = 1 - |r|, which is 1/kappa
-/// of a narrow lobe. `is_shortened`: the normals are shortened (PlaneStore::is_shortened()), but points of the plane
-/// are not, so x and y come from the direction.
+/// Converts the lobes to `representation`. A Gaussian has the mean's x and y, and sigma^2 = 1 - |r|, which is 1/kappa
+/// of a narrow lobe. If `is_shortened` is true, the normals are shortened (PlaneStore::is_shortened()). Points of the
+/// plane are not, so x and y come from the direction.
 std::vector<MultumVmfLobe> start_lobes(std::vector<MultumVmfLobe> lobes, Representation representation,
                                        bool is_shortened);
 
 struct StartSearch {
   int lobe_count = 4;
-  float kappa_max = 1000.0f;  // cap inside EM
+  float kappa_max = 1000.0f;  // upper limit of kappa inside EM
   std::uint64_t seed = 1;
   int threads = 1;
   bool grows_starts = true;  // with 5 lobes or more, some trials grow from the best fits with two lobes fewer
 };
 
-/// Returns 1 to 24 starts for the coarsest level, the lowest error first: the best of many EM fits, in double, to a
-/// sample of the whole map. EM from only the farthest-first choice ends in poor local optima, which every finer level
-/// inherits. For example, three wide lobes share one flat area and two facets of a groove, with an error of 64 % at the
-/// coarsest level of the four-quarter map. These starts give an error of 6 %.
+/// Returns 1 to 24 starts for the coarsest level, the lowest error first. They are the best of many EM fits, in double
+/// precision, to a sample of the whole map. If EM started only from farthest_first_lobes(), it would end in poor local
+/// optima, which every finer level inherits. For example, three wide lobes would share one flat area and two facets of
+/// a groove, and the error at the coarsest level of the four-quarter map would be 64 %. With these starts, it is 6 %.
 std::vector<std::vector<MultumVmfLobe>> start_candidates(const PlaneStore& map, const StartSearch& search);
 
 /// Makes a map of at most `side_max` texels per side. Each texel is a random normal from the part of the map that it
-/// represents, so that coarse levels have the same distributions. The choice is random because patterns repeat: a
-/// knurled plate sampled on a grid lost three of its four directions.
+/// represents, so that coarse levels have the same distributions. The choice is random because patterns repeat. For
+/// example, a knurled plate that was sampled on a grid lost three of its four directions.
 NormalMap sample_proxy_map(const PlaneStore& map, int side_max, std::uint64_t seed);
 
 /// Returns `count` half vectors, a multiple of 4, of lights and views spread over the upper hemisphere and weighted by
-/// their cosines: these are directions from which a surface is lit and seen. A quarter turn about z maps the set to
-/// itself. None of them is used for the errors in docs/evidence/ACCURACY.md.
+/// their cosines. A quarter turn about z maps the set to itself. None of them is used for the errors in
+/// docs/evidence/ACCURACY.md.
 std::vector<glm::dvec3> spread_half_vectors(int count);
 
 }  // namespace multum

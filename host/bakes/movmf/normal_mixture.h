@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Fits mixtures of von Mises-Fisher lobes to a list of normals, on the host in double precision. The bake's EM starts
-// from these mixtures (host/bakes/movmf/movmf_start.h), and plans use them to estimate lobes (host/bakes/scene).
+// Fits mixtures of von Mises-Fisher lobes to a list of normals, on the host and in double precision. The bake's EM
+// starts from these mixtures (host/bakes/movmf/movmf_start.h), and plans use them to estimate lobes (host/bakes/scene).
 #pragma once
 
 #include <cmath>
@@ -26,10 +26,10 @@ struct MixtureFit {
   double error = HUGE_VAL;
 };
 
-/// Lobes of equal amplitude around the normals with the numbers in `chosen`.
+/// Returns lobes of equal amplitude around the normals whose indices are in `chosen`.
 MixtureFit start_mixture(const Normals& normals, const std::vector<std::size_t>& chosen, bool is_shortened);
 
-/// Runs EM in double precision (Han et al. 2007, section 7, Algorithm 1) without alignment; each shortened normal
+/// Runs EM in double precision (Han et al. 2007, section 7, Algorithm 1) without alignment. Each shortened normal
 /// counts as `copies` normals (kernels/device/movmf_em.clh).
 void iterate_mixture(MixtureFit& fit, const Normals& normals, int iterations, double kappa_max, double copies);
 

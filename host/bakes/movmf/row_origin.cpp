@@ -97,15 +97,15 @@ LevelTask ShareRows::begin(const LevelShape& level) {
   if (!is_coarse) {
     task.fitted = plan_.fitted.at(level.level);
     task.kept = plan_.kept.at(level.level);
-    // Windows extend beyond the fitted rows and read rows there that were never written: gives the file its full
-    // length.
+    // Gives the file its full length, because windows extend beyond the fitted rows and read rows there that were never
+    // written.
     if (own_) own_->write(level.height - 1, 1, std::vector<unsigned char>(level.lobe_row_bytes).data());
   }
   kept_ = task.kept;
   return task;
 }
 
-// Writes all rows to the store that the next level grows from, and the kept rows to the share.
+// Writes all rows to the store from which the next level grows, and the kept rows to the share.
 void ShareRows::keep(const DoneRows& rows) {
   const auto row_of = [](const void* values, std::size_t row_bytes, int row) {
     return static_cast<const unsigned char*>(values) + row_bytes * static_cast<std::size_t>(row);

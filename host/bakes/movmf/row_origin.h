@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Provides the rows of a bake's levels. They are fitted in this run (RowOrigin itself), taken from an earlier run
-// (ResumedRows), gathered from shares (GatheredRows), or taken from an older file (host/bakes/bake/region_bake.h). A
-// share of a map (ShareRows) is also fitted in this run, and the rows of the share are kept for the merge.
+// (ResumedRows), gathered from shares (GatheredRows), or taken from an older file (host/bakes/bake/region_bake.h). The
+// rows of a share of a map (ShareRows) are also fitted in this run, and they are kept for the merge.
 #pragma once
 
 #include <memory>
@@ -21,8 +21,8 @@
 
 namespace multum {
 
-/// Receives the results of a bake, exact to float: the rows of a level in order from the first row, coarse levels
-/// first. Rows of level 0 come between rows of level 1.
+/// Receives the results of a bake as floats. The rows of a level come in order from the first row, and coarse levels
+/// come first. Rows of level 0 come between rows of level 1.
 class MovmfSink {
  public:
   virtual ~MovmfSink() = default;
@@ -34,7 +34,7 @@ class MovmfSink {
 struct LevelShape {
   int level, height;
   std::size_t lobe_row_bytes;     // [lobe][column]
-  std::size_t feature_row_bytes;  // [triple][lobe][column]; 0: none
+  std::size_t feature_row_bytes;  // [triple][lobe][column]; 0 if there are no features
   bool is_refined;                // true if the stored lobes differ from the lobes from which finer levels grow
   bool is_parent;                 // true if the next level is fitted
 
@@ -44,7 +44,7 @@ struct LevelShape {
 /// The work to do for a level.
 struct LevelTask {
   int rows_there = 0;      // rows [0, rows_there) already exist and can be read
-  LevelRows fitted, kept;  // rows to fit, and the rows to keep; only finer rows need the other fitted rows
+  LevelRows fitted, kept;  // rows to fit and rows to keep; only finer levels need the other fitted rows
 };
 
 /// Fitted rows of a level, in the layout of LevelShape.
@@ -55,15 +55,15 @@ struct DoneRows {
 
 class RowOrigin {
  public:
-  /// `sink` receives finished rows and outlives the object; if null, the process that gathers the rows finishes them.
-  /// `spill` is for rows from which finer levels grow.
+  /// `sink` receives finished rows and must outlive the object. If it is null, the process that gathers the rows
+  /// finishes them. `spill` is the policy for rows from which finer levels grow.
   RowOrigin(MovmfSink* sink, SpillPolicy spill) : sink_(sink), spill_(std::move(spill)) {}
   virtual ~RowOrigin() = default;
   RowOrigin(const RowOrigin&) = delete;
   RowOrigin& operator=(const RowOrigin&) = delete;
 
   MovmfSink* sink() const { return sink_; }
-  /// Returns the texels of a level to fit; other texels keep their lobes. nullopt means all texels.
+  /// Returns the texels of a level to fit, or nullopt for all texels. Other texels keep their lobes.
   virtual std::optional<TexelRange> range(int) const { return std::nullopt; }
 
   // Call begin() and end() for one level after another, the coarsest first.
@@ -73,25 +73,27 @@ class RowOrigin {
   void read(RowPart part, int first_row, int row_count, void* rows) {
     there_.read(level_.level, part, first_row, row_count, rows);
   }
-  /// Sets the lobes of the level before it is fitted. Texels without a parent and those in range() start from them.
+  /// Sets the lobes of the level before it is fitted. Texels without a parent and texels in range() start from these
+  /// lobes.
   void start_from(RowStore lobes) { before_ = std::move(lobes); }
   RowWindow::Fill before() const { return before_ ? fill_planes(*before_) : nullptr; }
   /// Lobes of the previous level.
   virtual RowWindow::Fill parent() { return fill_planes(*coarser_); }
-  /// Takes fitted rows in order. Called in another thread than the other members, but never during end().
+  /// Takes fitted rows in order. Called from a different thread than the other members, but never during end().
   virtual void keep(const DoneRows& rows);
   virtual void end();
 
   /// Called after all levels.
   virtual void finish() {}
-  /// Called if the bake is stopped and may be resumed; the files for resuming remain.
+  /// Called if the bake is stopped and may be resumed. The files for resuming remain.
   virtual void leave() {}
   /// Number of rows that were taken from an earlier run.
   virtual std::uint64_t rows_resumed() const { return 0; }
 
  protected:
   LevelShape level_{};
-  std::optional<RowStore> own_, coarser_, before_;  // lobes of this level, if needed, and of the previous level
+  std::optional<RowStore> own_, coarser_, before_;  // lobes of this level if needed, of the coarser level, and of this
+                                                    // level before the fit
   RowRecords there_;                                // rows of an earlier run, or of shares
 
   MovmfSink* const sink_;
@@ -101,9 +103,9 @@ class RowOrigin {
 /// Reuses rows of a killed run, and stores new rows for a later run, in the hidden folder next to the output.
 class ResumedRows : public RowOrigin {
  public:
-  /// `key` identifies the sources and settings: all inputs on which rows depend. With `resume`, keeps existing rows of
-  /// the same bake and removes all other rows. `has_finest`: also store rows of the finest fitted level. Returns null
-  /// while another process bakes the same output. Throws Error(kEnvironment).
+  /// `key` identifies the sources and settings on which rows depend. If `resume` is true, keeps existing rows of the
+  /// same bake and removes all other rows. If `has_finest` is true, also stores rows of the finest fitted level.
+  /// Returns null while another process bakes the same output. Throws Error(kEnvironment).
   static std::unique_ptr<ResumedRows> open(MovmfSink* sink, const SpillPolicy& spill, const std::string& output,
                                            const std::string& key, bool resume, bool has_finest);
 
@@ -131,7 +133,7 @@ class GatheredRows : public RowOrigin {
   /// share that is missing or belongs to another bake.
   GatheredRows(MovmfSink* sink, const std::string& output, int count, const std::string& key);
 
-  /// Throws Error(kEnvironment) if the shares lack rows of the level.
+  /// Throws Error(kEnvironment) if rows of the level are missing in the shares.
   LevelTask begin(const LevelShape& level) override;
   void end() override {}
 
@@ -143,7 +145,7 @@ class GatheredRows : public RowOrigin {
 /// Fits one process's share of a map.
 class ShareRows : public RowOrigin {
  public:
-  /// `writer` receives the rows. A band needs share 0 of `output`, whose rows depend on `key`; throws as ShareFile
+  /// `writer` receives the rows. A band needs share 0 of `output`, whose rows depend on `key`. Throws as ShareFile
   /// does.
   ShareRows(const SpillPolicy& spill, const MapShard& shard, ShardPlan plan, const std::string& output,
             const std::string& key, ShareWriter& writer);

@@ -13,7 +13,7 @@ namespace multum {
 namespace {
 
 constexpr std::uint64_t kBlockBytes = std::uint64_t{4} << 20;
-constexpr std::int32_t kRowsMax = 3 * 32768;  // largest row count, because the three planes of a map have separate rows
+constexpr std::int32_t kRowsMax = 3 * 32768;  // largest row count; the three planes of a map have separate rows
 
 std::uint64_t sum(const RowBytes& bytes) { return std::accumulate(bytes.begin(), bytes.end(), std::uint64_t{0}); }
 

@@ -13,14 +13,14 @@
 
 namespace multum {
 
-/// Contents of rows: lobes from which finer levels grow, [lobe][column]; features, [triple][lobe][column]; and the
-/// lobes for the file, if they differ from the first lobes.
+/// The parts of a row: lobes from which finer levels grow, [lobe][column]; features, [triple][lobe][column]; and lobes
+/// for the file, if these differ from the first lobes.
 enum class RowPart { kLobes, kFeatures, kStored };
 
-/// Bytes per row of each part; 0 if the part is missing.
+/// Bytes per row of each part. 0 if the part is missing.
 using RowBytes = std::array<std::uint64_t, 3>;
 
-/// Header of a record of rows; the rows of each part follow.
+/// Header of a record of rows. The rows of each part follow it.
 struct RowBlock {
   std::int32_t level = 0, first_row = 0, row_count = 0, unused = 0;
   RowBytes row_bytes{};
@@ -29,20 +29,20 @@ struct RowBlock {
 /// Holds rows from any number of files, which must outlive the object.
 class RowRecords {
  public:
-  /// Appends rows to a file, in records of some megabytes, because reading a row loads its whole record. Missing
-  /// `parts` may be null. Throws Error(kEnvironment).
+  /// Appends rows to a file, in records of a few megabytes, because reading a row loads its whole record. Parts that
+  /// are missing may be null. Throws Error(kEnvironment).
   void add(RecordFile& file, const RowBlock& rows, const std::array<const void*, 3>& parts);
-  /// Adds an existing record without reading its rows. `remedy`: advice for damaged rows, which must outlive the
-  /// object; null if there is none. Returns false if the record holds no rows.
+  /// Adds an existing record without reading its rows. `remedy` is advice for damaged rows, or null. It must outlive
+  /// the object. Returns false if the record holds no rows.
   bool take(const RecordFile& file, const RecordFile::Place& place, const std::string* remedy = nullptr);
 
   /// Returns the number of consecutive rows of a level from row 0 on that have this size, and drops all other rows.
   /// Call it once per level, before rows are added.
   int row_count(int level, const RowBytes& row_bytes);
-  /// Position of the rows in the first record of a level; 0 if there is none.
+  /// Returns the position of the rows in the first record of a level, or 0 if there is none.
   std::uint64_t begin_of(int level) const;
-  /// Reads rows, fastest in order. If there are no stored lobes, kStored reads the lobes of kLobes. Throws
-  /// Error(kEnvironment) for rows that are missing or damaged.
+  /// Reads rows. Reading in order is fastest. If there are no separate lobes for the file, kStored reads the lobes of
+  /// kLobes. Throws Error(kEnvironment) for rows that are missing or damaged.
   void read(int level, RowPart part, int first_row, int row_count, void* rows);
 
  private:

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Remembers the starts of bakes of one map. A search takes 0.2 to 1 s of processor time for any map size, which is most
-// of the bake time of a small map. Bakes whose settings differ only in what the search ignores, such as the
-// storage of lobes, have the same start.
+// of the bake time of a small map. Bakes have the same start if they differ only in settings that the search ignores,
+// such as the storage of lobes.
 #pragma once
 
 #include <optional>
@@ -22,14 +22,14 @@ struct StartCandidates {
 /// The best candidate for some settings.
 struct ChosenStart {
   std::vector<MultumVmfLobe> start;
-  int tried = 0;  // candidates
+  int tried = 0;  // number of candidates
   RunTime time;   // time to find and try the candidates, with loaded kernels
 };
 
-/// Serves one map and one device; bakes use it one after another.
+/// Serves the bakes of one map on one device, one after another.
 class StartMemory {
  public:
-  /// Returns null if the candidates have not been searched.
+  /// Returns null if no search has been made.
   const StartCandidates* candidates(int lobe_count, float kappa_max) const;
   const StartCandidates& remember(int lobe_count, float kappa_max, StartCandidates found);
   /// `settings` are the settings of the bakes that tried the candidates.

@@ -53,7 +53,7 @@ class AveragePass {
   }
 
  private:
-  // Values per row: planes of the map, and output rows that wait to be written.
+  // Returns the number of values per row, for planes of the map and for output rows that wait to be written.
   std::size_t row_values() const {
     const std::size_t map_planes = kMapPlanes * (1 + inputs_.features.rgb_planes.size());
     return (map_planes + 3 * size_of(plane_count_ + 1)) * size_of(width_);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bakes linear quantities into a mip pyramid: every texel of every level is the plain average of the finest texels
-// that it covers. Reads the map once, by bands of rows, at any size (host/bakes/pyramid/box_pyramid.h). The
-// representation defines the averaged values and their destination.
+// Bakes linear quantities into a mip pyramid: every texel of every level is the plain average of the finest texels that
+// it covers. Reads the map once, by bands of rows, at any size (host/bakes/pyramid/box_pyramid.h). The representation
+// defines which values are averaged and where they go.
 #pragma once
 
 #include <array>
@@ -26,7 +26,7 @@ struct AverageInputs : MapInputs {
   int first_level = 0;  // the finest level to make
 };
 
-/// Wraps maps in memory as inputs, with the header of the result: sizes and contents only.
+/// Wraps maps in memory as inputs, with the header of the result, which has only sizes and contents.
 class AveragedMap {
  public:
   /// `albedo` may be null. Weights are the features of `inputs`, and must outlive the object.
@@ -43,9 +43,9 @@ class AveragedMap {
   AverageInputs inputs_;
 };
 
-/// Counts and plan of an averaging pass: its part of a bake's report (host/bakes/bake/bake_report.h).
+/// Counts and plan of an averaging pass, which are part of a bake's report (host/bakes/bake/bake_report.h).
 struct AverageReport {
-  std::string plan;                  // bands and levels, in one line
+  std::string plan;                  // the bands and levels, in one line
   std::uint64_t slopes_limited = 0;  // normals too close to the horizon for slopes of moments (kSlopeZMin)
 };
 
@@ -55,22 +55,22 @@ class AveragedPlanes {
   using MapPlanes = std::array<DeviceBuffer, 3>;  // x, y, z, or a triple of features
 
   virtual ~AveragedPlanes() = default;
-  /// Name for the plan's text: "moments".
+  /// Name in the plan's text, such as "moments".
   virtual std::string name() const = 0;
   /// Number of planes without feature planes (host/bakes/pyramid/feature_planes.h), which come last, three per triple.
   virtual int plane_count() const = 0;
   /// Launches kernels that write a band of all planes except feature planes to `nodes` [plane][row][row_length].
   virtual void make_finest(const MapPlanes& normals, const DeviceBuffer& nodes, const MultumBoxBand& band) = 0;
-  /// Receives the normals as they are read.
+  /// Receives each band of normals when it is read.
   virtual void see_normals(const std::array<const float*, 3>&, std::size_t) {}
-  /// Receives finished rows: the rows of a level in order from the top, the levels in any order.
+  /// Receives finished rows. The rows of a level come in order from the top. Levels come in any order.
   virtual void add_level(const BoxRows& rows) = 0;
-  /// Called after all rows of a band were handed over; kernels may be launched again.
+  /// Called after all rows of a band were handed over. From then on, kernels may be launched again.
   virtual void end_band() {}
 };
 
 /// Averages the map into all levels, and fills AverageReport::plan. Throws Error(kUsage) for too little memory,
-/// Error(kEnvironment) for errors of disk or device, Cancelled. Progress: one unit per texel of the map.
+/// Error(kEnvironment) for errors of the disk or the device, and Cancelled. Progress: one unit per texel of the map.
 void average_map(Device& device, const AverageInputs& inputs, AveragedPlanes& planes, AverageReport& report,
                  Progress* progress);
 

@@ -12,11 +12,11 @@
 namespace multum {
 namespace {
 
-// More memory does not increase the speed. Averaging a map of 4096 x 4096 takes 3.6 s in bands of 16 MiB, 3.9 s in
-// bands of 64 MiB and 4.5 s in bands of 2 MiB. Measured on 2 cores of an AMD EPYC with PoCL 3.1; medians of three, with
-// other work running.
+// More memory does not make a bake faster. Averaging a map of 4096 x 4096 takes 3.6 s in bands of 16 MiB, 3.9 s in
+// bands of 64 MiB and 4.5 s in bands of 2 MiB. These are medians of three runs on 2 cores of an AMD EPYC with PoCL 3.1,
+// with other work running.
 constexpr std::uint64_t kUsefulBandBytes = std::uint64_t{16} << 20;
-constexpr int kBoxMapSideMax = 32768;  // products of two sides fit an int
+constexpr int kBoxMapSideMax = 32768;  // with this limit, products of two sides fit into an int
 
 }  // namespace
 
@@ -61,8 +61,8 @@ void BoxPyramid::make_columns() {
   tap_begin_values_.push_back(static_cast<int>(tap_values_.size()));
 }
 
-// Distance between rows of nodes: rounded up, but not to a power of two, because such rows would share sets of the
-// cache.
+// Returns the distance between rows of nodes. It is rounded up, but not to a power of two, because such rows would
+// share sets of the cache.
 int BoxPyramid::row_length() const { return static_cast<int>((blocks_.node_count() + 15) / 16 * 16 + 16); }
 
 // Memory for one more row per band.
@@ -72,7 +72,7 @@ std::uint64_t BoxPyramid::row_bytes() const {
 
 std::uint64_t BoxPyramid::fixed_bytes() const {
   const std::size_t columns = size_of(column_count()), planes = size_of(map_.plane_count);
-  // Two rows of every level for any band height: one for the averages, one for the handover.
+  // There are two rows of every level for any band height, one for the averages and one for the handover.
   return columns * planes * 4 * sizeof(float) + columns * sizeof(int) + tap_values_.size() * sizeof(MultumBoxTap);
 }
 

@@ -35,7 +35,8 @@ struct BoxRows {
   }
 };
 
-/// The group size is small because work-items are small: PoCL takes as long to start a group as to run a work-item.
+/// Work-items per group. Groups of one work-item would be slow, because PoCL takes as long to start a group as to run
+/// one of these small work-items.
 constexpr std::size_t kBoxLocalSize = 64;
 
 /// Throws Error(kInput) for a map that is too large, and Error(kUsage) for a first level that the map does not have.
@@ -44,7 +45,7 @@ void validate_box_map(int first_level, int map_width, int map_height);
 class BoxPyramid {
  public:
   struct Memory {
-    std::uint64_t bytes;            // for buffers; changes no byte of the result
+    std::uint64_t bytes;            // memory for buffers; does not change the result
     std::size_t caller_row_values;  // floats that the caller needs per row of a band
   };
 
@@ -55,7 +56,7 @@ class BoxPyramid {
   std::uint64_t buffer_bytes() const;
   MultumBoxBand band(int first_row, int row_count) const;
   const DeviceBuffer& nodes() const { return nodes_; }
-  /// Averages a band. Bands come in order from the top; each has band_rows() rows, except the last.
+  /// Averages a band. Bands come in order from the top. Each band has band_rows() rows, except the last.
   void average(const MultumBoxBand& band);
   /// Calls `consume` for every level with finished rows, the finest level first.
   void hand_over(const MultumBoxBand& band, const std::function<void(const BoxRows&)>& consume);
@@ -73,7 +74,7 @@ class BoxPyramid {
   const BoxMap map_;
   const Memory memory_;
   const RowBlocks blocks_;
-  // Columns of all averaged levels, and the taps of each on a row.
+  // The columns of all averaged levels, and the taps that each column has on a row.
   std::vector<MultumBoxLevel> level_values_;
   std::vector<int> level_numbers_;
   std::vector<int> tap_begin_values_;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Describes a map's normals and the linear features of its material, which are averaged or divided among lobes together
-// with the normals: colours, then weights of basis BRDFs (Han et al. 2007, section 7.3). Every bake treats these
+// Describes a map's normals and the linear features of its material: colours, then weights of basis BRDFs (Han et al.
+// 2007, section 7.3). Features are averaged or divided among lobes together with the normals. Every bake treats these
 // features as triples of planes, whatever they mean.
 #pragma once
 
@@ -17,12 +17,12 @@ namespace multum {
 
 struct FeaturePlanes {
   std::vector<const PlaneStore*> rgb_planes;
-  bool has_colours = false;  // the first triple
+  bool has_colours = false;  // colours are the first triple
   int weight_count = 0;      // number of weights in the triples after the colours
 
-  /// `albedo` and `weights` may be null, and must outlive the result.
+  /// `albedo` and `weights` may be null. They must outlive the result.
   static FeaturePlanes of(const PlaneStore* albedo, const WeightMap* weights);
-  /// Returns these features with colours in front. `albedo` must outlive the result; there must be no colours yet.
+  /// Returns these features with colours in front. `albedo` must outlive the result. There must be no colours yet.
   FeaturePlanes with_colours(const PlaneStore& albedo) const;
 
   bool empty() const { return rgb_planes.empty(); }
@@ -34,13 +34,13 @@ struct FeaturePlanes {
 struct MapInputs {
   const PlaneStore* normals = nullptr;
   FeaturePlanes features = {};                          // features of the map's size
-  std::uint64_t memory_bytes = std::uint64_t{1} << 30;  // for windows and buffers; changes no byte of the result
+  std::uint64_t memory_bytes = std::uint64_t{1} << 30;  // memory for windows and buffers; does not change the result
   int threads = 1;                                      // number of threads for loops on the host
   std::uint64_t writer_bytes = 0;              // part of memory_bytes that the writer holds during the fit of levels
-  SpillPolicy spill{.memory_bytes = 4 << 20};  // for rows that the next level needs
+  SpillPolicy spill{.memory_bytes = 4 << 20};  // policy for rows that the next level needs
 };
 
-/// Splits features of some texels, [triple][texel], into the file's form: colours, and weights texel by texel.
+/// Splits features [triple][texel] into the form of the file: colours, and weights texel by texel.
 void split_features(std::vector<std::vector<glm::vec3>> rgb_planes, const FeaturePlanes& features,
                     std::vector<glm::vec3>& colours, std::vector<float>& weights);
 

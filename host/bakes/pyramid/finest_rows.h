@@ -8,7 +8,7 @@
 
 namespace multum {
 
-/// Makes rows [first_row, first_row + row_count) of the map; all texels belong to lobe 0.
+/// Makes rows [first_row, first_row + row_count) of the map. All texels belong to lobe 0.
 MovmfFinest finest_rows(const PlaneStore& normals, const FeaturePlanes& features, Representation representation,
                         int first_row, int row_count, int threads);
 

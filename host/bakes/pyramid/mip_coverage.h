@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Computes exact box averages over the finest texels that a texel of a coarser level covers
-// (docs/contributing/ALGORITHMS.md, "Notation"): texel x of a level of width w covers [x W/w, (x + 1) W/w), including
+// (docs/contributing/ALGORITHMS.md, "Notation"). Texel x of a level of width w covers [x W/w, (x + 1) W/w), including
 // fractions. For powers of two these are whole blocks.
 #pragma once
 

@@ -21,14 +21,14 @@ struct ReflectanceLight {
 
 struct ReflectanceJob {
   std::vector<ReflectanceLight> lights;
-  std::string environment;         // latitude-longitude image; empty: none
+  std::string environment;         // latitude-longitude image; empty if there is none
   float environment_scale = 1.0f;  // factor for its radiance
   glm::dvec3 viewer{0.0, 0.0, 1.0};
   glm::dvec3 up{0.0, 1.0, 0.0};
   float exponent = 100.0f;  // s, 1..1e5
   glm::dvec3 diffuse{0.5};
   glm::dvec3 specular{0.1};
-  int size = 512;       // texels a side, 4..8192
+  int size = 512;       // texels per side, 4..8192
   int sample_side = 2;  // normals per side of a texel, 1..16
   std::string output;
   std::string report;
@@ -43,13 +43,14 @@ struct ReflectanceJob {
 void validate(const ReflectanceJob& job);
 
 /// Lights for the cells of a latitude-longitude environment. The number of cells depends on the BRDF's lobe: a cell is
-/// about half as wide as the lobe (radians: 1 / (2 sqrt(s))). Directions are EnvironmentMap's: +Y up, -Z in the middle.
+/// about half as wide as the lobe, 1 / (2 sqrt(s)) radians. Directions are those of EnvironmentMap, with +Y up and -Z
+/// in the middle.
 std::vector<ReflectanceLight> environment_lights(const EnvironmentMap& environment, float exponent, float scale);
 
-/// Throws Error, Cancelled; leaves no partial file.
+/// Throws Error and Cancelled. Leaves no partial file.
 MipReport bake_reflectance(const ReflectanceJob& job, Device& device, Progress* progress);
 
-/// Makes the pyramid in memory, not rounded, from the job's lights only.
+/// Makes the pyramid in memory without rounding, from the job's lights only.
 Pyramid reflectance_pyramid(const ReflectanceJob& job, Device& device);
 
 }  // namespace multum

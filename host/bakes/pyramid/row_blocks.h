@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Splits the columns of coarser levels into sums over blocks of a row's texels. The nodes of a row are its texels,
+// Expresses the columns of coarser levels as sums over blocks of a row's texels. The nodes of a row are its texels,
 // followed by the sums of its whole blocks of 2, 4, ... texels. A column of any level, of any size, is the sum of a
 // few nodes:
 //
@@ -18,13 +18,13 @@ class RowBlocks {
  public:
   struct Tap {
     std::uint32_t node;
-    double weight;  // finest texels
+    double weight;  // number of finest texels
   };
 
   explicit RowBlocks(int row_width);
 
   std::size_t node_count() const { return node_count_; }
-  /// Number of block sizes: blocks of 2^k texels, k from 0 to depth() - 1, have a first node and a count.
+  /// Number of block sizes. Blocks of 2^k texels, k from 0 to depth() - 1, have a first node and a count.
   int depth() const { return static_cast<int>(block_begin_.size()); }
   std::size_t block_begin(int k) const { return block_begin_[static_cast<std::size_t>(k)]; }
   int block_count(int k) const { return row_width_ >> k; }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stores rows of equal size, in memory or in a scratch file: the output of one level of a pyramid for the next.
+// Stores rows of equal size, in memory or in a scratch file. They are the output of one level of a pyramid for the next
+// level.
 #pragma once
 
 #include <cstddef>
@@ -24,7 +25,7 @@ class RowStore {
   /// Writes rows [first_row, first_row + row_count). Throws Error(kEnvironment) for errors of the disk.
   void write(int first_row, int row_count, const void* rows);
   void read(int first_row, int row_count, void* rows) const;
-  /// Writes the first `byte_count` bytes of a row; the rest needs no room on disk.
+  /// Writes the first `byte_count` bytes of a row. The rest takes no disk space.
   void write_beginning(int row, const void* bytes, std::size_t byte_count);
   void read_beginning(int row, void* bytes, std::size_t byte_count) const;
 

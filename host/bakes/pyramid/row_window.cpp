@@ -34,7 +34,7 @@ RowWindow::RowWindow(Device& device, int plane_count, std::size_t row_bytes, int
 
 void RowWindow::move_to(int first_row, int row_count, const Fill& fill) {
   MULTUM_CHECK(row_count <= capacity_rows_);
-  // Rows [kept_begin, kept_end) are in both windows.
+  // Rows [kept_begin, kept_end) are in the window both before and after the move.
   const int kept_begin = std::max(first_row, first_row_),
             kept_end = std::max(kept_begin, std::min(first_row + row_count, first_row_ + row_count_));
   MULTUM_CHECK(row_count_ == 0 || first_row >= first_row_ || kept_end == kept_begin);  // windows can only slide down
@@ -148,7 +148,8 @@ std::optional<MapWindows> map_on_device(Device& device, const PlaneStore& normal
   const std::uint64_t texels =
       static_cast<std::uint64_t>(normals.width()) * static_cast<std::uint64_t>(normals.height());
   const std::uint64_t bytes = texels * 3 * sizeof(float) * (1 + rgb_planes.size());
-  if (bytes > device.shape().window_bytes_useful / 2) return std::nullopt;  // 0 on a CPU: maps stay in host memory
+  // window_bytes_useful is 0 on a CPU, so maps stay in host memory.
+  if (bytes > device.shape().window_bytes_useful / 2) return std::nullopt;
   MapWindows map(device, normals, rgb_planes, normals.height());
   map.move_to(0, normals.height());
   return map;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Manages windows that slide down over rows stored elsewhere: each window is a device buffer with some rows of every
-// plane. Rows wrap: on a map that repeats, a window may begin above its first row or end below its last.
+// Manages windows that slide down over rows stored elsewhere. Each window is a device buffer with some rows of every
+// plane. On a map that repeats, rows wrap: a window may begin above the map's first row or end below its last row.
 //
 //   stored rows 0 1 2 3 4 5 6 7 8 9 ...
 //   window          [2 3 4 5 6]           plane 0: 2 3 4 5 6, plane 1: 2 3 4 5 6, ...
@@ -18,11 +18,11 @@
 
 namespace multum {
 
-/// Wraps `row` to a level or map of `size` rows; `row` can be outside by a few times `size`.
+/// Wraps `row` to a level or map of `size` rows. `row` can be outside by a few times `size`.
 inline int wrapped_row(int row, int size) { return ((row % size) + size) % size; }
 
 /// Splits rows [first_row, first_row + row_count) into pieces that do not wrap, and calls body(first, count, at) for
-/// each. A piece is rows [first, first + count) of `size`, `at` rows after first_row.
+/// each. A piece consists of rows [first, first + count) of `size` rows, and begins `at` rows after first_row.
 void for_each_piece(int first_row, int row_count, int size,
                     const std::function<void(int first, int count, int at)>& body);
 
@@ -38,12 +38,12 @@ class RowWindow {
   DeviceBuffer& buffer() { return buffer_; }
   const DeviceBuffer& buffer() const { return buffer_; }
 
-  /// Writes the rows that were not yet in the window: `fill(row, count, planes)` is called for some rows at a time,
-  /// and `planes[p]` is the destination of row `row` of plane p. Without `fill`, the contents of these rows are
+  /// Moves the window and fills rows that were not yet in it. `fill(row, count, planes)` is called for some rows at a
+  /// time, and `planes[p]` is the destination of row `row` of plane p. Without `fill`, the contents of these rows are
   /// undefined.
   using Fill = std::function<void(int row, int count, const std::vector<unsigned char*>& planes)>;
   void move_to(int first_row, int row_count, const Fill& fill);
-  /// Copies rows [first_row, + count) in the order of the store: each row with its planes one after another.
+  /// Copies rows [first_row, + count) in the order of the store, in which the planes of each row follow one another.
   void copy_rows(int first_row, int count, void* rows) const;
 
  private:
@@ -59,13 +59,13 @@ class RowWindow {
   DeviceBuffer buffer_;
 };
 
-/// Fills windows through `read`, from `store_rows` rows of `row_bytes`, which wrap; each row is [plane][column].
+/// Fills windows through `read` from `store_rows` rows of `row_bytes` bytes, which wrap. Each row is [plane][column].
 using ReadRows = std::function<void(int first_row, int row_count, void* rows)>;
 RowWindow::Fill fill_planes(int store_rows, std::size_t row_bytes, ReadRows read);
-/// Fills windows from rows of `store`, which wrap; each row is [plane][column]. The store must outlive the result.
+/// Fills windows from rows of `store`, which wrap. Each row is [plane][column]. The store must outlive the result.
 RowWindow::Fill fill_planes(const RowStore& store);
 
-/// Rows of three planes of a map, each in its own buffer, with MULTUM_GROUP finite values after the last.
+/// Rows of three planes of a map, each plane in its own buffer, with MULTUM_GROUP finite values after the last texel.
 class MapWindow {
  public:
   MapWindow(Device& device, const PlaneStore& store, int capacity_rows, const std::string& what);
@@ -82,7 +82,7 @@ class MapWindow {
   std::vector<RowWindow> planes_;
 };
 
-/// The same rows of a map's normals and of its features.
+/// Windows with the same rows of a map's normals and features.
 struct MapWindows {
   MapWindow normals;
   std::vector<MapWindow> rgb_planes;
@@ -93,7 +93,7 @@ struct MapWindows {
 };
 
 /// Copies all rows once for all levels to a device with its own memory, if it has room for them and for the levels'
-/// windows. Otherwise returns nullopt, and windows with some rows are used.
+/// windows. Otherwise returns nullopt, and windows that hold only some rows are used.
 std::optional<MapWindows> map_on_device(Device& device, const PlaneStore& normals,
                                         const std::vector<const PlaneStore*>& rgb_planes);
 

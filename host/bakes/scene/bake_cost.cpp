@@ -10,9 +10,10 @@ namespace multum {
 namespace {
 
 // Times in nanoseconds per finest texel, fitted by eye to bakes of the four-quarter map of 2048 and 4096 texels per
-// side. Measured on 2 cores of an Intel Xeon with AVX-512, PoCL 3.1, with no other load (docs/evidence/SCENE.md).
+// side. They were measured on 2 cores of an Intel Xeon with AVX-512 and PoCL 3.1, with no other load
+// (docs/evidence/SCENE.md).
 constexpr double kRead = 55.0;          // a map of three channels
-constexpr double kAveragePlane = 18.0;  // a plane
+constexpr double kAveragePlane = 18.0;  // per averaged plane
 constexpr double kFitLevelOne = 80.0;   // level 1, whose texels assign each of four normals to a lobe
 constexpr double kFitLobeOne = 20.0;    // additional time per lobe
 constexpr double kFitFine = 60.0;       // each level from 2 to 5, which is fitted to all normals
@@ -20,8 +21,8 @@ constexpr double kFitLobeFine = 15.0;
 constexpr double kFitCoarse = 60.0;        // all coarser levels together, which are fitted to binned normals
 constexpr double kColourFactor = 0.6;      // additional share per triple of features
 constexpr double kWriteTexture = 30.0;     // per stored texel of a texture
-constexpr double kMeasureLambert = 5.0;    // Lambert
-constexpr double kMeasureExponent = 15.0;  // an exponent
+constexpr double kMeasureLambert = 5.0;    // for Lambert
+constexpr double kMeasureExponent = 15.0;  // per exponent
 constexpr double kFixedMs = 120.0;         // loading of programs, buffers, and start of EM
 
 double level_texels(const BakeShape& s, int first_level) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Estimates the time of a bake by a model with few constants (docs/evidence/SCENE.md lists them and their machine).
-// The model compares ways to bake a map; it does not predict exact times.
+// Estimates the time of a bake by a model with few constants (docs/evidence/SCENE.md lists them and their machine). The
+// model compares ways to bake a map, but does not predict exact times.
 #pragma once
 
 #include <cstdint>
@@ -13,11 +13,11 @@ namespace multum {
 struct BakeShape {
   int width = 1, height = 1;
   Representation representation = Representation::kMovmf;
-  int lobe_count = 4;  // for representations with lobes
+  int lobe_count = 4;  // number of lobes, for representations with lobes
   int sh_order = 4;    // order of spherical harmonics
   StorageEncoding encoding = StorageEncoding::kSnorm16;
   int first_level = 0;
-  bool has_colours = false;   // colours in the baked file: per lobe, or one per texel
+  bool has_colours = false;   // true if the baked file has colours, per lobe or per texel
   bool mean_colours = false;  // true if mean colours of all levels are in a separate file
   int weight_count = 0;
   int exponent_count = 3;  // number of highlights whose error is measured
@@ -25,7 +25,7 @@ struct BakeShape {
 
 struct BakeCost {
   double ms = 0.0;
-  double bytes = 0.0;  // of textures
+  double bytes = 0.0;  // size of the textures
 
   BakeCost& operator+=(const BakeCost& other) {
     ms += other.ms;
@@ -37,7 +37,7 @@ struct BakeCost {
 
 BakeCost bake_cost(const BakeShape& shape);
 
-/// Number of four-channel textures per texel.
+/// Number of four-channel textures that are read per texel.
 int texture_count(const BakeShape& shape);
 
 }  // namespace multum

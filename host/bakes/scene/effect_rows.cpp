@@ -41,7 +41,7 @@ class EffectRows {
   void add_row(const std::string& effect, bool needed, const std::string& why, const BakeCost& cost) {
     plan_.effects.push_back({effect, needed, why, true, cost});
   }
-  // "1.2 %", or "1.2/14 %" for diffuse light and highlights.
+  // Formats "1.2 %", or "1.2/14 %" for diffuse light and highlights.
   std::string parts_text(const PartErrors& e) const {
     return !needs_.specular  ? percent_text(e.diffuse)
            : !needs_.diffuse ? percent_text(e.specular)
@@ -52,7 +52,7 @@ class EffectRows {
            : !needs_.diffuse ? "error of highlights"
                              : "error of diffuse light/highlights";
   }
-  // Cost of the default bake with a change.
+  // Returns the cost of the default bake with a change.
   template <typename Change>
   BakeCost default_with(const Change& change) const {
     BakeShape s = plan_.default_bake.shape;
@@ -84,14 +84,15 @@ class EffectRows {
     for (const LevelStatistics& level : planner_.survey().levels)
       if (level.level >= plan_.first_seen) spread = std::max(spread, level.spread_mean);
     if (needs_.width_in_map) {
-      add_row("normals under texels", true, fmt::format("normals and their BRDFs spread by up to {:.2g}", spread));
+      add_row("normals under texels", true,
+              fmt::format("normals and their BRDFs have a spread of up to {:.2g}", spread));
       return;
     }
     const double without = error_of(0);
     const bool needed = without > scene_.budget.estimate_margin;
     add_row("normals under texels", needed,
-            fmt::format("normals spread by up to {:.2g}; one mean direction per texel has an error of {}", spread,
-                        percent_text(without)));
+            fmt::format("normals have a spread of up to {:.2g}; one mean direction per texel has an error of {}",
+                        spread, percent_text(without)));
   }
 
   double error_of(int lobes) {
@@ -122,8 +123,8 @@ class EffectRows {
     if (needed) add_row("aligned lobes", true, "hardware filters each lobe with the matching lobes of other texels");
   }
 
-  // Lists "2 lobes": "0.21/45 %, one colour 0.4/45 %", sorted by lobes. Candidates are sorted by textures, so more
-  // lobes with one colour come before fewer lobes with a colour each.
+  // Lists items such as "2 lobes": "0.21/45 %, one colour 0.4/45 %", sorted by lobes. Candidates themselves are sorted
+  // by textures, so more lobes with one colour come before fewer lobes with a colour each.
   std::vector<PlannedItem> lobes_tried() const {
     std::map<int, PlannedItem> by_count;
     const auto add = [&](bool mean_colours) {
@@ -142,7 +143,7 @@ class EffectRows {
     return items;
   }
 
-  // Says why the representation has no candidates.
+  // States why the representation has no candidates.
   std::string why_not_tried(const RepresentationInfo& other) const {
     if (plan_.is_constant) return "one lobe represents all normals";
     if (needs_.width_in_map || needs_.weighted) return "a roughness map and weights need vMF lobes";
@@ -152,7 +153,7 @@ class EffectRows {
     return "lobes are enough";
   }
 
-  // The candidate's name within the row of its representation.
+  // Returns the candidate's name within the row of its representation.
   static std::string name_within(const BakeCandidate& c) {
     const RepresentationInfo& info = representation_info(c.shape.representation);
     if (info.lobes != nullptr) return count_text(c.shape.lobe_count, "lobe");
@@ -186,7 +187,7 @@ class EffectRows {
     add_row("anisotropic spread", needed,
             plan_.is_constant
                 ? "there is no spread"
-                : fmt::format("at most {:.2f} of 1, at level {}{}", anisotropy, at,
+                : fmt::format("its largest value is {:.2f} of 1, at level {}{}", anisotropy, at,
                               needed && chosen_.lobe_count > 1 ? ": several round lobes represent it" : ""));
   }
 
@@ -229,7 +230,7 @@ class EffectRows {
     const auto error = [&](ColourModel model) { return planner_.errors().error(lobes, needs_.diffuse_by, model); };
     add_row("colours of each lobe", plan_.chosen.lobe_colours,
             fmt::format("{} of the colour variance is between {} lobes; the error of diffuse light is {} with one "
-                        "colour per texel, {} with one colour per lobe",
+                        "colour per texel, and {} with one colour per lobe",
                         percent_text(correlation), lobes, percent_text(error(ColourModel::kMean)),
                         percent_text(error(ColourModel::kLobes))),
             plan_.chosen.lobe_colours ? chosen_without(none) : saved_by([&](BakeShape& s) {
@@ -246,14 +247,15 @@ class EffectRows {
     if (!share) {
       add_row("32-bit storage", false,
               needs_.width_in_map ? "the roughness map sets the width of highlights"
-              : needs_.specular   ? fmt::format("highlights up to s = {:.0f}; 16 bits store lobes up to kappa {:.0f}",
-                                                needs_.exponent_max, kept)
-                                  : "no highlights");
+              : needs_.specular
+                  ? fmt::format("highlights have exponents s up to {:.0f}; 16 bits store lobes up to kappa {:.0f}",
+                                needs_.exponent_max, kept)
+                  : "no highlights");
       return;
     }
-    const std::string why =
-        fmt::format("{} of the lobes are too sharp for 16 bits (kappa {:.0f}); highlights up to s = {:.0f}",
-                    percent_text(*share), kept, needs_.exponent_max);
+    const std::string why = fmt::format(
+        "{} of the lobes are too sharp for 16 bits (kappa {:.0f}); highlights have exponents s up to {:.0f}",
+        percent_text(*share), kept, needs_.exponent_max);
     if (chosen_.encoding == StorageEncoding::kFloat)
       add_row("32-bit storage", true, why,
               chosen_without([](BakeShape& s) { s.encoding = StorageEncoding::kSnorm16; }));

@@ -7,7 +7,7 @@
 
 namespace multum {
 
-/// Appends to plan.effects; plan.chosen is the bake.
+/// Appends the rows to plan.effects. plan.chosen is the bake.
 void add_effect_rows(const SceneDescription& scene, MapPlanner& planner, MapPlan& plan);
 
 }  // namespace multum

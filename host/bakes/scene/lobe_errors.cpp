@@ -25,7 +25,7 @@ constexpr int kIterations = 15;
 constexpr double kKappaMax = 1e6;
 constexpr double kCapInEm = 5e3, kCapAtTop = 500.0;
 constexpr double kStartKappaFactor = 0.5, kStartAmplitudeMin = 0.02;  // values of MovmfSettings
-constexpr double kSingleDirection = 1e-7;                             // 1 - |r| of equal normals, in single precision
+constexpr double kSingleDirection = 1e-7;                             // 1 - |r| of equal normals in single precision
 
 double density(double kappa, double t) { return kappa / (1.0 - std::exp(-2.0 * kappa)) * std::exp(kappa * (t - 1.0)); }
 
@@ -37,14 +37,15 @@ double shade_normal(const glm::dvec3& n, const ShadedBy& by, const glm::dvec3& w
   return density(kappa_of_mean_cosine(length > 1.0 - 1e-6 ? width : length * width, kKappaMax), t);
 }
 
-// Shades a lobe: mean cosines multiply under convolution (docs/contributing/ALGORITHMS.md, "Shading a filtered lobe").
+// Shades a lobe, because mean cosines multiply under convolution (docs/contributing/ALGORITHMS.md, "Shading a filtered
+// lobe").
 double shade_lobe(const MixtureLobe& lobe, const ShadedBy& by, double mean_cosine, const glm::dvec3& w) {
   if (!by.exponent) return lobe_lambert(std::min(lobe.mean_length / mean_cosine, 1.0) * lobe.mu, w);
   return density(kappa_of_mean_cosine(lobe.mean_length * (1.0 - 1.0 / *by.exponent), kKappaMax), glm::dot(lobe.mu, w));
 }
 
 // Shades a planar Gaussian (Tan et al. 2005) as runtime_gl/shaders/common/gmm_shading.glsl does, in the unit of
-// shade_normal(). `planar`: E[x], E[y], E[x^2 + y^2].
+// shade_normal(). `planar` holds E[x], E[y] and E[x^2 + y^2].
 double shade_gaussian(const glm::dvec3& planar, const ShadedBy& by, const glm::dvec3& w) {
   const double square = planar.x * planar.x + planar.y * planar.y;
   const glm::dvec3 lifted(planar.x, planar.y, std::sqrt(std::max(1.0 - square, 0.0)));
@@ -66,8 +67,8 @@ glm::dvec3 mean_colour(const SurveyedTexel& texel, ColourModel colours) {
   return mean;
 }
 
-// The sharpest highlight that a texel's normals resolve. The texel's normals may be a sample. If they were spread
-// evenly over the directions within acos |mean|, several must be within the highlight's width anywhere.
+// Returns the sharpest highlight that a texel's normals resolve. The normals may be a sample. If they were spread
+// evenly over the directions within acos |mean|, several of them would be within the width of this highlight.
 double resolved_exponent(const MapSurvey& survey, const SurveyedTexel& texel) {
   constexpr double kWithin = 4.0;
   const auto count = static_cast<double>(texel.normals.size());
@@ -119,8 +120,8 @@ std::vector<MixtureLobe> LobeErrors::fit_top(int lobe_count) const {
       ->lobes;
 }
 
-// Fits a texel as the bake does: starts from the coarser texel's lobes, broadened and with a minimum amplitude, or from
-// normals that are far apart, if this start fits better.
+// Fits a texel as the bake does. Starts from the coarser texel's lobes, broadened and with a minimum amplitude, or from
+// normals that are far apart if that start fits better.
 LobeErrors::TexelFit LobeErrors::fit(const SurveyedTexel& texel, int lobe_count,
                                      const std::vector<MixtureLobe>& top) const {
   const Normals& normals = texel.normals;
@@ -274,12 +275,12 @@ double LobeErrors::lobes_error(int lobe_count, bool planar, const std::vector<Sh
 }
 
 double LobeErrors::sh_error(int order, const std::vector<ShadedBy>& shadings, ColourModel colours) const {
-  // Addition theorem: a band of the coefficients, summed over m, is the mean of (2l + 1)/4 pi P_l(n . w).
+  // By the addition theorem, a band of the coefficients, summed over m, is the mean of (2l + 1)/4 pi P_l(n . w).
   return error_of(
       [&](std::size_t t, const ShadedBy& by, const glm::dvec3& w) {
         const Normals& normals = survey_.texels[t].normals;
         const ZonalCoefficients zonal = by.exponent ? zonal_blinn_phong(order, *by.exponent) : zonal_lambert(order);
-        // A density in the unit of shade_normal(), 1/2 pi.
+        // Converts a density to the unit of shade_normal(), 1/2 pi.
         const double unit = by.exponent ? 2.0 * std::numbers::pi : 1.0;
         double sum = 0.0;
         for (const glm::dvec3& n : normals) {
@@ -328,8 +329,8 @@ double LobeErrors::colour_correlation(int lobe_count) {
     const auto count = static_cast<double>(survey_.texels[t].normals.size());
     const auto lobes = static_cast<double>(fitted[t].lobes.size());
     if (count < 8.0 * std::max(lobes, 1.0)) continue;  // with few normals per lobe, lobes explain all of the variance
-    // If colours are independent of lobes, chance puts a share (lobes - 1) / (count - 1) of the variance between
-    // lobes.
+    // If colours are independent of lobes, a share (lobes - 1) / (count - 1) of the variance is between lobes by
+    // chance.
     within += fitted[t].colour_within;
     between += fitted[t].colour_between - fitted[t].colour_within * (lobes - 1.0) / (count - 1.0);
   }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Estimates the error of lobes before any bake. Fits mixtures of 0, 1, 2, ... lobes to the normals under each surveyed
-// texel and shades them as the runtime does. The reference shades the same normals one by one. The estimate excludes
-// alignment and filtering, so it holds for texel centres; it is used to choose settings.
+// texel and shades them as the runtime does. The reference shades the same normals one by one. The estimate is used to
+// choose settings. It excludes alignment and filtering, so it holds for texel centres.
 #pragma once
 
 #include <functional>
@@ -12,15 +12,15 @@
 
 namespace multum {
 
-/// The shading of texels: max(n . l, 0), or normalised facets with this Blinn-Phong exponent; other families use the
-/// exponent of a Blinn-Phong of equal width.
+/// The shading of texels: max(n . l, 0), or normalised facets with this Blinn-Phong exponent. Other families of BRDFs
+/// use the exponent of a Blinn-Phong of equal width.
 struct ShadedBy {
   std::optional<double> exponent;  // nullopt means Lambert; infinite means the width by which normals are shortened
   int weight = -1;                 // index of the map's weight that multiplies the shading; -1 if there is none
 };
 
-/// Sharper highlights are estimated with this exponent. A lower exponent is used if a texel's normals are a widely
-/// spread sample, because few half vectors and normals do not resolve sharp highlights.
+/// Sharper highlights are estimated with this exponent. If the sampled normals of a texel are widely spread, a lower
+/// exponent is used, because a few half vectors and normals do not resolve sharp highlights.
 constexpr double kEstimatedExponentMax = 200.0;
 
 enum class ColourModel {
@@ -30,7 +30,7 @@ enum class ColourModel {
 };
 
 struct LobeErrorSettings {
-  int first_level = 1;         // finer levels are ignored
+  int first_level = 1;         // the finest level that is used
   bool has_roughness = false;  // true if roughness shortens normals, by `mean_cosine` on average; Lambert ignores it
   double mean_cosine = 1.0;
   int threads = 1;
@@ -40,8 +40,8 @@ struct LobeErrorSettings {
 /// runtime_gl/shaders/common/movmf_shading.glsl.
 double lobe_lambert(const glm::dvec3& r, const glm::dvec3& light);
 
-/// Estimates relative L1, sum |model - reference| / sum reference over texels and directions, with equal weights for
-/// levels, for the worst of `shadings`. If `lobe_count` is 0, uses the direction of the mean normal, without any
+/// Estimates the relative L1 error, sum |model - reference| / sum reference over texels and directions, for the worst
+/// of `shadings`. Levels have equal weights. If `lobe_count` is 0, uses the direction of the mean normal, without any
 /// spread.
 class LobeErrors {
  public:
@@ -49,15 +49,17 @@ class LobeErrors {
   LobeErrors(const MapSurvey& survey, const LobeErrorSettings& settings);
 
   double error(int lobe_count, const std::vector<ShadedBy>& shadings, ColourModel colours);
-  /// Error of planar Gaussians over (n_x, n_y), as in Tan et al. 2005.
+  /// Estimates the error of planar Gaussians over (n_x, n_y), as in Tan et al. 2005.
   double gmm_error(int lobe_count, const std::vector<ShadedBy>& shadings, ColourModel colours);
-  /// Errors of spherical harmonics to an order, and of one Gaussian of slopes (LEAN, with the Jacobian).
+  /// Estimates the errors of spherical harmonics up to an order, and of one Gaussian of slopes (LEAN, with the
+  /// Jacobian).
   double sh_error(int order, const std::vector<ShadedBy>& shadings, ColourModel colours) const;
   double lean_error(const std::vector<ShadedBy>& shadings, ColourModel colours) const;
-  /// Share, 0..1, of the colours' variance within texels that lies between lobes, without the share that is due to
-  /// chance.
+  /// Returns the share, 0..1, of the variance of colours within texels that differences between lobes explain. The
+  /// share that is due to chance is subtracted.
   double colour_correlation(int lobe_count);
-  /// Share of the surveyed texels' lobes that are sharper than `kappa`; single directions do not count.
+  /// Returns the share of the surveyed texels' lobes that are sharper than `kappa`. Lobes of a single direction do not
+  /// count.
   double share_sharper(int lobe_count, double kappa);
 
  private:
@@ -69,7 +71,7 @@ class LobeErrors {
     glm::dvec3 mean_colour{0.0};
     double colour_within = 0.0, colour_between = 0.0;  // parts of the colours' variance
   };
-  // Value that a representation gives for a texel, a shading and a direction, including colours.
+  // Returns the value of a representation for a texel, a shading and a direction, including colours.
   using Model = std::function<glm::dvec3(std::size_t texel, const ShadedBy& by, const glm::dvec3& direction)>;
   double error_of(const Model& model, const std::vector<ShadedBy>& given, ColourModel colours) const;
   const std::vector<TexelFit>& fits(int lobe_count);
@@ -77,7 +79,7 @@ class LobeErrors {
   void add_means(const SurveyedTexel& texel, TexelFit& fit) const;
   double lobes_error(int lobe_count, bool planar, const std::vector<ShadedBy>& shadings, ColourModel colours);
   TexelFit fit(const SurveyedTexel& texel, int lobe_count, const std::vector<MixtureLobe>& top) const;
-  // Fit of the coarsest texel: the best of many starts.
+  // Fits the coarsest texel from many starts and returns the best fit.
   std::vector<MixtureLobe> fit_top(int lobe_count) const;
 
   const MapSurvey& survey_;

@@ -13,7 +13,7 @@ namespace {
 
 bool is_black(const glm::vec3& colour) { return colour == glm::vec3(0.0f); }
 
-// `weight`: index of the map's weight that blends the material; -1 if there is none.
+// `weight` is the index of the map's weight that blends the material, or -1 if there is none.
 void add_material(const SceneDescription& scene, const SceneMaterial& material, int weight, MapNeeds& needs) {
   needs.width_in_map |= material.width_in_map;
   for (const Brdf& brdf : material.brdfs) {

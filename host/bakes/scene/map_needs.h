@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Collects a scene's demands on one of its maps, whatever the map contains.
+// Collects the demands of a scene on one of its maps, for any contents of the map.
 #pragma once
 
 #include <algorithm>
@@ -15,8 +15,8 @@ namespace multum {
 struct MapNeeds {
   bool diffuse = false, specular = false;
   bool width_in_map = false, weighted = false;
-  bool environment_highlight = false, takes_vmf = false;  // takes_vmf is for BRDFs that are sums of vMFs
-  double exponent_min = 0.0, exponent_max = 0.0;          // range over highlights with an exponent
+  bool environment_highlight = false, takes_vmf = false;  // takes_vmf is true for BRDFs that are sums of vMFs
+  double exponent_min = 0.0, exponent_max = 0.0;          // range of exponents of the highlights that have one
   int first_seen = 0, last_seen = 0;
   std::vector<ShadedBy> diffuse_by, highlights_by;
 
@@ -32,7 +32,8 @@ struct MapNeeds {
     exponent_min = is_first ? exponent : std::min(exponent_min, exponent);
     exponent_max = is_first ? exponent : std::max(exponent_max, exponent);
   }
-  // The sharpest and the broadest exponent, for which a bake measures errors. Empty if the map contains the widths.
+  // The exponents of the sharpest and the broadest highlight, for which a bake measures errors. Empty if the map
+  // contains the widths of highlights.
   std::vector<double> exponents() const {
     std::vector<double> ends;
     if (exponent_max > 0.0) ends.push_back(exponent_max);
@@ -47,7 +48,7 @@ struct MapNeeds {
   }
 };
 
-/// `map`: index into scene.maps; the map has `width` texels and `level_count` levels.
+/// `map` is an index into scene.maps. The map is `width` texels wide and has `level_count` levels.
 MapNeeds needs_of(const SceneDescription& scene, std::size_t map, int width, int level_count);
 
 }  // namespace multum

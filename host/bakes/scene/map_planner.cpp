@@ -12,7 +12,7 @@ namespace multum {
 namespace {
 
 constexpr std::int64_t kTexelsASample = 65536;
-// Largest allowed share of lobes that are too sharp for the storage; every map has some
+// Largest allowed share of lobes that are too sharp for the storage. Every map has some
 // (host/bakes/bake/movmf_file_bake.cpp).
 constexpr double kUnrepresentableMax = 1.0 / 3.0;
 
@@ -27,7 +27,7 @@ BakeCandidate finished(BakeCandidate candidate) {
 
 }  // namespace
 
-/// A representation that is planned in addition to the default's lobes, and its estimated error.
+/// A representation that is planned in addition to the lobes of the default bake, and its estimated error.
 struct EstimatedRepresentation {
   Representation representation;
   double (*error)(LobeErrors& errors, const TexelCounts& counts, const std::vector<ShadedBy>& by, ColourModel colours);
@@ -61,7 +61,7 @@ MapPlanner::MapPlanner(const SceneDescription& scene, std::size_t map, std::shar
   plan_.last_seen = needs_.last_seen;
   SurveySettings survey;
   survey.threads = settings.threads;
-  // Small maps are surveyed at fewer texels: their bakes take no longer than a survey with many fits.
+  // Small maps are surveyed at fewer texels, because a survey with many fits would take as long as their bakes.
   survey.texels_per_level =
       std::clamp(static_cast<int>(std::int64_t{plan_.width} * plan_.height / kTexelsASample), 8, 32);
   const bool has_weights = needs_.weighted && source_->weights;
@@ -84,7 +84,7 @@ MapPlan MapPlanner::plan() {
   if (plan_.is_constant) add_constant();
   else add_candidates();
   choose();
-  source_.reset();  // large
+  source_.reset();  // the source is large
   return std::move(plan_);
 }
 
@@ -190,14 +190,15 @@ void MapPlanner::add_candidates() {
     if (plan_.candidates.back().error.within(plan_.limit)) break;  // more lobes are not cheaper
   }
   if (plan_.default_error_is_bound) return;  // no other representation takes fewer textures
-  // For widths in the map and for weights, only lobes can be estimated; sums of vMFs are shaded only over lobes.
+  // If the map has widths or weights, only lobes can be estimated. Sums of vMFs are shaded only over lobes.
   if (needs_.width_in_map || needs_.weighted || needs_.takes_vmf) return;
   const BakeCandidate by_default = plan_.candidates.back();
   for (const EstimatedRepresentation& other : kOthers) add_other(other, by_default);
 }
 
-// Lobes of another family need as many textures and as much time to fit as the default's lobes, so they are cheaper
-// only if fewer lobes suffice. Averages would show the highlight of an environment as one lobe of the mean normal.
+// Lobes of another family need as many textures and as much time to fit as the lobes of the default bake, so they are
+// cheaper only if fewer lobes suffice. Averages would show the highlight of an environment as one lobe of the mean
+// normal.
 void MapPlanner::add_other(const EstimatedRepresentation& other, const BakeCandidate& by_default) {
   const RepresentationInfo& info = representation_info(other.representation);
   const bool has_lobes = info.lobes != nullptr;

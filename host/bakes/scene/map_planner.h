@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Plans one map: lists the ways to bake it that a scene allows, estimates their errors, and chooses.
+// Plans one map. Lists the ways to bake it that a scene allows, estimates their errors, and chooses one.
 #pragma once
 
 #include <memory>
@@ -23,15 +23,15 @@ class MapPlanner {
   MapPlanner(const SceneDescription& scene, std::size_t map, std::shared_ptr<BakeSource> source,
              const PlanSettings& settings);
 
-  /// Chooses the cheapest candidate within the limit. The result lacks the rows of the table and the job's settings.
-  /// Call it once. If no candidate is estimated to reach the target error, chooses the one with the lowest error;
-  /// throws Error(kVerification) if its error is far above the target.
+  /// Chooses the cheapest candidate within the limit. The result does not include the rows of the table or the job's
+  /// settings. Call this function once. If no candidate is estimated to reach the target error, chooses the one with
+  /// the lowest error. Throws Error(kVerification) if that error is far above the target.
   MapPlan plan();
 
   const MapNeeds& needs() const { return needs_; }
   const MapSurvey& survey() const { return survey_; }
   LobeErrors& errors() { return *errors_; }
-  /// Share of the lobes that is too sharp for 16 bits; nullopt if no visible material needs it.
+  /// Share of lobes that are too sharp for 16 bits. It is nullopt if no visible material needs it.
   std::optional<double> share_unrepresentable(int lobe_count);
 
  private:

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads rows in bands: a band is the finest rows under one row of level kBandLevel. Threads share bands, and sums are
-// formed in the same order for any number of threads:
+// Reads rows in bands. A band consists of the finest rows under one row of level kBandLevel. Threads share bands, and
+// sums are formed in the same order for any number of threads:
 //
 //     finest row -> sums of level 1 -> ... -> sums of level kBandLevel      in a band
 //                                             -> ... -> the coarsest level  after all bands
@@ -21,7 +21,7 @@ namespace multum {
 namespace {
 
 constexpr int kBandLevel = 5;
-// On larger maps, sums cover every fourth band; ranges always cover every texel.
+// On larger maps, sums cover every fourth band. Ranges always cover every texel.
 constexpr std::int64_t kSummedTexels = std::int64_t{1} << 22;
 constexpr int kBandStride = 4;
 
@@ -53,7 +53,8 @@ struct LevelSums {
       texels += 1.0;
       spread += here;
       spread_max = std::max(spread_max, here);
-      const double along = xx - yy, across = 2.0 * (s.xy / s.count - x * y);  // |.| <= 2: hypot() is not needed
+      // Absolute values are at most 2, so hypot() is not needed.
+      const double along = xx - yy, across = 2.0 * (s.xy / s.count - x * y);
       difference += std::sqrt(along * along + across * across);
       variance += xx + yy;
     }
@@ -67,14 +68,14 @@ struct LevelSums {
   }
 };
 
-// The row or column of the next level that contains row or column `index` of level 0 or coarser.
+// Returns the row or column of the next coarser level that contains row or column `index`.
 int parent_of(int index, int size, int parent_size) {
   return static_cast<int>(std::int64_t{index} * parent_size / size);
 }
 
 struct Range {
   double low = std::numeric_limits<double>::infinity(), high = -std::numeric_limits<double>::infinity();
-  // Independent lanes, so that one instruction handles several values.
+  // The lanes are independent, so that one instruction handles several values.
   void add(const std::vector<float>& values) {
     constexpr std::size_t kLanes = 16;
     std::array<float, kLanes> lows{}, highs{};
@@ -105,7 +106,7 @@ struct Pick {
   std::size_t texel, index;
 };
 
-// A random position in cell `cell` of `cells` that divide [begin, end).
+// Returns a random position in cell `cell` of the `cells` cells that divide [begin, end).
 int position(int cell, int cells, int begin, int end, std::uint64_t random) {
   const std::int64_t size = end - begin, first = cell * size / cells, last = (cell + 1) * size / cells;
   return begin + static_cast<int>(first + static_cast<std::int64_t>(random % static_cast<std::uint64_t>(last - first)));
@@ -115,7 +116,7 @@ struct Area {
   int x0, y0, x1, y1;
 };
 
-// Takes about `count_max` positions in a grid of cells over an area, or all if there are no more.
+// Takes about `count_max` positions in a grid of cells over an area, or all positions if there are no more.
 template <typename Take>
 void for_each_position(const Area& area, int count_max, std::uint64_t seed, const Take& take) {
   const int width = area.x1 - area.x0, height = area.y1 - area.y0;
@@ -238,7 +239,7 @@ class Survey {
     band.row = std::move(rows.front());
   }
 
-  // Sums a single row to level 1, or to level 0 if that is the only level.
+  // Sums a single row for level 1, or for level 0 if that is the only level.
   SumRow finest_row(const std::array<std::vector<float>, 3>& n, std::size_t first) const {
     const int parents = level_count_ > 1 ? width_of(1) : 1;
     SumRow row(size_of(parents));
@@ -252,7 +253,7 @@ class Survey {
     return row;
   }
 
-  // Makes rows of level l from rows of the finer level, from the top; rows from level 0 already have the columns of
+  // Makes rows of level l from rows of the finer level, from the top. Rows from level 0 already have the columns of
   // level 1.
   std::vector<NumberedRow> coarser(const std::vector<NumberedRow>& rows, int l) const {
     std::vector<NumberedRow> out;
@@ -288,7 +289,7 @@ class Survey {
   const SurveySettings settings_;
   MapSurvey survey_;
   int level_count_ = 1, band_level_ = 0;
-  std::vector<Pick> picks_;  // by rows
+  std::vector<Pick> picks_;  // sorted by rows
 };
 
 }  // namespace

@@ -15,16 +15,16 @@
 
 namespace multum {
 
-/// Statistics over all texels of a level; on maps above 4 million texels, statistics over every fourth row of level 5
-/// and the finer texels in this row. Each finest texel belongs to one texel of the level: if the map's sides are not
-/// powers of two, a texel on a border counts for one side only.
+/// Statistics over all texels of a level. On maps of more than 4 million texels, they use only every fourth row of
+/// level 5 and the finer texels in these rows. Each finest texel belongs to one texel of the level. If the map's sides
+/// are not powers of two, a finest texel on the border between two texels counts for only one of them.
 struct LevelStatistics {
   int level = 0;
   double texel_count = 0.0;
   // 1 - |mean normal| of the normals under a texel: half the sum of the variances of the slopes along both axes.
   double spread_mean = 0.0, spread_max = 0.0;
-  // (a - b) / (a + b) of the variances along the two main axes of a texel's normals, weighted by a + b: 0 for equal
-  // spread, 1 for parallel grooves.
+  // (a - b) / (a + b) of the variances along the two main axes of a texel's normals, weighted by a + b. It is 0 for
+  // equal spread and 1 for parallel grooves.
   double anisotropy = 0.0;
 };
 
@@ -39,9 +39,9 @@ struct MapSurvey {
   int width = 0, height = 0;
   std::vector<LevelStatistics> levels;  // from level 1 on
   std::vector<SurveyedTexel> texels;    // surveyed texels by level, from level 1 on
-  double normal_range = 0.0;            // the largest difference in x or y between two normals of the map
+  double normal_range = 0.0;            // the largest difference in x or in y between two normals of the map
   double colour_range = 0.0;            // the largest difference in red, green or blue
-  double z_min = 0.0;                   // over all normals
+  double z_min = 0.0;                   // the smallest z of all normals
 };
 
 struct SurveySettings {
@@ -51,7 +51,7 @@ struct SurveySettings {
   int threads = 1;
 };
 
-/// Features of the same texels: null, or with the map's size.
+/// Features of the same texels. They are null or have the map's size.
 struct SurveyedFeatures {
   const PlaneStore* albedo = nullptr;
   const WeightMap* weights = nullptr;

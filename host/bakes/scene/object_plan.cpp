@@ -15,16 +15,16 @@
 namespace multum {
 namespace {
 
-// Harmonics of order 8, which multum-view evaluates in an environment, suffice for highlights with lower exponents than
-// this one. They miss 8 % of Blinn-Phong with s = 12 (docs/contributing/ALGORITHMS.md, "Environments").
+// In an environment, multum-view evaluates harmonics of order 8. They suffice for highlights with exponents lower than
+// this one, and miss 8 % of Blinn-Phong with s = 12 (docs/contributing/ALGORITHMS.md, "Environments").
 constexpr double kHarmonicsExponentMax = 12.0;
 
 void add_row(ObjectPlan& object, const std::string& effect, bool needed, const std::string& why) {
   object.effects.push_back({effect, needed, why, false, {}});
 }
 
-// The smallest v.h: the cosine of half the angle between the line of sight and the light. The line of sight is within
-// `tilt` of the surface's normal, and the light reaches the steepest normal from its horizon.
+// The smallest v.h is the cosine of half the largest angle between the line of sight and the light. The line of sight
+// is within `tilt` of the surface's normal, and the light may come from the horizon of the steepest normal.
 double least_half_cosine(double tilt_degrees, double z_min) {
   const double steepest = std::acos(std::clamp(z_min, 0.0, 1.0));
   const double between = tilt_degrees * std::numbers::pi / 180.0 + 0.5 * std::numbers::pi + steepest;
@@ -42,8 +42,8 @@ void add_fresnel(const SceneDescription& scene, const SceneObject& object, const
   const FixedFresnel fixed = fixed_fresnel(brdf_of(object.materials.front()), v_h);
   const bool needed = fixed.change > margin;
   const std::string bound = fmt::format(
-      "v.h is at least {:.2f} (tilt {:g} degrees, normals up to {:.0f}): a constant has an error of at most {}, the "
-      "margin is {}",
+      "v.h is at least {:.2f} (tilt {:g} degrees, normals up to {:.0f} degrees): a constant Fresnel term has an error "
+      "of at most {}, and the margin is {}",
       v_h, object.tilt_max, std::acos(std::clamp(map.z_min, 0.0, 1.0)) * 180.0 / std::numbers::pi,
       percent_text(fixed.change), percent_text(margin));
   add_row(plan, "Fresnel", needed, bound);
@@ -77,7 +77,7 @@ ObjectPlan plan_object(const SceneDescription& scene, const SceneObject& object,
   add_row(plan, "highlight", highlight,
           !highlight     ? "the material is diffuse"
           : width_in_map ? "the roughness map sets the width of the highlight"
-                         : fmt::format("as sharp as Blinn-Phong with s = {:.4g}", exponent));
+                         : fmt::format("the highlight is as sharp as Blinn-Phong with s = {:.4g}", exponent));
   plan.stated_difference = map.stated_difference;
   add_fresnel(scene, object, map, plan);
   add_row(plan, "width as a uniform", dynamic, dynamic ? "the material changes at run time" : "the material is fixed");

@@ -6,7 +6,7 @@
 
 namespace multum {
 
-/// `map`: the complete plan of the object's map.
+/// `map` is the complete plan of the object's map.
 ObjectPlan plan_object(const SceneDescription& scene, const SceneObject& object, const MapPlan& map);
 
 }  // namespace multum

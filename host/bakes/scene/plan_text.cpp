@@ -20,7 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
-// Wraps words in lines of at most `width`; keeps numbers and their % together.
+// Wraps words in lines of at most `width` characters. Keeps numbers and their % together.
 std::vector<std::string> wrapped(const std::string& text, std::size_t width) {
   std::vector<std::string> words, lines(1);
   std::istringstream stream(text);
@@ -82,7 +82,7 @@ std::string head(const std::string& last) {
   return fmt::format("  {:<25} {:<4} {:>9} {:>10}  {}\n", "effect", "need", "bake", "textures", last);
 }
 
-// "2.0 MiB"; "0.7 to 5.3 MiB" if trials decide.
+// Formats "2.0 MiB", or "0.7 to 5.3 MiB" if trials decide.
 std::string range_text(double low, double high, std::string (*text_of)(double)) {
   if (low == high) return text_of(low);
   const std::string from = text_of(low), to = text_of(high);
@@ -90,7 +90,7 @@ std::string range_text(double low, double high, std::string (*text_of)(double)) 
   return (to.ends_with(from.substr(unit)) ? from.substr(0, unit) : from) + " to " + to;
 }
 
-// "35 % less", "13 % more".
+// Formats "35 % less" or "13 % more".
 std::string saved(double from, double to) {
   const double share = from > 0.0 ? 1.0 - to / from : 0.0;
   return fmt::format("{:.0f} % {}", 100.0 * std::abs(share), share < 0.0 ? "more" : "less");
@@ -160,7 +160,7 @@ std::string bakes_text(const MapPlan& map) {
 // Describes the cost of trials, which the cost model does not include. A trial on a mosaic of 256 x 256 texels takes
 // 0.05 to 0.7 s on 2 cores of an Intel Xeon with AVX-512 (docs/contributing/ALGORITHMS.md, "Plans of scenes").
 std::string trials_text() {
-  return fmt::format(" and the trials (up to {} per map, a few seconds in total)",
+  return fmt::format(" plus the trials (up to {} per map, a few seconds in total)",
                      target_candidates(Representation::kMovmf).size());
 }
 
@@ -173,19 +173,20 @@ std::string outcome_text(const MapPlan& map) {
     return low == high ? low : low + " to " + high;
   };
   return fmt::format(
-      "bake {} instead of {} ({}){}, textures {} instead of {} ({}); estimated error {}{}, default bake {}{}; pictures "
-      "differ from the default bake by at most {}{}",
+      "the bake takes {} instead of {} ({}){}, and textures take {} instead of {} ({}); the estimated error is {}{}, "
+      "and the error of the default bake is {}{}; pictures differ from the default bake by at most {}{}",
       range_text(least.ms, most.ms, time_text), time_text(by_default.ms), share(&BakeCost::ms),
       map.trials ? trials_text() : "", range_text(least.bytes, most.bytes, bytes_text), bytes_text(by_default.bytes),
       share(&BakeCost::bytes), percent_text(map.chosen.error.worst()),
       map.trials ? " with " + map.chosen.name : std::string(), map.default_error_is_bound ? "at most " : "",
       percent_text(map.default_bake.error.worst()), percent_text(map.stated_difference),
-      map.trials ? fmt::format("; the costs in the rows are the costs of {}", map.chosen.name) : "");
+      map.trials ? fmt::format("; the costs in the rows are for {}", map.chosen.name) : "");
 }
 
 std::string colour_text(const glm::vec3& c) { return fmt::format("{:.6g},{:.6g},{:.6g}", c.x, c.y, c.z); }
 
-// Makes a path absolute: a service publishes the results folder at another place, where relative paths would fail.
+// Makes a path absolute, because a service publishes the results folder at another place, where relative paths would
+// fail.
 std::string absolute(const std::string& path) {
   return path.empty() ? "" : fs::absolute(path).lexically_normal().generic_string();
 }
@@ -197,7 +198,7 @@ Json view_json(const SceneDescription& scene, const SceneObject& object, const O
   constexpr double kUnits = 10.0, kPlaneSize = 60.0;
   const double width = object.width > 0.0 ? object.width : map.width / object.texels_per_metre;
   const double tilt = std::min(object.tilt_max, 45.0) * 0.017453292519943295;
-  // The lowest point of the picture is closest.
+  // The lowest point of the picture is closest to the camera.
   const double below = std::max(tilt - 0.5 * scene.camera.fov_degrees * 0.017453292519943295, 0.0);
   const double nearest = kUnits * std::cos(tilt) / std::cos(below);
   Json view = {{"file", text_of_path(fs::path(files.baked(map)).filename().string())},
@@ -272,7 +273,7 @@ std::string plan_text(const SceneDescription& scene, const ScenePlan& plan, int 
     for (const std::string& line : wrapped(words, static_cast<std::size_t>(width))) text += line + "\n";
   };
   for (const MapPlan& map : plan.maps) {
-    add(fmt::format("map {}: {} x {}, the scene shows levels {} to {}; {} instead of {}", map.name, map.width,
+    add(fmt::format("map {}: {} x {}, the scene shows levels {} to {}; baked as {} instead of {}", map.name, map.width,
                     map.height, map.first_seen, map.last_seen, bakes_text(map), map.default_bake.name));
     text += head("why");
     text += effect_rows(map.effects, width);
@@ -286,7 +287,7 @@ std::string plan_text(const SceneDescription& scene, const ScenePlan& plan, int 
     text += "\n";
   }
   const bool has_trials = plan.cost_min.bytes < plan.cost_max.bytes;
-  add(fmt::format("in total: bake {}{} instead of {}, textures {} instead of {}; planned in {}{}",
+  add(fmt::format("in total: the bake takes {}{} instead of {}, and textures take {} instead of {}; planned in {}{}",
                   range_text(plan.cost_min.ms, plan.cost_max.ms, time_text), has_trials ? trials_text() : "",
                   time_text(plan.default_cost.ms), range_text(plan.cost_min.bytes, plan.cost_max.bytes, bytes_text),
                   bytes_text(plan.default_cost.bytes), time_text(1e3 * plan.plan_seconds),

@@ -10,10 +10,10 @@
 
 namespace multum {
 
-/// Lines have at most `width` characters; `width` is at least 60.
+/// Lines have at most `width` characters. `width` must be at least 60.
 std::string plan_text(const SceneDescription& scene, const ScenePlan& plan, int width);
 
-/// Paths of a scene's files; the files of a map are in `folder`, named after the map.
+/// Paths of a scene's files. The files of a map are in `folder` and named after the map.
 struct SceneFiles {
   std::string folder;
   std::string baked(const MapPlan& map) const { return folder + "/" + map.name + ".ndf.exr"; }
@@ -22,11 +22,11 @@ struct SceneFiles {
   std::string report() const { return folder + "/report.json"; }
 };
 
-/// Decisions with their numbers, and how multum-view draws each object; `multum-view scene plan.json` reads it. Paths
-/// of files are relative to the results folder.
+/// Formats the decisions with their numbers, and how multum-view draws each object. `multum-view scene plan.json` reads
+/// this text. Paths of files are relative to the results folder.
 nlohmann::json plan_json(const SceneDescription& scene, const ScenePlan& plan, const SceneFiles& files);
 
-/// Formats values: "1.2 s", "34 ms"; "5.3 MiB", "812 B"; "1.2 %", "14 %" for 0.14.
+/// Formats values, such as "1.2 s" or "34 ms", "5.3 MiB" or "812 B", and "1.2 %" or "14 %" (for 0.14).
 std::string time_text(double ms);
 std::string bytes_text(double bytes);
 std::string percent_text(double share);

@@ -38,7 +38,7 @@ MipJob colour_job(const MapPlan& map, const std::string& output) {
   return job;
 }
 
-// The BRDF of a target is the narrowest highlight; for a map with roughness, the roughness itself is the BRDF.
+// The BRDF of a target is the narrowest highlight. For a map with roughness, the roughness itself is the BRDF.
 TargetBrdf target_brdf(const BakeJob& job) {
   if (!job.roughness.empty()) return {};
   return parse_target_brdf(job.measured_exponents.empty()
@@ -63,7 +63,7 @@ BakeReport bake_lobes_to_target(const BakeJob& job, double target_error, const B
   return std::move(chosen.report);
 }
 
-// Other settings come from estimates, so a bake must show whether they meet the target.
+// Other settings come from estimates, so only a bake shows whether they meet the target.
 bool misses_target(const SceneDescription& scene, const BakeJob& job, const std::vector<FootprintError>& errors) {
   if (!scene.budget.target_error || errors.empty() || !job.roughness.empty()) return false;
   return !reached_error(errors, target_brdf(job)).meets(*scene.budget.target_error);
@@ -83,7 +83,8 @@ std::vector<FootprintError> errors_of(const nlohmann::json& row) {
   return errors;
 }
 
-// `earlier`: the map's row in the earlier report, used to recognise unchanged files; null if there is none.
+// `earlier` is the map's row in the earlier report, from which unchanged files are recognised. It is null if there is
+// none.
 SceneMapReport bake_map(const SceneDescription& scene, const MapPlan& map, const SceneFiles& files,
                         const nlohmann::json& earlier, Device& device, Progress* progress) {
   const Stopwatch stopwatch;
@@ -169,7 +170,7 @@ SceneMapRows earlier_rows(const std::string& path) {
 SceneReport bake_scene_maps(const SceneDescription& scene, const ScenePlan& plan, const SceneFiles& files,
                             const SceneMapRows& earlier, Device& device, const SceneMapDone& done, Progress* progress) {
   const Stopwatch stopwatch;
-  const DeviceCounts counts(device);  // counts for this share only, because a process may bake several shares
+  const DeviceCounts counts(device);  // counts only this share, because a process may bake several shares
   SceneReport report;
   report.plan = plan;
   for (const MapPlan& map : report.plan.maps) {
@@ -258,8 +259,9 @@ std::string SceneReport::to_text() const {
       text += fmt::format("{}: identical to the default bake\n", map.name);
   }
   const double bytes = plan.default_cost.bytes - plan.cost.bytes;
-  const std::string textures = fmt::format("textures {}, {} {} than the default bake's\n", bytes_text(plan.cost.bytes),
-                                           bytes_text(std::abs(bytes)), bytes < 0.0 ? "more" : "less");
+  const std::string textures =
+      fmt::format("textures take {}, which is {} {} than in the default bake\n", bytes_text(plan.cost.bytes),
+                  bytes_text(std::abs(bytes)), bytes < 0.0 ? "more" : "less");
   if (all_unchanged)
     return text + fmt::format("nothing to bake: all files exist; planned in {}; ", time_text(1e3 * plan.plan_seconds)) +
            textures;

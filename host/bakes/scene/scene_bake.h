@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bakes a plan into a folder: a file NAME.ndf.exr per map, its mean colours in NAME.colours.exr if planned, plan.json,
-// and report.json. Each file appears when it is complete, or not at all. Existing files from the same sources and
-// settings remain, so that a killed run can continue.
+// Bakes a plan into a folder. Writes a file NAME.ndf.exr per map, its mean colours to NAME.colours.exr if planned,
+// plan.json, and report.json. Each file appears when it is complete, or not at all. Existing files from the same
+// sources and settings are kept, so that a killed run can continue.
 #pragma once
 
 #include <functional>
@@ -23,12 +23,12 @@ struct SceneMapReport {
   bool is_by_trials = false;  // true if trials choose the lobes for the scene's target error
   std::string options;        // chosen options; empty if the file already existed
   std::string earlier;        // JSON row of the report, for a map that was unchanged or baked by a share
-  bool has_colours = false;   // in a separate file:
+  bool has_colours = false;   // colours in a separate file:
   MipReport colours;
   double seconds = 0.0;
   std::uint64_t file_bytes = 0;
-  // Difference measured after the bakes; set for maps that are larger than one texel and are not baked with default
-  // settings.
+  // Difference measured after the bakes. It is set for maps that are larger than one texel and are not baked with
+  // default settings.
   std::optional<SceneDifference> difference;
 };
 
@@ -37,31 +37,31 @@ struct SceneReport {
   std::vector<SceneMapReport> maps;
   double seconds = 0.0;          // time of the bakes; ScenePlan::plan_seconds is separate
   double compare_seconds = 0.0;  // time to measure differences from the default bake
-  // Counts for all maps, without comparisons.
-  std::map<std::string, std::uint64_t> launches;  // by kernel
-  std::map<std::string, int> builds;              // number of builds by kernels/FILE.cl
+  // Counts over all maps. Comparisons are not included.
+  std::map<std::string, std::uint64_t> launches;  // number of launches per kernel
+  std::map<std::string, int> builds;              // number of builds per kernels/FILE.cl
 
   nlohmann::json to_json() const;
-  nlohmann::json map_rows() const;  // its "maps"
+  nlohmann::json map_rows() const;  // the "maps" of the JSON report
   /// Formats a few lines for a terminal.
   std::string to_text() const;
 };
 
 using SceneMapDone = std::function<void(const MapPlan&, const SceneMapReport&)>;
 
-/// The folder must exist. Throws Error for the first map that fails, Cancelled; finished maps remain.
+/// The folder must exist. Throws Error for the first map that fails, and Cancelled. Finished maps remain.
 SceneReport bake_scene(const SceneDescription& scene, const ScenePlan& plan, const SceneFiles& files, Device& device,
                        const SceneMapDone& done, Progress* progress);
 
 // The steps of bake_scene(), for shares of a scene (host/bakes/scene/scene_share.h).
 
-/// Rows of maps in a report, as JSON, by name.
+/// Rows of maps in a report, as JSON, by the map's name.
 using SceneMapRows = std::map<std::string, std::string>;
 
-/// Rows of the report of an earlier bake; empty if there is none.
+/// Returns the rows of an earlier bake's report. Empty if there is no such report.
 SceneMapRows earlier_rows(const std::string& path);
 
-/// Bakes the plan's maps; writes neither plan nor report.
+/// Bakes the plan's maps. Writes neither the plan nor the report.
 SceneReport bake_scene_maps(const SceneDescription& scene, const ScenePlan& plan, const SceneFiles& files,
                             const SceneMapRows& earlier, Device& device, const SceneMapDone& done, Progress* progress);
 
@@ -69,8 +69,7 @@ SceneReport bake_scene_maps(const SceneDescription& scene, const ScenePlan& plan
 void compare_scene_maps(const SceneDescription& scene, const ScenePlan& plan, SceneReport& report, Device& device,
                         Progress* progress);
 
-/// Copies the settings that trials chose from the baked files to the report's plan, and writes the plan if there are
-/// any.
+/// Copies settings that trials chose from the baked files to the report's plan. If there are any, also writes the plan.
 void write_settled_plan(const SceneDescription& scene, const SceneFiles& files, SceneReport& report);
 
 }  // namespace multum

@@ -18,8 +18,8 @@ namespace {
 constexpr int kMosaicSide = 128, kMosaicBlock = 32, kMosaics = 3;
 constexpr double kStudent = 4.303;  // Student's 95 % quantile for kMosaics - 1 degrees of freedom
 
-// Directions towards the scene's distant lights above the surface, or the default lights if there are none, with half
-// vectors for views from above and at two tilts.
+// Returns directions towards the scene's distant lights above the surface, or the default lights if there are none.
+// Half vectors are for views from above and at two tilts.
 AccuracyDirections scene_directions(const SceneDescription& scene, std::size_t map) {
   AccuracyDirections directions = accuracy_directions();
   std::vector<glm::dvec3> lights;
@@ -40,7 +40,7 @@ AccuracyDirections scene_directions(const SceneDescription& scene, std::size_t m
   return directions;
 }
 
-// The bake that `multum bake` makes of the same maps by default.
+// Returns the bake that `multum bake` makes of the same maps by default.
 BakeJob default_job(const SceneDescription& scene, const MapPlan& map) {
   const BakeJob pattern;
   BakeJob job = map.job;
@@ -55,7 +55,7 @@ BakeJob default_job(const SceneDescription& scene, const MapPlan& map) {
   return job;
 }
 
-// Bakes a mosaic; maps that the job does not name are removed from the mosaic during the bake.
+// Bakes a mosaic. Maps that the job does not name are removed from the mosaic during the bake.
 std::unique_ptr<AccuracyMeter> tried(Device& device, const BakeJob& job, BakeSource& mosaic,
                                      const AccuracySettings& accuracy, Progress* progress) {
   std::optional<PlaneStore> albedo;
@@ -73,7 +73,7 @@ struct Estimate {
   double value = 0.0, confidence = 0.0;
 };
 
-// Sum of differences / sum of `by_default` over mosaics, with its interval by the delta method.
+// Returns the sum of differences / the sum of `by_default` over mosaics, with an interval by the delta method.
 Estimate ratio(const std::vector<LevelDifference>& of_mosaics) {
   double difference = 0.0, by_default = 0.0, squares = 0.0;
   for (const LevelDifference& one : of_mosaics) {
@@ -152,7 +152,8 @@ SceneDifference measure_difference(const SceneDescription& scene, const MapPlan&
     }
     if (level_count == 0.0) continue;
     here.error /= level_count;
-    here.confidence = half_widths / level_count;  // levels of a mosaic are correlated, so more do not help
+    here.confidence = half_widths / level_count;  // levels of a mosaic are correlated, so more levels do not narrow the
+                                                  // interval
     if (worst.part.empty() || here.at_most() > worst.at_most()) worst = here;
   }
   return worst;

@@ -13,18 +13,19 @@
 
 namespace multum {
 
-/// Relative L1 of diffuse light or of highlights, whichever is larger: sum |scene - default bake| / sum default bake.
+/// Relative L1 difference of diffuse light or of highlights, whichever is larger: sum |scene - default bake| / sum
+/// default bake.
 struct SceneDifference {
   double error = 0.0;       // mean over levels
   double confidence = 0.0;  // half width of the 95 % interval; 0 if the whole map was compared
   int worst_level = 0;
   double worst_error = 0.0, worst_confidence = 0.0;
-  std::string part;  // "lambert", "blinn-phong:100", "roughness"
+  std::string part;  // "lambert", "blinn-phong:100" or "roughness"
 
   double at_most() const { return worst_error + worst_confidence; }
 };
 
-/// Returns one mosaic for a map that is no larger than a mosaic.
+/// Returns a single mosaic if the map is no larger than a mosaic.
 std::vector<BakeSource> difference_mosaics(const BakeSource& source);
 
 /// `map.mosaics` must be set. Throws Cancelled.

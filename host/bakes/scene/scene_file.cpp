@@ -29,9 +29,9 @@ const NumberRange kMetres = {1e-6, 1e9, false, false, "metres from 1e-6 to 1e9"}
 const NumberRange kAny = {-kInfinity, kInfinity, true, true, "a number"};
 const NumberRange kFromZeroToOne = {0.0, 1.0, false, false, "a number from 0 to 1"};
 constexpr std::size_t kLightCountMax = 8;     // limit of multum-view for lights of each kind
-constexpr std::size_t kMaterialCountMax = 4;  // basis BRDFs
+constexpr std::size_t kMaterialCountMax = 4;  // largest number of basis BRDFs
 
-// Unique names of one kind of things.
+// Unique names of things of one kind.
 class Names {
  public:
   explicit Names(std::string kind) : kind_(std::move(kind)) {}
@@ -44,7 +44,8 @@ class Names {
     });
     if (!is_plain || name.front() == '.')
       table.refuse("name", fmt::format("is \"{}\", expected letters, digits, _, - and .", name));
-    if (find(name) < names_.size()) table.refuse("name", fmt::format("is \"{}\", the name of another {}", name, kind_));
+    if (find(name) < names_.size())
+      table.refuse("name", fmt::format("is \"{}\", which is the name of another {}", name, kind_));
     names_.push_back(name);
     return name;
   }
@@ -97,7 +98,7 @@ SceneMap read_map(const std::string& path, const toml::table& toml, const BakeJo
   return map;
 }
 
-// Names that a material's `brdf` accepts.
+// Lists the names that a material's `brdf` accepts.
 struct NamedFamily {
   const BrdfFamily* family;
   bool width_in_map = false;
@@ -148,7 +149,7 @@ std::vector<Brdf> with_widths(const StrictTable& table, const BrdfFamily& family
   return brdfs;
 }
 
-// Lists the families that have the member: "brdf = "cook-torrance" and "ggx"".
+// Lists the families that have the member, as in "brdf = "cook-torrance" and "ggx"".
 std::string families_with(const std::string& key) {
   std::vector<std::string> names;
   for (const BrdfFamily& family : brdf_families())
@@ -172,7 +173,7 @@ void check_keys_of_family(const StrictTable& table, const NamedFamily& named, co
                                    : "has no file, which brdf = \"measured\" requires");
 }
 
-// `reads_files`: read the file of a measured BRDF, not only its name.
+// If `reads_files` is true, reads the file of a measured BRDF, not only its name.
 SceneMaterial read_material(const std::string& path, const toml::table& toml, Names& names, bool reads_files) {
   std::vector<std::string> keys = member_keys();
   keys.insert(keys.end(), {"name", "brdf", "diffuse", "specular", "file"});

@@ -17,7 +17,7 @@
 namespace multum {
 namespace {
 
-// With a target and several lobes, trials choose among vMF lobes, up to the largest number
+// If there is a target and several lobes are needed, trials choose among vMF lobes, up to the largest number
 // (host/bakes/scene/scene_bake.cpp).
 std::optional<TrialRange> trials_of(const SceneBudget& budget, const BakeCandidate& chosen) {
   if (!budget.target_error || !holds_lobes(chosen.shape.representation) || chosen.shape.lobe_count < 2)
@@ -58,7 +58,7 @@ void fill_job(const MapNeeds& needs, const SceneBudget& budget, MapPlan& plan) {
   plan.stated_difference = as_default && !plan.is_constant
                                ? 0.0
                                : plan.chosen.error.worst() + plan.default_bake.error.worst() + budget.estimate_margin;
-  // Settings from trials meet the target; their error may be higher than that of the default bake.
+  // Settings from trials meet the target, but their error may be higher than that of the default bake.
   if (plan.trials)
     plan.stated_difference = std::max(plan.chosen.error.worst(), *budget.target_error) +
                              plan.default_bake.error.worst() + budget.estimate_margin;
@@ -83,7 +83,7 @@ void hold_to_budgets(const SceneBudget& budget, std::vector<MapPlan>& maps) {
           }
       if (step == nullptr)
         throw Error(ErrorCode::kVerification,
-                    fmt::format("no settings meet the budget's {} of {:g}: the lowest possible value is {:.6g}", what,
+                    fmt::format("no settings meet the budget {} = {:g}: the lowest possible value is {:.6g}", what,
                                 *limit, total));
       cheapest->chosen = *step;
     }
@@ -103,7 +103,7 @@ ScenePlan plan_scene(const SceneDescription& scene, const PlanSettings& settings
     BakeJob job = scene.maps[m].job;
     job.threads = settings.threads;
     if (job.scratch_folder.empty()) job.scratch_folder = std::filesystem::temp_directory_path().string();
-    BakeReport read;  // unused: the bake reports warnings about the maps too
+    BakeReport read;  // not used, because the bake also reports warnings about the maps
     auto source = std::make_shared<BakeSource>(read_source(job, MapReadings::kMany, read, progress));
     planners.push_back(std::make_unique<MapPlanner>(scene, m, source, settings));
     plan.maps.push_back(planners.back()->plan());

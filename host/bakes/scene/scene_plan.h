@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Decides from a scene and its maps which effects the scene needs of each map, and how each map is baked. Chooses the
-// cheapest candidate whose estimated error stays within a margin of the default bake's
+// Decides from a scene and its maps which effects of each map the scene needs, and how each map is baked. Chooses the
+// cheapest candidate whose estimated error exceeds that of the default bake by at most a margin
 // (docs/contributing/ALGORITHMS.md, "Plans of scenes" lists the rules).
 #pragma once
 
@@ -17,7 +17,7 @@
 
 namespace multum {
 
-/// One of the estimated settings in a row.
+/// One of the settings that a row of the table lists, with its estimate.
 struct PlannedItem {
   std::string name;   // "2 lobes"
   std::string value;  // "0.21/45 %"
@@ -27,9 +27,9 @@ struct PlannedItem {
 struct PlannedEffect {
   std::string effect;
   bool needed = false;
-  std::string why;                     // with the measured number
-  bool has_cost = false;               // true if it has a cost in the bake; other effects are only shader code
-  BakeCost cost;                       // cost that the effect adds, or saves if it is not needed
+  std::string why;                     // the reason, with the measured number
+  bool has_cost = false;               // true if the effect has a cost in the bake; other effects are only shader code
+  BakeCost cost;                       // the cost that the effect adds, or saves if it is not needed
   std::vector<PlannedItem> list = {};  // candidates that were tried, sorted by cost; may be empty
 };
 
@@ -56,35 +56,35 @@ struct TrialRange {
 
 struct MapPlan {
   std::string name;
-  BakeJob job;                // without the output
-  bool mean_colours = false;  // mean colours of colour_file are baked to a separate file
+  BakeJob job;                // has no output path
+  bool mean_colours = false;  // true if mean colours of colour_file are baked to a separate file
   std::string colour_file;    // the albedo, if mean_colours is set
   int width = 0, height = 0, level_count = 0;
-  int first_seen = 0, last_seen = 0;      // levels
-  double z_min = 0.0;                     // over the map's normals
-  bool is_diffuse = false;                // at least one material is diffuse
-  bool is_constant = false;               // all normals are nearly equal: the coarsest level suffices
-  BakeCandidate chosen, default_bake;     // the default bake
+  int first_seen = 0, last_seen = 0;      // levels that are seen
+  double z_min = 0.0;                     // the smallest z of the map's normals
+  bool is_diffuse = false;                // true if at least one material is diffuse
+  bool is_constant = false;               // true if all normals are nearly equal, so that the coarsest level suffices
+  BakeCandidate chosen, default_bake;     // the chosen bake, and the default bake for comparison
   std::optional<TrialRange> trials;       // set if trials of the bake choose the settings; `chosen` is then an estimate
-  bool default_error_is_bound = false;    // true if the default bake's error is only known to be no higher than this
+  bool default_error_is_bound = false;    // true if default_bake's error is only an upper bound
   PartErrors limit;                       // errors that candidates must not exceed
   std::vector<BakeCandidate> candidates;  // sorted by textures, then time
   double stated_difference = 0.0;         // estimated relative L1 difference from pictures of the default bake
   std::vector<PlannedEffect> effects;
-  std::shared_ptr<BakeSource> source;  // the job's inputs, if kept in memory
-  // Small samples of the map for host/bakes/scene/scene_difference.h; null if no bake follows or one texel represents
-  // the map.
+  std::shared_ptr<BakeSource> source;  // the job's inputs, if they are kept in memory
+  // Small samples of the map for host/bakes/scene/scene_difference.h. Null if no bake follows or if one texel
+  // represents the map.
   std::shared_ptr<std::vector<BakeSource>> mosaics;
 };
 
 struct ObjectPlan {
   std::string name;
   std::size_t map = 0;
-  int first_level = 0, last_level = 0;  // seen
+  int first_level = 0, last_level = 0;  // levels that are seen
   std::vector<PlannedEffect> effects;   // effects of its shader
   bool environment_by_harmonics = false;
-  std::optional<glm::dvec3> fixed_fresnel;  // constant that replaces F
-  double stated_difference = 0.0;           // difference of the object's map plus the difference of its shader
+  std::optional<glm::dvec3> fixed_fresnel;  // constant that replaces the Fresnel term F
+  double stated_difference = 0.0;           // stated difference of the object's map plus that of its shader
 };
 
 struct ScenePlan {
@@ -97,13 +97,13 @@ struct ScenePlan {
 
 struct PlanSettings {
   int threads = 1;
-  bool for_bake = true;  // a bake follows
-  // Maps stay in memory for the bake up to this total; others are read again.
+  bool for_bake = true;  // true if a bake follows
+  // Maps stay in memory for the bake up to this total size. Other maps are read again.
   std::uint64_t kept_bytes_max = std::uint64_t{4} << 30;
 };
 
-/// Reads every map once. Throws Error(kInput) for unusable maps. Throws Error(kVerification) if no candidate reaches
-/// the scene's target error or its budgets; the message states the best candidate.
+/// Reads every map once. Throws Error(kInput) for unusable maps. Throws Error(kVerification), with the best candidate
+/// in its message, if no candidate reaches the scene's target error or its budgets.
 ScenePlan plan_scene(const SceneDescription& scene, const PlanSettings& settings, Progress* progress);
 
 }  // namespace multum

@@ -22,7 +22,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-// Hashes of a map's two files; empty if the file does not exist.
+// Hashes of a map's two files. A hash is empty if the file does not exist.
 struct FileHashes {
   std::string baked, colours;
 };
@@ -52,7 +52,7 @@ std::vector<std::size_t> maps_of_share(const SceneDescription& scene, int index,
   return maps;
 }
 
-// The scene with only these maps and the objects that show them.
+// Returns the scene with only these maps and the objects that show them.
 SceneDescription part_of(const SceneDescription& scene, const std::vector<std::size_t>& maps) {
   SceneDescription part = scene;
   part.maps.clear();
@@ -87,7 +87,7 @@ std::string key_of(const SceneRun& run, const std::vector<std::size_t>& own) {
 
 ShareName name_of(const SceneRun& run, int index, int count) { return {run.files.folder, "scene", index, count}; }
 
-// Says why the file differs from the file that its share wrote; empty if it does not differ.
+// Returns the reason why the file differs from the file that its share wrote, or an empty string if it does not differ.
 std::string difference(const std::string& path, const std::string& expected) {
   std::error_code ignored;
   if (!std::filesystem::is_regular_file(path, ignored)) return path + ": does not exist";
@@ -124,7 +124,7 @@ Record record_from(const SceneRun& run, const Json& content, const std::vector<s
   return record;
 }
 
-// Throws Error(kEnvironment) that names the record and the option that makes it again.
+// Throws Error(kEnvironment) that names the record and the option that writes it again.
 Record read_record(const SceneRun& run, const ShareName& name, const std::vector<std::size_t>& own) {
   const Json content = read_share_record(name, key_of(run, own));
   const auto refuse = [&](const std::string& what) -> Record {
@@ -199,7 +199,7 @@ SceneShareReport bake_scene_share(const SceneRun& run, int index, int count, Dev
     SceneMapRows earlier = earlier_rows(run.files.report());
     for (std::size_t i = 0; there && i < own.size(); ++i) {
       if (there->maps[i].is_whole) earlier[plan.maps[i].name] = there->maps[i].row.dump();
-      else plan.maps[i].job.force = true;  // a header does not show whether texels are damaged
+      else plan.maps[i].job.force = true;  // the header does not show whether texels are damaged
     }
     report = bake_scene_maps(part, plan, run.files, earlier, device, done, progress);
     compare_scene_maps(part, plan, report, device, progress);

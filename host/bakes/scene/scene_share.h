@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Divides the bake of a scene among processes that share the output folder; maps are assigned in turn. A share bakes
+// Divides the bake of a scene among processes that share the output folder. Maps are assigned in turn. A share bakes
 // its maps and lists them in a record (host/foundation/base/share_record.h). A merge checks the records of all shares
 // and the hashes of the baked files, and writes plan.json and report.json. If the scene has a budget for all maps
-// together, every share plans all of them; otherwise a share reads only its own.
+// together, every share plans all maps. Otherwise a share reads only its own maps.
 #pragma once
 
 #include <string>
@@ -17,20 +17,21 @@ struct SceneRun {
   SceneDescription scene;  // read from that file
   SceneFiles files;
   PlanSettings planning;
-  bool force = false;  // true to bake maps whose files exist, too
+  bool force = false;  // true to also bake maps whose files exist
 };
 
 struct SceneShareReport {
-  bool was_there = false;  // nothing was done, because the share existed with the same inputs and settings
-  int maps = 0;            // number in the share
+  bool was_there = false;  // true if nothing was done, because the share already existed with the same inputs and
+                           // settings
+  int maps = 0;            // number of maps in the share
 };
 
-/// Bakes share `index` of `count`, from 1. Throws as plan_scene() and bake_scene() do.
+/// Bakes share `index` of `count`. Shares are counted from 1. Throws as plan_scene() and bake_scene() do.
 SceneShareReport bake_scene_share(const SceneRun& run, int index, int count, Device& device, const SceneMapDone& done,
                                   Progress* progress);
 
 /// Throws Error(kEnvironment) that names every share whose record or files are missing, damaged or from another bake,
-/// and the option that makes it again. Also throws as plan_scene() does.
+/// and states the option that bakes the share again. Also throws as plan_scene() does.
 SceneReport merge_scene(const SceneRun& run, int count, Progress* progress);
 
 }  // namespace multum

@@ -6,9 +6,10 @@
 
 namespace multum {
 
-/// The finest and the coarsest level that the default filter reads (tap_filter.h), from 0 to level_count - 1. A pixel
-/// in a corner of the picture, closest to the surface and facing it, covers the fewest texels. The largest footprint is
-/// that of a pixel in the middle of the picture, at the farthest distance, on a surface tilted by object.tilt_max.
+/// Returns the finest and the coarsest level that the default filter reads (tap_filter.h), from 0 to level_count - 1. A
+/// corner pixel of a picture at the shortest distance, on a surface that faces the camera, covers the fewest texels.
+/// The largest footprint is that of a pixel in the middle of the picture, at the longest distance, on a surface tilted
+/// by object.tilt_max.
 struct SeenLevels {
   int first, last;
 };

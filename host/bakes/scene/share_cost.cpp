@@ -11,14 +11,15 @@
 namespace multum {
 namespace {
 
-// Processor time in nanoseconds per finest texel, fitted by eye. The sums match a bake of 16384 x 16384 texels: 194 s
-// (docs/evidence/BENCHMARKS.md, "Whole bakes of growing maps", has a later run: 199 s). The division of the sums among
-// levels, lobes and stages is from maps of 1024 and 2048 texels per side (tools/lab/share_constants.py prints measured
-// and predicted values). Measured on 2 cores of an Intel Xeon with AVX-512, PoCL 3.1, with other programs running. The
-// additional work of shares is from docs/evidence/SHARES.md, measured on an AMD EPYC without AVX-512.
-constexpr double kReadCpu = 60.0;          // with decoding, hashing and detection of the encoding
+// Processor time in nanoseconds per finest texel, fitted by eye. The sums match a bake of 16384 x 16384 texels, which
+// took 194 s (docs/evidence/BENCHMARKS.md, "Whole bakes of growing maps", has a later run: 199 s). The division of the
+// sums among levels, lobes and stages is from maps of 1024 and 2048 texels per side (tools/lab/share_constants.py
+// prints measured and predicted values). The times were measured on 2 cores of an Intel Xeon with AVX-512 and PoCL 3.1,
+// with other programs running. The additional work of shares is from docs/evidence/SHARES.md, measured on an AMD EPYC
+// without AVX-512.
+constexpr double kReadCpu = 60.0;          // includes decoding, hashing and detection of the encoding
 constexpr double kStoreRows = 8.0;         // writing the map's rows to share 0's file
-constexpr double kFitLevelOneCpu = 40.0;   // level 1
+constexpr double kFitLevelOneCpu = 40.0;   // for level 1
 constexpr double kFitLobeOneCpu = 22.0;    // additional time per lobe
 constexpr double kFitFineCpu = 15.0;       // each level from 2 to 5
 constexpr double kFitLobeFineCpu = 7.5;    // additional time per lobe
@@ -30,22 +31,22 @@ constexpr double kMergeRows = 12.0;        // reading rows of lobes from all sha
 constexpr double kWriteTextureCpu = 30.0;  // per stored texel of a texture
 constexpr double kMeasureLambertCpu = 10.0;
 constexpr double kMeasureExponentCpu = 30.0;
-// Times in seconds: start of a process with its programs and buffers; search for a start; measurement, with a minimum
-// time for every level.
+// Times in seconds for the start of a process with its programs and buffers, for the search for a start, and for the
+// measurement, with a minimum time for every level.
 constexpr double kFixedCpu = 0.1;
 constexpr double kFixedStart = 0.85;
 constexpr double kFixedWrite = 0.25;
-constexpr double kFixedMeasure = 0.15;  // Lambert, and each exponent
+constexpr double kFixedMeasure = 0.15;  // for Lambert, and for each exponent
 
 constexpr int kFinestBinned = 6;
 constexpr double kShareCountMax = 1000.0;  // the default limit of tasks of a Slurm array
-constexpr double kProcessors = 1.6;        // number of busy processors during a bake of averages, of 2
+constexpr double kProcessors = 1.6;        // average number of busy processors, of 2, during a bake of averages
 
 int rgb_planes(const BakeShape& s) { return (s.has_colours ? 1 : 0) + (s.weight_count + 2) / 3; }
 
 double texels_of(const BakeShape& s) { return static_cast<double>(s.width) * s.height; }
 
-// Time of a level, in nanoseconds per finest texel.
+// Returns the time of a level in nanoseconds per finest texel.
 double level_ns(const BakeShape& s, int level) {
   const auto lobes = static_cast<double>(s.lobe_count);
   const double ns = level == 1               ? kFitLevelOneCpu + kFitLobeOneCpu * lobes

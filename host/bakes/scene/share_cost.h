@@ -20,10 +20,10 @@ struct ShareCost {
   double band_seconds_max() const;
 };
 
-/// Processor time of a bake by one process, for any representation.
+/// Returns the processor time of a bake by one process, for any representation.
 double bake_processor_seconds(const BakeShape& shape);
 
-/// Throws Error(kUsage) as plan_shard() does: for too many bands, or a fit that cannot be divided.
+/// Throws Error(kUsage), as plan_shard() does, for too many bands or for a fit that cannot be divided.
 ShareCost share_cost(const BakeShape& shape, const MovmfSettings& settings, int count);
 
 /// Returns the number of bands for a map if each band may take about `share_seconds`. Returns 0 if one process should

@@ -36,7 +36,7 @@ struct Attempt {
   std::vector<std::string> warnings;  // warnings, which are printed if this attempt is chosen
 };
 
-// Bakes candidates in a folder of unfinished work next to the output, which is removed unless a stopped bake may
+// Bakes candidates in a folder of unfinished work next to the output. The folder is removed unless a stopped bake may
 // resume.
 class Attempts {
  public:
@@ -79,7 +79,7 @@ class Attempts {
                      held.take()});
     return made_.back();
   }
-  /// True if the last attempt meets the target. If it seems to, measures the file again at other footprints.
+  /// True if the last attempt meets the target. If it seems to do so, measures the file again at other footprints.
   bool meets(double target) {
     constexpr std::uint64_t kSecondSeed = 1000003;
     Attempt& attempt = made_.back();
@@ -135,7 +135,7 @@ std::string reached_text(const ReachedError& reached) {
          (reached.shading.empty() ? "" : fmt::format(" when shaded as {}", reached.shading));
 }
 
-// Tries the cheapest settings first; errors on the whole map correct the errors that the mosaic predicts.
+// Tries the cheapest settings first. Errors on the whole map correct the errors that the mosaic predicts.
 std::optional<std::size_t> find_by_error(const BakeTarget& target, SettingTrials& trials, Attempts& attempts,
                                          Progress* progress) {
   double correction = 1.0;
@@ -157,7 +157,7 @@ std::optional<std::size_t> find_by_error(const BakeTarget& target, SettingTrials
   return std::nullopt;
 }
 
-// Predicts the time of a whole map's bake from its trial. The map has `scale` times as many texels on level 1, the
+// Predicts the time of a bake of the whole map from its trial. The map has `scale` times as many texels on level 1, the
 // finest level that the trial fits. Times of finished bakes correct the prediction, separately for lobes and averages.
 class TimeGuess {
  public:
@@ -184,13 +184,13 @@ class TimeGuess {
   std::map<bool, double> correction_;
 };
 
-// Bakes settings that are predicted to be fast enough, the lowest error first. Stops when one is fast enough and no
+// Bakes settings that are predicted to be fast enough, the lowest error first. Stops when a bake is fast enough and no
 // better one is expected.
 std::optional<std::size_t> find_by_time(const BakeTarget& target, double read_seconds, SettingTrials& trials,
                                         Attempts& attempts, Progress* progress) {
   constexpr std::size_t kAttemptsMax = 6;
-  // If settings are far too slow, settings with more lobes or higher orders are skipped. Predictions may be too high
-  // by up to this factor.
+  // Predicted times may be too high by up to this factor. If the time of a trial exceeds the target by more than this
+  // factor, settings of the same representation with more lobes or higher orders are skipped.
   constexpr double kGuessMargin = 8.0;
   TimeGuess guess(trials, read_seconds);
   const std::vector<SettingCandidate>& candidates = trials.candidates();
@@ -234,10 +234,10 @@ std::string choice_text(const BakeTarget& target, const SettingTrials& trials, c
                                  reached_text(chosen.judged()), trials.brdf().id.text());
   text += target.error ? fmt::format(", asked for {}", in_percent(*target.error))
                        : fmt::format(" in {:.0f} ms, asked for {:.0f}", 1e3 * chosen.seconds, 1e3 * *target.seconds);
-  text += fmt::format("; {} of {} settings tried on a mosaic, {} baked\n", trials.made().size(),
+  text += fmt::format("; tried {} of {} settings on a mosaic, and baked {}\n", trials.made().size(),
                       trials.candidates().size(), attempts.made().size());
   if (target.error) {
-    // The most accurate of the cheaper settings shows that no cheaper settings suffice.
+    // The error of the most accurate cheaper settings shows that no cheaper settings suffice.
     const SettingTrial* below = nullptr;
     for (const SettingTrial& trial : trials.made())
       if (trial.candidate < chosen.trial.candidate && (!below || trial.reached.error < below->reached.error))
@@ -277,9 +277,10 @@ void check_target(const BakeTarget& target, const BakeJob& job) {
   if (target.error.has_value() == target.seconds.has_value())
     throw Error(ErrorCode::kUsage, "--target-error and --budget-ms: expected only one of them");
   if (target.error && !(*target.error > 0.0 && *target.error <= 2.0))
-    throw Error(ErrorCode::kUsage, fmt::format("--target-error is {:g}, expected a number above 0, at most 2: 0.1 is "
-                                               "10 % relative L1",
-                                               *target.error));
+    throw Error(
+        ErrorCode::kUsage,
+        fmt::format("--target-error is {:g}, expected a number above 0, at most 2: 0.1 is a relative L1 error of 10 %",
+                    *target.error));
   if (target.seconds && !(*target.seconds > 0.0))
     throw Error(ErrorCode::kUsage,
                 fmt::format("--budget-ms is {:g}, expected a number above 0", 1e3 * *target.seconds));
@@ -292,7 +293,7 @@ void check_target(const BakeTarget& target, const BakeJob& job) {
         "--no-measure excludes --target-error and --budget-ms, because these choose settings by measured errors");
   if (job.region || !job.onto.empty())
     throw Error(ErrorCode::kUsage,
-                "--region and --onto use a file's settings: --target-error and --budget-ms cannot choose any");
+                "--region and --onto use the settings of a file, so --target-error and --budget-ms cannot choose any");
   if (job.resume && target.seconds)
     throw Error(ErrorCode::kUsage,
                 "--resume and --budget-ms exclude each other: the time of a resumed bake does not show the cost of its "
@@ -375,7 +376,7 @@ ChosenBake bake_to_target(const BakeJob& given_job, const BakeTarget& given, con
   if (chosen.written)
     for (const std::string& warning : attempt.warnings) log_named_warning(warning);
   clock.finish("choose");
-  // Time outside the bake itself.
+  // Time that is not part of the bake itself.
   double others = choosing.stages.back().seconds;
   for (const StageTime& stage : chosen.report.stages)
     if (stage.name != "read") others -= stage.seconds;

@@ -10,19 +10,19 @@
 namespace multum {
 namespace {
 
-// If there is room, blocks begin at multiples of this value, so that fine patterns are divided into mip texels as in
-// the map.
+// If there is room, blocks begin at multiples of this value, so that mip texels divide fine patterns in the same way as
+// in the map.
 constexpr int kAlignment = 16;
 
-// Start columns of each block in the map. Blocks of one row of cells share their rows, so that a map on disk
-// is read by whole rows.
+// Start columns of each block in the map. Blocks in one row of cells use the same rows, so that a map on disk is read
+// by whole rows.
 struct Cuts {
   int width, height;                // size of the mosaic
   std::vector<int> rows;            // [block row]
   std::vector<std::vector<int>> x;  // [block row][block column]
 };
 
-// Position in cell i of `count`.
+// Returns a position in cell i of `count` cells.
 int place_in_cell(int i, int count, int size, int block, std::uint64_t random) {
   const auto edge = [&](int cell) { return static_cast<int>(static_cast<std::int64_t>(size) * cell / count); };
   const int first = (edge(i) + kAlignment - 1) / kAlignment * kAlignment, last = edge(i + 1) - block;

@@ -36,7 +36,7 @@ std::vector<std::string> PendingViews::command(std::size_t number) const {
   std::vector<std::string> command = {view.baked, "-o", file(number, ".png"), "--report", file(number, ".json")};
   command.insert(command.end(), common_.begin(), common_.end());
   command.insert(command.end(), view.arguments.begin(), view.arguments.end());
-  // Writing pictures takes a third of the time of a small map's view, so unneeded pictures are not written.
+  // For a small map, writing pictures takes a third of a view's time, so unneeded pictures are not written.
   if (view.shows_reference) command.insert(command.end(), {"--pictures", file(number, "")});
   else if (std::find(command.begin(), command.end(), "--compare") != command.end()) command.push_back("--alone");
   return command;
@@ -56,7 +56,7 @@ void PendingViews::draw(Progress* progress) {
                       is_sheet ? bytes_of_file(file(i, "_reference.png")) : ""});
   }
   for (const Waiting& one : waiting_) {
-    std::error_code ignored;  // a file with several views is removed once
+    std::error_code ignored;  // a file that several views show is removed only once
     std::filesystem::remove(one.view.baked, ignored);
   }
   waiting_.clear();

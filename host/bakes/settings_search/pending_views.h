@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Draws baked maps of a sweep by multum-view, many in one child process: for a small map, starting a process with a GL
-// driver takes longer than drawing. Baked files wait until they are drawn, and their total size is limited.
+// Draws baked maps of a sweep with multum-view, many in one child process, because starting a process with a GL driver
+// takes longer than drawing a small map. Baked files are kept until they are drawn, and their total size is limited.
 #pragma once
 
 #include <cstdint>
@@ -15,8 +15,8 @@ namespace multum {
 
 /// One way to draw a baked map.
 struct PendingView {
-  std::string baked;                   // the file
-  std::vector<std::string> arguments;  // options of multum-view, without the file, -o, --report and common ones
+  std::string baked;                   // the baked file
+  std::vector<std::string> arguments;  // options of multum-view, without the file, -o, --report and common options
   bool shows_reference = false;        // also return the reference's picture
 };
 
@@ -28,12 +28,12 @@ struct DrawnView {
 
 class PendingViews {
  public:
-  /// `common`: arguments for every view. Files are written to `folder`, and stay there.
+  /// `common` holds the arguments for every view. Files are written to `folder` and stay there.
   PendingViews(std::string viewer, std::vector<std::string> common, std::string folder);
 
   /// Calls `take` when the view has been drawn, in the order of add().
   void add(PendingView view, std::function<void(const DrawnView& drawn)> take);
-  /// Bytes of the waiting baked files.
+  /// Total size of the baked files that are not yet drawn.
   std::uint64_t waiting_bytes() const { return waiting_bytes_; }
   /// Draws all waiting views and removes their baked files. Throws as run_viewer() does.
   void draw(Progress* progress);

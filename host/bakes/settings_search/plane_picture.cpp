@@ -33,7 +33,7 @@ const nlohmann::json& own_picture(const nlohmann::json& report) {
   if (report.is_object() && report.contains("pictures"))
     for (const nlohmann::json& picture : report.at("pictures"))
       if (picture.at("name") == "multum") return picture;
-  throw Error(ErrorCode::kEnvironment, "multum-view's report does not list the baked map's picture");
+  throw Error(ErrorCode::kEnvironment, "the report of multum-view does not list the picture of the baked map");
 }
 
 double draw_plane(const BakeJob& job, const TargetBrdf& brdf, const PlaneViewer& viewer, Progress* progress) {

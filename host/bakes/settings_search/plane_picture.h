@@ -13,17 +13,17 @@
 namespace multum {
 
 struct PlaneViewer {
-  std::string program;           // multum-view; empty: draw nothing
-  std::string context = "auto";  // its options
+  std::string program;           // multum-view; if empty, nothing is drawn
+  std::string context = "auto";  // its options --context and --decode
   std::string decode = "child";
   int samples = 256;  // per pixel of the reference
 };
 
-/// The baked map's row in the report of multum-view --report. Throws Error(kEnvironment) if it is missing.
+/// Returns the baked map's row in the report of multum-view --report. Throws Error(kEnvironment) if the row is missing.
 const nlohmann::json& own_picture(const nlohmann::json& report);
 
-/// Relative L1 error of a picture of JOB.output against the reference from JOB.input. Throws Error(kEnvironment) if
-/// nothing can be drawn, Cancelled. Writes temporary files next to JOB.output.
+/// Returns the relative L1 error of a picture of JOB.output against the reference from JOB.input. Throws
+/// Error(kEnvironment) if nothing can be drawn, and Cancelled. Writes temporary files next to JOB.output.
 double draw_plane(const BakeJob& job, const TargetBrdf& brdf, const PlaneViewer& viewer, Progress* progress);
 
 }  // namespace multum

@@ -75,7 +75,7 @@ class CandidateList {
 
   void add_averages() {
     add(Axis::kMoments, kTargetSearch | kEverySweep | kEveryScene, bake_values({{"ndf", "moments"}}));
-    // Orders that are worth a trial: each has about 1.5 times as many coefficients as the one before. The default
+    // Orders that are worth a trial. Each has about 1.5 times as many coefficients as the previous one. The default
     // sweep ends between two of them, at 12.
     for (const int order : {2, 3, 4, 6, 8, 10, 12, 13, 16, 20}) {
       const unsigned users =
@@ -95,11 +95,11 @@ class CandidateList {
   }
 
   // Adds the quick, the refined and the long fit. For the default lobe count, the long fit is added with other changes
-  // of the fit. A target search tries the long fit only for the most lobes: with fewer, another lobe gains more in less
-  // time.
+  // of the fit. A target search tries the long fit only for the largest lobe count. With fewer lobes, another lobe
+  // gains more in less time.
   void add_efforts(int lobes, unsigned sweeps) {
     add_fit(Axis::kIterations, kTargetSearch | sweeps, lobes, {{"passes", std::int64_t{1}}, {"no_start_search", true}});
-    if (lobes > 1)  // one lobe is an average; nothing is fitted
+    if (lobes > 1)  // one lobe is an average and is not fitted
       add_fit(Axis::kIterations, kTargetSearch | (sweeps & kDefaultAndFull), lobes, {{"refine", true}});
     if (lobes != default_lobes_)
       add_fit(Axis::kIterations, sweeps | (lobes == counts_.most ? kTargetSearch : 0u), lobes, {{"reference", true}});

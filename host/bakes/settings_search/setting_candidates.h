@@ -18,24 +18,24 @@ enum CandidateUser : unsigned {
   kQuickSweep = 2,    // multum tradeoff --quick
   kDefaultSweep = 4,  // multum tradeoff
   kFullSweep = 8,     // multum tradeoff --full
-  kScenePlan = 16,    // a scene whose error should match the default bake
+  kScenePlan = 16,    // a scene whose error should be that of the default bake
   kSceneTarget = 32,  // a scene with a target error
 };
 
 /// The setting that a candidate varies, compared with the default bake.
 enum class CandidateAxis { kLobes, kMoments, kHarmonics, kGaussians, kIterations, kHierarchy, kStorage, kFirstLevel };
-/// Name of an axis: "first level".
+/// Name of an axis, such as "first level".
 const char* candidate_axis_name(CandidateAxis axis);
 
 /// Settings that may be chosen. The cost of a candidate is the number of textures read per texel, which determines
-/// memory and frame time. With equal counts, the time of the bake is the cost.
+/// memory and frame time. If these numbers are equal, the cost is the time of the bake.
 struct SettingCandidate {
-  ParameterValues values;  // representation, lobes, order, effort, ...; the job has the other values
+  ParameterValues values;  // representation, lobes, order, effort and so on; other values are those of the job
   CandidateAxis axis;
-  unsigned users;       // CandidateUser
-  std::string options;  // the values as text: "--ndf vmf --lobes 3"
+  unsigned users;       // bits of CandidateUser
+  std::string options;  // the values as options, such as "--ndf vmf --lobes 3"
   int texture_count;    // number of textures with four channels of 16 bits
-  int effort;           // order of bake times among settings with equal texture counts
+  int effort;           // rank of the bake time among settings with equal texture counts
   Representation representation() const { return *given_representation(values); }
   int lobe_count() const { return values.integer("lobes").value_or(1); }
   int sh_order() const { return values.integer("sh_order").value_or(0); }
@@ -43,12 +43,13 @@ struct SettingCandidate {
   bool is_for(const BakeJob& job) const;
 };
 
-/// Candidates of one user, in the order of display. `only` restricts them to one representation; nullopt means all
-/// representations.
+/// Returns the candidates of one user, in the order of display. `only` restricts them to one representation. If `only`
+/// is nullopt, all representations are listed.
 std::vector<SettingCandidate> setting_candidates(CandidateUser user, std::optional<Representation> only = std::nullopt);
 
-/// Candidates of kTargetSearch with representation `only`, the cheapest first. nullopt means all except Gaussians: with
-/// equal lobe counts, their error is never lower than that of vMFs (docs/evidence/ACCURACY.md), and they cost as much.
+/// Returns the candidates of kTargetSearch with representation `only`, the cheapest first. If `only` is nullopt, lists
+/// all except Gaussians. With as many lobes, Gaussians cost as much as vMFs, and their error is never lower
+/// (docs/evidence/ACCURACY.md).
 std::vector<SettingCandidate> target_candidates(std::optional<Representation> only);
 
 /// Number of lobes of the default bake.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Chooses the settings for a map: tries candidates (host/bakes/settings_search/setting_candidates.h) by increasing
-// cost on a mosaic of the map (host/bakes/settings_search/map_mosaic.h) until the error of one is low enough. Writes
-// nothing. The following bake checks whether the whole map has the error that the mosaic predicts
+// Chooses the settings for a map. Tries candidates (host/bakes/settings_search/setting_candidates.h) in order of
+// increasing cost on a mosaic of the map (host/bakes/settings_search/map_mosaic.h), until the error of a candidate is
+// low enough. Writes nothing. The following bake checks whether the whole map has the error that the mosaic predicts
 // (host/bakes/settings_search/chosen_bake.h).
 #pragma once
 
@@ -15,32 +15,33 @@
 
 namespace multum {
 
-/// The BRDF of the target error; "roughness" for a bake with a roughness map.
+/// The BRDF of the target error, which is "roughness" for a bake with a roughness map.
 struct TargetBrdf {
-  AccuracyBrdf id = AccuracyBrdf::blinn_phong(100.0);  // without shading and colours
-  std::string text = id.text();                        // its name in options
-  Brdf brdf;                                           // kLambert: no highlight
+  AccuracyBrdf id = AccuracyBrdf::blinn_phong(100.0);  // without shading method and colours
+  std::string text = id.text();                        // name of the BRDF in options
+  Brdf brdf;                                           // kLambert if there is no highlight
 
   bool has_highlight() const { return brdf.kind != BrdfKind::kLambert; }
-  /// True if it is shaded as a sum of vMFs.
+  /// True if the BRDF is shaded as a sum of vMFs.
   bool is_sum() const { return is_vmf_sum(brdf); }
   bool can_shade(Representation r) const { return !is_sum() || representation_info(r).takes_every_brdf; }
   /// The BRDF's highlight, unless every bake measures it.
   std::vector<Highlight> more_highlights() const;
 };
-/// Parses a BRDF as parse_brdf() does; only the highlight counts. Throws Error(kUsage) naming `option`, Error(kInput).
+/// Parses a BRDF as parse_brdf() does, and uses only its highlight. Throws Error(kUsage) that names `option`, and
+/// Error(kInput).
 TargetBrdf parse_target_brdf(const std::string& text, const std::string& option = "--brdf");
 
-/// The lowest error of `brdf` among the shading methods of a file; includes colours if the file has colours.
+/// The lowest error of `brdf` among the shading methods of a file. It includes colours if the file has colours.
 struct ReachedError {
   double error = 0.0;
   double confidence = 0.0;  // half width of the 95 % interval
   double percentile_95 = 0.0;
   int worst_octave = 0;
   double worst_octave_error = 0.0;
-  std::string shading;  // shading method for moments, such as "lean"; else empty
+  std::string shading;  // shading method for moments, such as "lean"; otherwise empty
 
-  /// True if the error and its interval are within `target`.
+  /// True if the error plus its interval is within `target`.
   bool meets(double target) const { return error + confidence <= target; }
 };
 ReachedError reached_error(const std::vector<FootprintError>& errors, const TargetBrdf& brdf);
@@ -50,10 +51,10 @@ struct SettingTrial {
   std::size_t candidate;
   ReachedError reached;
   double seconds;        // time of fitting or averaging
-  double fixed_seconds;  // time that does not grow with the map: start and coarse levels
+  double fixed_seconds;  // time for the start and for coarse levels, which does not grow with the map
 };
 
-/// Trials of one map; each trial is made once, when requested.
+/// The trials of one map. Each trial is made once, when it is first requested.
 class SettingTrials {
  public:
   /// `source` and `device` must outlive the object.
@@ -68,7 +69,7 @@ class SettingTrials {
   const SettingTrial& at(std::size_t candidate, Progress* progress);
   /// Finished trials, in the order in which they were made.
   const std::vector<SettingTrial>& made() const { return made_; }
-  /// Texels of the map per texel of the mosaic.
+  /// Number of texels of the map per texel of the mosaic.
   double scale() const;
 
  private:
@@ -86,8 +87,8 @@ class SettingTrials {
 BakeJob with_candidate(const BakeJob& job, const SettingCandidate& candidate);
 
 /// Returns the cheapest candidate, from index `first` on, that meets `error` on the mosaic, or nullopt. The candidate's
-/// error plus interval, times `correction`, must be at most `error`. Skips candidates whose quicker variant has too
-/// high an error: a longer fit of the same number of lobes reduces the error by at most a quarter.
+/// error plus interval, times `correction`, must be at most `error`. Skips a candidate if the error of its quicker
+/// variant is too high, because a longer fit of the same number of lobes reduces the error by at most a quarter.
 std::optional<SettingTrial> cheapest_within(SettingTrials& trials, double error, double correction, std::size_t first,
                                             Progress* progress);
 

@@ -23,13 +23,13 @@ constexpr double kMiB = 1 << 20;
 std::string frame_time(double ms) { return ms < 0.0 ? "-" : fmt::format("{:.1f}", ms); }
 std::string mebi(std::uint64_t bytes) { return fmt::format("{:.2f}", static_cast<double>(bytes) / kMiB); }
 
-// Formats the errors of a row: "12.3 +- 0.1 %, 14.1 % in its picture".
+// Formats the errors of a row, as in "12.3 +- 0.1 %, 14.1 % in its picture".
 std::string errors_text(const TradeoffRow& row) {
   return error_text(row.reached.error, row.reached.confidence) +
          (row.rendered < 0.0 ? "" : fmt::format(", {} % in its picture", percent(row.rendered)));
 }
 
-// The budgets that are set: "33 MiB on the GPU, 20 ms per frame".
+// Formats the budgets that are set, as in "33 MiB on the GPU, 20 ms per frame".
 std::string budgets_text(const TradeoffJob& job) {
   std::vector<std::string> parts;
   if (job.bytes_max) parts.push_back(fmt::format("{:.4g} MiB on the GPU", static_cast<double>(*job.bytes_max) / kMiB));
@@ -47,7 +47,7 @@ bool is_asked(const TradeoffJob& job) { return job.error || job.bake_seconds || 
 
 std::string map_name(const TradeoffJob& job) { return std::filesystem::path(job.bake.input).filename().string(); }
 
-// Quotes a text if a shell would not read it as one word.
+// Quotes a text if a shell would not read it as a single word.
 std::string shell_word(const std::string& text) {
   const bool is_plain = !text.empty() && text.find_first_not_of(
                                              "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ"
@@ -104,7 +104,7 @@ nlohmann::ordered_json row_json(const TradeoffJob& job, const TradeoffRow& row) 
   return one;
 }
 
-// All results except the pictures.
+// Returns all results except the pictures.
 nlohmann::ordered_json sweep_json(const TradeoffJob& job, const TradeoffResult& result) {
   nlohmann::ordered_json json = {{"software", std::string("multum ") + MULTUM_VERSION},
                                  {"map", text_of_path(map_name(job))},
@@ -176,7 +176,7 @@ std::string tradeoff_markdown(const TradeoffResult& result) {
 
 std::string tradeoff_text(const TradeoffJob& job, const TradeoffResult& result) {
   std::string text =
-      "settings that no other setting beats in both error and cost (work of a bake, memory, or work of a frame):\n";
+      "settings that no other settings beat in both error and cost (work of a bake, memory, or work of a frame):\n";
   for (const TradeoffRow& row : result.rows) {
     if (!row.on_front() || row.same_as || !row.fits) continue;
     text += fmt::format("  {:>16}  {:>6} ms  {:>8} MiB  {}  {} {}\n", errors_text(row), millis(row.bake.work_seconds()),

@@ -37,11 +37,11 @@ constexpr const char* kMomentShadings[] = {"toksvig", "lean", "lean-jacobian"};
 // A way to draw a bake.
 struct View {
   std::string group;
-  std::string arguments;                              // next to --brdf
+  std::string arguments;                              // arguments in addition to --brdf
   std::string brdf;                                   // option of multum-view; empty for the target's BRDF
   bool is_measured;                                   // true if the errors measured for the target are valid
   std::optional<Highlight> highlight = std::nullopt;  // another highlight to measure
-  std::string shading = {};                           // AccuracyBrdf::shading of its errors
+  std::string shading = {};                           // AccuracyBrdf::shading of the errors of this view
 };
 
 struct SweptBake {
@@ -49,7 +49,8 @@ struct SweptBake {
   std::vector<View> views;
 };
 
-// GGX of the same width as Blinn-Phong with that exponent: alpha^2 = 2 / (s + 2); glTF's roughness is sqrt(alpha).
+// Returns the GGX that is as wide as Blinn-Phong with that exponent: alpha^2 = 2 / (s + 2). The roughness of glTF is
+// sqrt(alpha).
 std::string ggx_of(double exponent) {
   return fmt::format("ggx:{:.3f}", std::clamp(std::pow(2.0 / (exponent + 2.0), 0.25), 0.05, 1.0));
 }
@@ -114,7 +115,7 @@ std::unique_ptr<WorkFolder> take_scratch(const std::string& output) {
   return folder;
 }
 
-// Arguments of every view. The map is for the reference.
+// Returns the arguments of every view. The map is needed for the reference.
 std::vector<std::string> common_arguments(const TradeoffJob& job) {
   std::vector<std::string> arguments = {
       "--source", job.bake.input, "--context", job.context,
@@ -135,7 +136,7 @@ class Sweep {
 
   TradeoffResult run() {
     const Stopwatch stopwatch;
-    // On a CPU, the processor time of the process already includes OpenCL.
+    // On a CPU, the processor time of the process already includes the time of OpenCL.
     if (!device_.info().is_cpu) device_.time_launches(true);
     BakeReport reading;
     const BakeSource source = read_source(job_.bake, MapReadings::kMany, reading, progress_);
@@ -151,7 +152,7 @@ class Sweep {
     progress_start(progress_, units);
     for (std::size_t i = 0; i < sweep.size(); ++i) {
       run_bake(sweep[i], source);
-      // Repeats are spread over the sweep, so that they show the noise from other programs.
+      // Repeats are spread over the sweep, so that they show the noise that other programs cause.
       if ((i + 1) % std::max<std::size_t>(1, sweep.size() / kTimeRepeats) == 0) repeat_default(source);
     }
     draw_views();
@@ -205,9 +206,9 @@ class Sweep {
     if (views_.waiting_bytes() > kWaitingBytesMax) draw_views();
   }
 
-  // Rows need only the pixel error of one BRDF; by default, a bake measures four BRDFs and each level.
+  // Rows need only the pixel error of one BRDF, but by default a bake measures four BRDFs and each level.
   void choose_measured(BakeJob& bake) const {
-    if (job_.has_roughness()) return;  // only one BRDF is measured, and a warning needs its levels
+    if (job_.has_roughness()) return;  // only one BRDF is measured, and a warning needs the errors of its levels
     if (job_.measures_all_brdfs) {
       bake.highlights = job_.brdf.more_highlights();
       return;
@@ -217,7 +218,7 @@ class Sweep {
     if (job_.brdf.has_highlight()) bake.highlights = {make_highlight(job_.brdf.id, job_.brdf.brdf)};
   }
 
-  // Bakes again for the time only. Warnings about the map have been printed already.
+  // Bakes again only to measure the time. Warnings about the map have already been printed.
   BakeReport bake_unmeasured(BakeJob bake, const BakeSource& source) {
     bake.report.clear();
     bake.force = true;
@@ -227,8 +228,9 @@ class Sweep {
     return bake_file(bake, &source, device_, &quiet);
   }
 
-  // Bakes all settings again, alternately and without measurement: in the first bakes, kernels were compiled and files
-  // entered the cache. The start is remembered from the first bake, and the time of its search is added.
+  // Bakes all settings again, alternately and without measuring errors, because during the first bakes kernels were
+  // compiled and files entered the cache. The start is remembered from the first bake, and the time of its search is
+  // added.
   void time_bakes(const std::vector<SweptBake>& sweep, const BakeSource& source) {
     progress_stage(progress_, "time bakes");
     std::vector<RunTime> remembered(sweep.size());
@@ -266,7 +268,7 @@ class Sweep {
                [this](const DrawnView& drawn) { frame_times_.push_back(frame_work(drawn.report)); });
   }
 
-  // Removes the map's name, which the page shows already.
+  // Removes the map's name, which the page already shows.
   std::vector<std::string> without_name(std::vector<std::string> warnings) const {
     const std::string name = job_.bake.input + ": ";
     for (std::string& warning : warnings)
@@ -275,7 +277,7 @@ class Sweep {
   }
 
   void add_errors(const BakeReport& report, const View& view, TradeoffRow& row) const {
-    // For moments, takes the errors of this way to shade them.
+    // For moments, uses the errors of this shading method.
     for (const FootprintError& one : report.error)
       if (one.brdf.shading == view.shading && !one.brdf.has_colours) row.errors.push_back(one);
     row.reached = reached_error(row.errors, job_.brdf);
@@ -290,7 +292,7 @@ class Sweep {
   std::string scratch(const std::string& name) const { return scratch_->path() + "/" + name; }
   std::string new_scratch_file() { return scratch(fmt::format("swept_{}.ndf.exr", scratch_count_++)); }
 
-  // Compares the picture with the pixel reference, like the measured error; the reference is drawn once per BRDF.
+  // Compares the picture with the pixel reference, as the measured error does. The reference is drawn once per BRDF.
   void draw(const std::string& baked, const View& view, std::size_t row_number) {
     const bool is_first = references_.empty();  // the page shows the reference of the first view
     std::vector<std::string> arguments = arguments_of(view);
@@ -335,7 +337,7 @@ class Sweep {
     return arguments;
   }
 
-  // A row without a drawn frame counts as over every time budget.
+  // A row without a drawn frame does not meet any time budget.
   void mark_budgets() {
     for (TradeoffRow& row : result_.rows)
       row.fits = (!job_.bytes_max || row.gpu_bytes <= *job_.bytes_max) &&
@@ -372,10 +374,10 @@ class Sweep {
   std::map<std::string, std::size_t> references_;  // [BRDF]: index of the file
 };
 
-// A cost that fronts use; the noise is 0 if the cost is exact.
+// A cost that fronts use. The noise is 0 if the cost is exact.
 struct FrontCost {
   bool TradeoffRow::*flag;
-  std::function<double(const TradeoffRow&)> of;  // < 0: not known
+  std::function<double(const TradeoffRow&)> of;  // < 0 if not known
   double noise;                                  // relative half width of one value
 };
 
@@ -393,7 +395,7 @@ bool costs_more(const FrontCost& cost, const TradeoffRow& a, const TradeoffRow& 
 }  // namespace
 
 double relative_half_width(const std::vector<double>& times) {
-  // Student's quantile for n - 1 degrees of freedom, two-sided, 95 %.
+  // Returns Student's two-sided 95 % quantile for n - 1 degrees of freedom.
   constexpr double kStudent[] = {12.706, 4.303, 3.182, 2.776, 2.571, 2.447, 2.365, 2.306, 2.262};
   const auto n = static_cast<double>(times.size());
   if (times.size() < 2) return 0.0;

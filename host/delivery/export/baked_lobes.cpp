@@ -27,7 +27,7 @@ void check_has_lobes(const std::string& path, const BakedHeader& header) {
     refuse_baked(path, fmt::format("holds {}", representation_info(header.representation).name),
                  "a file of lobes (multum bake --ndf vmf or gmm), or the map that was baked");
   if (header.has_roughness)
-    refuse_baked(path, "has normals whose lengths include a roughness map, which cannot be separated again",
+    refuse_baked(path, "has a roughness map baked into the lengths of its normals, which cannot be undone",
                  "a file of multum bake without --roughness, or the map that was baked");
 }
 

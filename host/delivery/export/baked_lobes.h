@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads a baked file for an export: the normal map in its finest level, and the highlights of its lobes. The exported
-// lobes are compared with these highlights.
+// Reads a baked file for an export: the normal map in its finest level, and the highlights of its lobes, with which the
+// exported lobes are compared.
 #pragma once
 
 #include <string>
@@ -44,7 +44,7 @@ class BakedLobes {
   std::string name() const;
   /// Returns all texels of a stored level.
   MovmfLevel level(int level) { return reader_.read_level(level, 0, reader_.header().levels[size_of(level)].height); }
-  /// Returns (a r, a) of each lobe. Call from one thread at a time.
+  /// Returns (a r, a) of each lobe. Call this function from one thread at a time.
   std::vector<glm::dvec4> texel(int level, int x, int y);
 
  private:

@@ -30,7 +30,7 @@ class BitReader {
 constexpr unsigned kPartitionMasks[] = MULTUM_BC7_PARTITION_MASKS;
 constexpr int kAnchors[] = MULTUM_BC7_ANCHORS;
 
-// Returns the interpolation weight of an index in 64ths.
+// Returns the interpolation weight of an index, in 64ths.
 int index_weight(int index, int bit_count) {
   static constexpr int kTwo[] = {0, 21, 43, 64};
   static constexpr int kThree[] = {0, 9, 18, 27, 37, 46, 55, 64};
@@ -52,7 +52,7 @@ Indices take_indices(BitReader& bits, int bit_count, int other_anchor) {
 }
 
 struct Bc7Ends {
-  int channels[4][4];  // [channel][endpoint], the endpoints of line 0, then of line 1
+  int channels[4][4];  // [channel][endpoint]; the endpoints of line 0, then those of line 1
 };
 
 Bc7Ends take_ends(BitReader& bits, int end_count, int colour_bits, int alpha_bits) {

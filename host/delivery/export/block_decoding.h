@@ -12,12 +12,11 @@
 
 namespace multum {
 
-/// Texels row by row: red, green, blue, alpha from 0 to 1, as shaders see them. Missing channels are green 0, blue 0
-/// and alpha 1.
+/// Texels row by row, with red, green, blue and alpha from 0 to 1, as shaders see them. Missing green and blue are 0,
+/// missing alpha is 1.
 using BlockTexels = std::array<glm::vec4, 16>;
 
-/// Decodes one block. `format`: a block format; `block`: its block_bytes bytes. BC7 modes other than 1, 4, 5 and 6 stop
-/// the program.
+/// Decodes one block of block_bytes bytes in a block format. BC7 modes other than 1, 4, 5 and 6 stop the program.
 BlockTexels decode_block(TexelFormat format, const std::uint8_t* block);
 
 }  // namespace multum

@@ -13,7 +13,7 @@ namespace {
 
 constexpr int kSide = 4;
 
-// Returns the number of channels per block. Each channel is 16 values in a row.
+// Returns the number of channels per block. Each channel has 16 consecutive values.
 int value_channels(TexelFormat format) {
   switch (format) {
     case TexelFormat::kBc4: return 1;

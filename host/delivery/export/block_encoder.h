@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Encodes rows of texels as blocks of 4 x 4: BC4, BC5 and BC7, on an OpenCL device (kernels/block_encoding.cl).
+// Encodes rows of texels as blocks of 4 x 4 texels (BC4, BC5 and BC7) on an OpenCL device (kernels/block_encoding.cl).
 #pragma once
 
 #include <cstdint>

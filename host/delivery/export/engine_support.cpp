@@ -24,7 +24,7 @@ std::string engine_line(MaterialFormat format, MaterialTexels texels, const std:
   std::string line = "known not to load: ";
   for (std::size_t i = 0; i < engines.size(); ++i) line += (i > 0 ? ", " : "") + engines[i];
   if (format == MaterialFormat::kKtx2 && texels != MaterialTexels::kUastc)
-    line += " (some show no message; the first three load only files of " + uastc + ")";
+    line += " (some show no message; the first three load only files written with " + uastc + ")";
   else if (format == MaterialFormat::kDds)
     line += " (some show no message; web engines load --format ktx2 " + uastc + ")";
   return line;

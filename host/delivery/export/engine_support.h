@@ -10,12 +10,12 @@
 
 namespace multum {
 
-/// Returns the names of engines that refuse such files or draw nothing for them. Sources and versions are in
-/// docs/evidence/EXPORT.md. Empty: no such engine is known.
+/// Returns the names of engines that refuse such files or draw nothing for them. Empty if no such engine is known.
+/// Sources and versions are in docs/evidence/EXPORT.md.
 std::vector<std::string> engines_that_fail(MaterialFormat format, MaterialTexels texels);
 
-/// Returns these names as one line of text with a remedy, without a newline. Empty: no such engine is known. `uastc`:
-/// the option that selects UASTC.
+/// Returns the names of these engines as one line of text with a remedy, without a newline. Empty if no such engine is
+/// known. `uastc` is the option that selects UASTC.
 std::string engine_line(MaterialFormat format, MaterialTexels texels, const std::string& uastc);
 
 }  // namespace multum

@@ -66,7 +66,7 @@ void check_export_job(const ExportJob& job) {
 }
 
 // Makes a folder in `folder` for files that this program exchanges with the UASTC encoder. Returns null if the job does
-// not use UASTC. Fails before any input is read if the encoder is missing.
+// not use UASTC. If the encoder is missing, throws before any input is read.
 std::unique_ptr<WorkFolder> make_uastc_folder(const ExportJob& job, const std::string& folder,
                                               MaterialFolderSettings& output) {
   if (output.texels != MaterialTexels::kUastc) return nullptr;

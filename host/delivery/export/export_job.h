@@ -26,32 +26,33 @@ namespace multum {
 
 struct ExportJob {
   std::string input;  // a normal map, a height field, or NAME.ndf.exr, whose level 0 is the map
-  std::string lobes;  // baked file whose lobes are also measured; empty: `input` if it is a baked file
-  std::string roughness, occlusion, metalness;  // FILE or FILE:CHANNEL; empty: none
+  std::string lobes;  // baked file whose lobes are also measured; if empty, `input` is used if it is a baked file
+  std::string roughness, occlusion, metalness;  // FILE or FILE:CHANNEL; empty if there is no such map
   bool roughness_is_gloss = false;
-  std::string output;  // a folder; or NAME.ktx2, NAME.dds for files NAME_normal.ktx2 and so on
-  std::string report;  // JSON; empty: none
+  std::string output;  // a folder, or NAME.ktx2 or NAME.dds for files NAME_normal.ktx2 and so on
+  std::string report;  // JSON file; empty if no report is written
   NormalMapSettings reading;
-  MapSurface surface = MapSurface::kTexels;  // surface that levels 1 and coarser are fitted to
+  MapSurface surface = MapSurface::kTexels;  // surface to which levels 1 and coarser are fitted
   OneLobeSettings lobe;
-  std::optional<MaterialForm> form;      // unset: one lobe
+  std::optional<MaterialForm> form;      // one lobe if not set
   Engine engine = Engine::kThree;        // engine whose pictures choose the form
-  std::optional<MaterialFormat> format;  // unset: chosen by the output's name, otherwise PNG
-  std::optional<MaterialTexels> texels;  // unset: half floats in EXR, otherwise RGBA8
-  int zstd_level = 0;                    // Zstandard level of KTX2 files, 1..kZstdLevelMax; 0: not supercompressed.
+  std::optional<MaterialFormat> format;  // if not set, chosen by the output's name, otherwise PNG
+  std::optional<MaterialTexels> texels;  // if not set, half floats in EXR, otherwise RGBA8
+  int zstd_level = 0;                    // Zstandard level of KTX2 files, 1..kZstdLevelMax. If 0, files are not
+                                         // supercompressed.
   // Store only roughness, instead of occlusion, roughness and metalness in one texture.
   bool has_roughness_alone = false;
   bool has_smoothness = false;             // store 1 - roughness, as Unity reads it
   GreenAxis write_green = GreenAxis::kUp;  // green axis of written files; `reading` has the map's own axis
-  int uastc_effort = 1;                    // of MaterialTexels::kUastc
-  std::string encoder;                     // UastcSettings::encoder
+  int uastc_effort = 1;                    // effort of MaterialTexels::kUastc
+  std::string encoder;                     // see UastcSettings::encoder
   bool measure = true;
   ExportAccuracySettings accuracy;
-  std::uint64_t memory_bytes = std::uint64_t{256} << 20;  // memory for buffers and maps; changes no byte
-  // For data that does not fit in memory; empty: the output folder.
+  std::uint64_t memory_bytes = std::uint64_t{256} << 20;  // memory for buffers and maps; does not change the result
+  // Folder for data that does not fit in memory. If empty, the output folder is used.
   std::string scratch_folder;
   int threads = 1;
-  bool force = false;  // in manifests: also export maps whose files are up to date
+  bool force = false;  // for manifests: also export maps whose files are up to date
   // Keep fitted rows during the run, and continue from the rows of a stopped export of the same job.
   bool resume = false;
 };
@@ -60,17 +61,17 @@ struct ExportJob {
 constexpr std::string ExportJob::*kExportMapsBeside[] = {&ExportJob::roughness, &ExportJob::occlusion,
                                                          &ExportJob::metalness, &ExportJob::lobes};
 
-/// Returns the settings that choose another form for levels. `scratch_folder`: for data that does not fit in memory,
+/// Returns the settings that choose another form for levels. `scratch_folder` is for data that does not fit in memory,
 /// unless the job names a folder.
 FormSettings form_settings(const ExportJob& job, const std::string& scratch_folder);
 
 /// Returns the files that an export reads, the map first. FILE:CHANNEL counts as FILE.
 std::vector<std::string> input_files(const ExportJob& job);
 
-/// The files that ExportJob::output names: a folder, with a name prefix "STEM_" if the output is NAME.ktx2 or NAME.dds.
+/// The folder that ExportJob::output names, and the prefix "NAME_" of files if the output is NAME.ktx2 or NAME.dds.
 struct ExportPlace {
   std::string folder, stem;
-  std::optional<MaterialFormat> format;  // from the name
+  std::optional<MaterialFormat> format;  // format that follows from the name
 };
 /// Throws Error(kUsage) if the output is the name of a single image.
 ExportPlace export_place(const std::string& output);
@@ -81,20 +82,21 @@ struct ExportReport {
   std::optional<RoughnessReport> roughness;
   std::string device, plan;
   std::uint64_t rows_resumed = 0;  // rows that a stopped export had fitted
-  std::string textures;            // "normal, orm"
+  std::string textures;            // names of the textures, such as "normal, orm"
   std::vector<std::string> files;
-  std::vector<std::string> engines_failing;  // host/delivery/export/engine_support.h
-  std::string engine_line;                   // the same engines as one line of text; empty: none
-  std::vector<std::string> side_warnings;    // warnings about readers that do not support these sides
+  std::vector<std::string> engines_failing;  // engines that cannot load the files
+                                             // (host/delivery/export/engine_support.h)
+  std::string engine_line;                   // the same engines as one line of text; empty if there are none
+  std::vector<std::string> side_warnings;    // warnings about readers that do not support textures with these sides
   std::optional<ChosenForm> form;            // set only for MaterialForm::kAuto
   ExportAccuracy accuracy;
-  std::map<std::string, std::uint64_t> launches;        // by kernel
-  std::vector<std::pair<std::string, double>> seconds;  // by stage
+  std::map<std::string, std::uint64_t> launches;        // number of launches per kernel
+  std::vector<std::pair<std::string, double>> seconds;  // seconds per stage
 
   std::string to_json(const ExportJob& job) const;
 };
 
-/// Throws Error, Cancelled; leaves no partial file. Progress: one unit per texel of the map.
+/// Throws Error and Cancelled. Leaves no partial file. Progress: one unit per texel of the map.
 ExportReport export_file(const ExportJob& job, Device& device, Progress* progress);
 
 }  // namespace multum

@@ -17,7 +17,7 @@ struct ExportSource {
   NormalMapRows map;
   std::optional<PlaneStore> surface;  // set only for MapSurface::kInterpolated
   std::optional<LobeMaterial> material;
-  std::unique_ptr<BakedLobes> lobes;    // null: no lobes to compare with
+  std::unique_ptr<BakedLobes> lobes;    // null if there are no lobes to compare with
   std::unique_ptr<InputHashes> hashes;  // hashes of the input files, computed before reading
 
   /// The result points into the source, which must outlive it.
@@ -26,8 +26,8 @@ struct ExportSource {
   const PlaneStore& fitted_normals() const { return surface ? *surface : map.normals; }
 };
 
-/// Reads all inputs and logs what they contain. `folder`: for data that does not fit in memory, unless the job names a
-/// folder. Throws Error(kInput) for unusable files, Cancelled.
+/// Reads all inputs and logs what they contain. `folder` is for data that does not fit in memory, unless the job names
+/// a folder. Throws Error(kInput) for unusable files, and Cancelled.
 ExportSource read_export_source(const ExportJob& job, const std::string& folder, Progress* progress);
 
 }  // namespace multum

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Keeps the fitted rows of an export in a hidden folder next to its output, so that a stopped export can resume.
-// Averages of the map are computed again, because fits take most of the time.
+// Keeps the fitted rows of an export in a hidden folder next to its output, so that a stopped export can resume. Only
+// fits are kept, because they take most of the time. Averages of the map are computed again.
 #pragma once
 
 #include <cstdint>
@@ -17,14 +17,13 @@ namespace multum {
 class FitJournal {
  public:
   /// Opens the journal of the export to `output`. `key` is one line that identifies everything on which fits depend.
-  /// Rows with the same key are kept; all others are removed. Returns null while another process exports to the same
+  /// Keeps rows with the same key and removes all others. Returns null while another process exports to the same
   /// output. Throws Error(kEnvironment).
   static std::unique_ptr<FitJournal> open(const std::string& output, const std::string& key);
   FitJournal(const FitJournal&) = delete;
   FitJournal& operator=(const FitJournal&) = delete;
 
-  /// Fills `fitted` with all planes of these rows if an earlier run stored exactly these rows; otherwise returns
-  /// false.
+  /// Fills `fitted` with all planes of these rows if an earlier run stored exactly these rows. Otherwise returns false.
   bool find(int level, int first_row, int width, int height, std::vector<float>& fitted);
   /// Throws Error(kEnvironment).
   void add(int level, int first_row, int width, int height, const std::vector<float>& fitted);

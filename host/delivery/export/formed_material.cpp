@@ -21,8 +21,8 @@ namespace {
 
 constexpr std::size_t kPixelsPerView = 140;
 constexpr int kRowsAtOnce = 64;
-constexpr double kColour = 0.5;      // base colour, which exports do not have
-constexpr float kMeanLeast = 0.01f;  // shortest usable mean; shorter means are only rounding errors
+constexpr double kColour = 0.5;      // assumed base colour, because exports have none
+constexpr float kMeanLeast = 0.01f;  // shortest usable mean; shorter means consist of rounding errors
 
 // A texture that computes each texel on request.
 class AskedTexture : public SharesTexture {
@@ -115,8 +115,9 @@ class WaitingMaterial : public MaterialSink {
 
  private:
   struct Level {
-    PlaneStore normals, means, values;    // values: fitted roughness, mean roughness without normals, occlusion
-    std::optional<PlaneStore> metalness;  // three times
+    PlaneStore normals, means, values;    // `values` holds fitted roughness, mean roughness without normals, and
+                                          // occlusion
+    std::optional<PlaneStore> metalness;  // stored three times
   };
 
   Level& level_at(int level) { return levels_[size_of(level - 1)]; }
@@ -218,7 +219,7 @@ class WaitingMaterial : public MaterialSink {
   const FormSettings form_;
   MaterialSink& sink_;
   const bool is_unit_;
-  const float base_;  // perceptual, used without a roughness map
+  const float base_;  // perceptual; used without a roughness map
   const TextureFrame frame_;
   std::vector<Level> levels_;  // from 1 on
 };

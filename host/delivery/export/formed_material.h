@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Fits a material and gives each level the form that pictures of simple shapes show to be best
+// Fits a material, and gives each level the form that is best in pictures of simple shapes
 // (host/delivery/forms/material_forms.h): mean or fitted normals, with a share of the fitted roughness.
 #pragma once
 
@@ -14,7 +14,8 @@ namespace multum {
 struct FormSettings {
   MaterialForm form = MaterialForm::kOneLobe;
   Engine engine = Engine::kThree;  // engine whose pictures choose the form, for MaterialForm::kAuto
-  bool has_two_channels = false;   // textures store only x and y of normals: means are stored as unit vectors
+  bool has_two_channels = false;   // true if textures store only x and y of normals, so that means are stored as unit
+                                   // vectors
   // Storage of levels 1 and coarser, which wait for their form in up to four stores each.
   SpillPolicy spill;
 };
@@ -24,7 +25,7 @@ struct FormedReport {
   std::optional<ChosenForm> form;  // set only for MaterialForm::kAuto
 };
 
-/// Equals fit_one_lobe() for MaterialForm::kOneLobe. Anisotropic lobes allow no other form.
+/// Does the same as fit_one_lobe() for MaterialForm::kOneLobe. Anisotropic lobes allow no other form.
 FormedReport fit_formed_material(Device& device, const OneLobeInputs& inputs, const OneLobeSettings& settings,
                                  const FormSettings& form, MaterialSink& sink, Progress* progress);
 

@@ -12,12 +12,12 @@ namespace {
 constexpr std::uint8_t kIdentifier[] = {0xab, 'K', 'T', 'X', ' ', '2', '0', 0xbb, '\r', '\n', 0x1a, '\n'};
 constexpr std::uint32_t kZstandard = 2;  // supercompression scheme
 
-// A sample of a basic descriptor block: channel, bit count and first bit. In block formats a sample spans all bits.
+// A sample of a basic descriptor block: channel, bit count and first bit. In block formats, a sample spans all bits.
 struct DescribedSample {
   std::uint32_t channel, first_bit, bit_count;
 };
 
-// Returns the KHR_DF_MODEL: 1 is RGBSDA; block compression has its own models.
+// Returns the KHR_DF_MODEL. 1 is RGBSDA. Block compression has its own models.
 std::uint32_t colour_model(TexelFormat format) {
   switch (format) {
     case TexelFormat::kBc4: return 131;
@@ -45,7 +45,8 @@ std::vector<DescribedSample> samples_of(TexelFormat format) {
 }
 
 // Makes a basic descriptor block (Khronos Data Format Specification 1.3, section 5): linear RGB with BT.709 primaries,
-// straight alpha, one texel or a block of 4 x 4. KHR_texture_basisu forbids primaries for data that is not colour.
+// straight alpha, for one texel or a block of 4 x 4 texels. KHR_texture_basisu forbids primaries for data that is not
+// colour.
 ByteList format_descriptor(TexelFormat format) {
   constexpr std::uint32_t kLinearTransfer = 1, kVersion = 2;
   constexpr std::uint32_t kSignedFloat = 0xc0;  // bits of a channel's type

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Writes an exported material. Image formats give one image per level and texture: FOLDER/normal_00.png, orm_00.png
 // and, with anisotropy, anisotropy_00.png. KTX2 and DDS give one file per texture with all its levels:
-// FOLDER/normal.ktx2. orm follows glTF: occlusion in red, roughness in green, metalness in blue; without maps,
-// occlusion is 1 and metalness 0. mask replaces orm for Unity: metalness in red, occlusion in green, 1 in blue (HDRP's
-// detail mask), smoothness in alpha. anisotropy follows KHR_materials_anisotropy: direction in red and green, strength
-// in blue. The alpha channel of other textures is 1.
+// FOLDER/normal.ktx2. orm follows glTF: occlusion is in red, roughness in green, and metalness in blue. Without maps,
+// occlusion is 1 and metalness 0. For Unity, orm is replaced by mask: metalness is in red, occlusion in green, 1 in
+// blue (HDRP's detail mask), and smoothness in alpha. anisotropy follows KHR_materials_anisotropy: the direction is in
+// red and green, the strength in blue. The alpha channel of other textures is 1.
 #pragma once
 
 #include <memory>
@@ -20,14 +20,15 @@
 namespace multum {
 
 /// Rounds rows to the stored precision, and rebuilds the values that are not stored. Rounding rows twice changes
-/// nothing more. Inputs of block encoders have 8 bits or are not rounded; block errors are not rounding errors.
+/// nothing more. Inputs of block encoders have 8 bits or are not rounded. The errors of blocks are not part of this
+/// rounding.
 void round_material(MaterialRows& rows, MaterialTexels texels);
 
 /// Writes an exported material from rows as they arrive, rounded or not.
 class MaterialWriter : public MaterialSink {
  public:
   /// Encodes textures that are encoded as a whole, after all rows of all levels, and passes the stored rows to
-  /// `stored`. Throws Error(kEnvironment), Cancelled.
+  /// `stored`. Throws Error(kEnvironment) and Cancelled.
   virtual void encode(Progress* progress) = 0;
   /// Gives all files their final names, after encode().
   virtual void commit() = 0;
@@ -37,20 +38,20 @@ struct MaterialFolderSettings {
   std::string folder;  // an existing folder
   MaterialFormat format = MaterialFormat::kPng;
   bool has_anisotropy = false;
-  MaterialTexels texels = MaterialTexels::kRgba8;  // EXR always has kRgba16f, PNG always kRgba8
+  MaterialTexels texels = MaterialTexels::kRgba8;  // always kRgba16f for EXR and kRgba8 for PNG
   std::string name_prefix;                         // prefix of the file names: "rock_" for rock_normal.ktx2
-  // Zstandard level of KTX2 files, 1..kZstdLevelMax; 0: not supercompressed.
+  // Zstandard level of KTX2 files, 1..kZstdLevelMax. If 0, files are not supercompressed.
   int zstd_level = 0;
-  bool has_roughness_alone = false;  // a texture of one channel, roughness or smoothness
-  bool has_smoothness = false;       // instead of roughness: mask instead of orm
+  bool has_roughness_alone = false;  // write a texture of one channel, roughness or smoothness
+  bool has_smoothness = false;       // write smoothness instead of roughness, and mask instead of orm
   bool green_is_down = false;        // negate the y component of normals and directions
-  UastcSettings uastc = {};          // of kUastc
+  UastcSettings uastc = {};          // settings of kUastc
 };
 
 /// Returns whether an image format can store the texels. KTX2 and DDS store all texel formats.
 bool can_store(MaterialFormat format, MaterialTexels texels);
 
-/// Returns "normal, orm", in the order of the files.
+/// Returns text such as "normal, orm", in the order of the files.
 std::string texture_list(const MaterialFolderSettings& settings);
 
 /// Returns the files of a map of this size, in the order of textures and levels.
@@ -59,9 +60,9 @@ std::vector<std::string> material_files(const MaterialFolderSettings& settings, 
 /// Returns human-readable warnings about readers that handle files with these sides incorrectly.
 std::vector<std::string> side_warnings(const MaterialFolderSettings& settings, int width, int height);
 
-/// Makes the files. `device` encodes blocks and must outlive the result. `stored` gets the rows as a reader finds them;
-/// null: no receiver. Everything throws Error(kEnvironment) if the disk or device fails. Without commit() no file is
-/// left.
+/// Makes the files. `device` encodes blocks and must outlive the result. `stored` receives the rows as a reader will
+/// find them, and may be null. All functions throw Error(kEnvironment) if the disk or device fails. Without commit(),
+/// no file is left.
 std::unique_ptr<MaterialWriter> make_material_folder(const MaterialFolderSettings& settings, int width, int height,
                                                      Device& device, MaterialSink* stored);
 

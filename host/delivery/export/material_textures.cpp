@@ -37,14 +37,14 @@ TexelFormat texel_format(TextureRole role, MaterialTexels texels) {
   return has_blocks ? TexelFormat::kBc7 : TexelFormat::kRgba8;
 }
 
-// Returns the swizzle for channels that are not stored. Readers that obey the swizzle see normals that point up instead
-// of down, and find roughness in every colour channel.
+// Returns the swizzle for channels that are not stored. With this swizzle, readers see normals that point up instead of
+// down, and find roughness in every colour channel.
 std::string swizzle_of(TexelFormat format) {
   const int channels = info_of(format).channels;
   return channels == 1 ? "rrr1" : channels == 2 ? "rg11" : "";
 }
 
-// Returns y of a normal or direction with the sign of the file's green axis. Also converts back.
+// Returns y of a normal or direction with the sign of the file's green axis. The same call converts it back.
 float turned_y(const MaterialFolderSettings& settings, float y) { return settings.green_is_down ? -y : y; }
 
 glm::vec4 texel_of(TextureRole role, const MaterialFolderSettings& settings, const MaterialRows& rows, std::size_t i) {
@@ -121,7 +121,7 @@ class TextureImages : public TextureFiles {
       }
     levels_[size_of(level)]->write_rows(row_count, codes.data());
   }
-  // Names the file of the finest level last, so that a program that waits for this file then finds all others.
+  // The file of the finest level gets its name last, so that a program that waits for this file finds all others.
   void finish() override {
     for (auto level = levels_.rbegin(); level != levels_.rend(); ++level) (*level)->finish();
   }
@@ -186,7 +186,7 @@ class TextureBlocks : public TextureFiles {
   std::unique_ptr<TextureFile> file_;
 };
 
-// Writes one file of all levels in UASTC. Another program encodes the levels; until then they wait in a file.
+// Writes one file of all levels in UASTC. Another program encodes the levels, which wait in a file until then.
 class TextureUastc : public TextureFiles {
  public:
   TextureUastc(const std::string& name, const LeveledTexture& texture, const UastcSettings& uastc,

@@ -21,11 +21,11 @@ namespace multum {
 
 enum class TextureRole {
   kNormal,
-  kOrm,         // occlusion, roughness, metalness: glTF, Unreal
-  kMask,        // metalness, occlusion, 1, smoothness: Unity
+  kOrm,         // occlusion, roughness, metalness, for glTF and Unreal
+  kMask,        // metalness, occlusion, 1, smoothness, for Unity
   kRoughness,   // one channel
   kSmoothness,  // one channel
-  kAnisotropy,  // direction x and y, strength: KHR_materials_anisotropy
+  kAnisotropy,  // direction x and y, strength, for KHR_materials_anisotropy
 };
 
 const char* name_of(TextureRole role);
@@ -37,7 +37,8 @@ std::vector<std::string> texture_files(const MaterialFolderSettings& settings, T
 
 inline bool is_half(MaterialTexels texels) { return texels == MaterialTexels::kRgba16f; }
 
-/// Rounds a value from 0 to 1 to the nearest 8-bit code. Calling std::lround would take a twelfth of an export's time.
+/// Rounds a value from 0 to 1 to the nearest 8-bit code. Does not call std::lround, which would take a twelfth of an
+/// export's time.
 inline std::uint8_t code_of(float share) { return static_cast<std::uint8_t>(share * 255.0f + 0.5f); }
 
 /// Returns z of a unit normal, computed from x and y.
@@ -45,7 +46,7 @@ inline float rebuilt_z(const glm::vec3& normal) {
   return std::sqrt(std::max(0.0f, 1.0f - normal.x * normal.x - normal.y * normal.y));
 }
 
-/// Returns stored red, green, blue, alpha; 8-bit values as shares.
+/// Returns stored red, green, blue and alpha. Values of 8 bits are converted to shares from 0 to 1.
 std::vector<glm::vec4> texels_of(TextureRole role, const MaterialFolderSettings& settings, const MaterialRows& rows);
 /// Converts texels that are stored as blocks back to rows. Planes that are missing in `rows` stay empty.
 void set_rows(TextureRole role, const MaterialFolderSettings& settings, const std::vector<glm::vec4>& texels,
@@ -55,12 +56,13 @@ void set_rows(TextureRole role, const MaterialFolderSettings& settings, const st
 class TextureFiles {
  public:
   virtual ~TextureFiles() = default;
-  /// Writes the next rounded rows of a level; block formats need whole blocks, except for the level's last rows.
-  /// Replaces `texels` by the stored values.
+  /// Writes the next rounded rows of a level. Block formats need whole blocks, except for the level's last rows.
+  /// Replaces `texels` with the stored values.
   virtual void write_rows(int level, int row_count, std::vector<glm::vec4>& texels) = 0;
-  /// Encodes the levels of a whole-texture format, after all rows. Throws Error(kEnvironment), Cancelled.
+  /// Encodes the levels of a format that is encoded as a whole, after all rows were written. Throws Error(kEnvironment)
+  /// and Cancelled.
   virtual void encode(Progress*) {}
-  /// Returns stored rows of a level of a whole-texture format, after encode().
+  /// Returns stored rows of a level of a format that is encoded as a whole, after encode().
   virtual std::vector<glm::vec4> stored_rows(int level, int first_row, int row_count) const;
   /// Gives the files their final names.
   virtual void finish() = 0;

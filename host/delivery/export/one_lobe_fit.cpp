@@ -23,14 +23,14 @@
 namespace multum {
 namespace {
 
-// Bytes of sample slopes that are fitted in one launch: they fit the second-level caches of all processor cores
+// Bytes of sample slopes that are fitted in one launch. They fit into the second-level caches of all processor cores
 // together, and are enough for a GPU.
 constexpr std::size_t kSlopeBytes = std::size_t{4} << 20;
 
 // Copied averages of some rows of a level. A fit cannot be launched while the averages are handed over.
 struct WaitingRows {
   int level, first_row, width, height;
-  std::vector<float> planes;  // [plane][row][column], features last
+  std::vector<float> planes;  // [plane][row][column], with features last
 
   const float* plane(int p) const { return planes.data() + size_of(p) * size_of(height) * size_of(width); }
 };
@@ -105,14 +105,14 @@ class LobeFitter {
     return place->second;
   }
 
-  // The finest rows that contain the samples of some rows, each once and in order. Also the index of the finest row for
+  // The finest rows that contain the samples of some rows, each once and in order, and the index of the finest row for
   // each sample row.
   struct SampledRows {
     std::vector<int> finest;
     std::vector<int> slots;
   };
   SampledRows sampled_rows(const WaitingRows& rows, int first, int count, int grid) const {
-    // Computes level heights from the map's height, as box_pyramid.h does.
+    // Level heights are computed from the map's height, as in box_pyramid.h.
     const int height = inputs_.normals->height(), level_height = mip_level_size(height, rows.level);
     SampledRows sampled;
     for (int y = rows.first_row + first; y < rows.first_row + first + count; ++y)
@@ -255,8 +255,8 @@ class OneLobePlanes : public AveragedPlanes {
   // Returns the map's own normals with the base roughness.
   MaterialRows finest_rows(const WaitingRows& rows) const {
     MaterialRows made = empty_rows(rows);
-    // Without an axis, points along the middle of the half plane of directions, so that filtering towards level 1
-    // reverses no axis.
+    // If there is no axis, the direction is the middle of the half plane of directions, so that filtering towards level
+    // 1 reverses no axis.
     const glm::vec3 no_axis(-std::sin(axis_cut_), std::cos(axis_cut_), 0.0);
     const auto base =
         static_cast<float>(std::sqrt(std::max(kAlphaMin, settings_.base_roughness * settings_.base_roughness)));

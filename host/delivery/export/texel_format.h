@@ -11,11 +11,11 @@ namespace multum {
 enum class TexelFormat { kR8, kRg8, kRgba8, kRgba16f, kBc4, kBc5, kBc7, kUastc, kUastcAlpha };
 
 struct TexelFormatInfo {
-  const char* name;           // common name: "RG8"
-  std::uint32_t vk_format;    // VkFormat; 0: none
-  std::uint32_t dxgi_format;  // DXGI_FORMAT; 0: none
+  const char* name;           // common name, such as "RG8"
+  std::uint32_t vk_format;    // VkFormat; 0 if there is none
+  std::uint32_t dxgi_format;  // DXGI_FORMAT; 0 if there is none
   int channels;
-  int block_side;   // texels: 1 or 4
+  int block_side;   // 1 or 4 texels
   int block_bytes;  // bytes per texel if the block side is 1
   int type_bytes;   // bytes of a texel's number type; 1 for blocks
   bool is_float;
@@ -28,8 +28,8 @@ struct LeveledTexture {
   TexelFormat format = TexelFormat::kRgba8;
   int width = 1, height = 1;
   int level_count = 1;
-  int layer_count = 0;         // 0: no array
-  bool alpha_is_data = false;  // alpha of four channels is data, not opacity
+  int layer_count = 0;         // 0 if the texture is not an array
+  bool alpha_is_data = false;  // true if the fourth channel is data, not opacity
 };
 
 /// Returns the rows of blocks of a level, over all layers of an array. Blocks may be single texels.

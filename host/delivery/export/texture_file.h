@@ -15,10 +15,10 @@ namespace multum {
 class TextureFile {
  public:
   virtual ~TextureFile() = default;
-  /// Writes the next rows of blocks of a level in the texture's format; blocks may be single texels. Layers of an array
-  /// follow one another; levels come in any order.
+  /// Writes the next rows of blocks of a level in the texture's format. Blocks may be single texels. Layers of an array
+  /// follow one another. Levels come in any order.
   virtual void write_rows(int level, int row_count, const void* blocks) = 0;
-  /// Gives the file its name, after all rows of all levels.
+  /// Gives the file its name, after all rows of all levels were written.
   virtual void finish() = 0;
 };
 
@@ -26,8 +26,8 @@ class TextureFile {
 constexpr int kZstdLevelMax = 19;
 
 struct Ktx2Choice {
-  std::string swizzle;  // host/delivery/export/ktx2_head.h
-  int zstd_level = 0;   // supercompression level, 1..kZstdLevelMax; 0: none
+  std::string swizzle;  // see host/delivery/export/ktx2_head.h
+  int zstd_level = 0;   // supercompression level, 1..kZstdLevelMax; 0 if not supercompressed
   std::vector<Ktx2Key> keys = {};
 };
 

@@ -15,14 +15,15 @@ namespace multum {
 struct ChosenForm {
   NormalForm normals;
   bool has_lobes = false, has_lobe_colours = false;
-  // Relative L1 errors in percent, by view; empty if no pictures were drawn.
+  // Relative L1 errors in percent, by view. Empty if no pictures were drawn.
   std::vector<FormView> views;
-  std::map<std::string, FormError> errors;  // "plain", "one_lobe", "chosen"; of 4 evaluations "points_4", "lobes_4"; in
-                                            // colour "mean_colour_4", "lobe_colours_4"
-  bool is_on_sphere = false;                // drawn on a sphere because no mesh could be drawn
+  std::map<std::string, FormError> errors;  // keys: "plain", "one_lobe", "chosen"; with 4 evaluations "points_4",
+                                            // "lobes_4"; in colour "mean_colour_4", "lobe_colours_4"
+  bool is_on_sphere = false;                // true if drawn on a sphere because no mesh could be drawn
 
   /// Returns text such as "at 12 m plain 13.1 %, one lobe 12.9 %; with 4 evaluations points 11.0 %, lobes 10.9 %:
-  /// fitted normals and roughness, with lobes". `has_own_maps`: parts that are not chosen keep the material's own maps.
+  /// fitted normals and roughness, with lobes". If `has_own_maps` is true, parts that are not chosen keep the
+  /// material's own maps.
   std::string to_text(bool has_own_maps) const;
   /// Returns {"distances", "shapes", "errors": {"plain": [...]}, "levels": [{"fitted_normals", "fitted_roughness"}],
   /// "lobes", "lobe_colours", "on_sphere"}. "shapes" is present only without a model.

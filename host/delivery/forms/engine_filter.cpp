@@ -13,13 +13,14 @@ namespace {
 
 using Term = EngineFilter::Term;
 
-// Sources, read in October and November 2026: three.js 0.187, lights_physical_fragment.glsl.js. Its textures have an
-// anisotropy of 1 by default. multum's add-on and viewers request the GPU's maximum.
+// The sources were read in October and November 2026. For three.js 0.187, the source is
+// lights_physical_fragment.glsl.js. Its textures have an anisotropy of 1 by default. multum's add-on and viewers
+// request the GPU's maximum.
 constexpr EngineFilter kThree{.anisotropy_max = 16, .roughness_least = 0.045, .term = Term::kChange};
 // babylonjs 9.35, getAARoughnessFactors and Texture.DEFAULT_ANISOTROPIC_FILTERING_LEVEL; babylonjs-loaders 9.28 turns
 // enableSpecularAntiAliasing on.
 constexpr EngineFilter kBabylon{.anisotropy_max = 4, .term = Term::kGreaterChange, .is_of_map = true};
-// playcanvas 2.23.3: the anisotropy of Texture is 1, and its shader chunks use no derivatives of normals.
+// playcanvas 2.23.3: Texture has an anisotropy of 1, and the shader chunks use no derivatives of normals.
 constexpr EngineFilter kPlayCanvas{};
 // Filament: normalFiltering() in shaders/src/surface_shading_lit.fs, turned on in libs/gltfio/materials/base.mat.in;
 // default variance, threshold and TextureSampler anisotropy.

@@ -14,26 +14,26 @@ struct EngineFilter {
   enum class Term {
     kNone,
     kChange,         // three.js: adds the largest change of any component to perceptual roughness
-    kVariance,       // Filament: adds twice the `variance` of both changes, up to `limit`, to alpha^2
+    kVariance,       // Filament: adds 2 `variance` times the squares of both changes, at most `limit`, to alpha^2
     kPerceptual,     // Godot: adds the same amount to the square of perceptual roughness
     kGreaterChange,  // Babylon.js: uses the greater change c. The least roughness under lights is cbrt(c^2);
                      // 3/4 of c is added to the alpha of reflections
   };
   int anisotropy_max = 1;
-  double roughness_least = 0.0;  // perceptual
+  double roughness_least = 0.0;  // least perceptual roughness
   Term term = Term::kNone;
-  bool rebuilds_z = false;  // compute z of normals from x and y
-  bool is_of_map = false;   // the term uses mapped normals instead of the mesh's normals
+  bool rebuilds_z = false;  // true if z of normals is computed from x and y
+  bool is_of_map = false;   // true if the term uses mapped normals instead of the mesh's normals
   double variance = 0.0, limit = 1.0;
 };
 
 const EngineFilter& filter_of(Engine engine);
 
-/// Perceptual roughness under lights, and for reflections of the surroundings.
+/// Perceptual roughness under lights and for reflections of the surroundings.
 struct EngineRoughness {
   double lights = 1.0, surroundings = 1.0;
 };
-/// `along_x`, `along_y`: change of the normal from pixel to pixel, in view space.
+/// `along_x` and `along_y` are the changes of the normal from pixel to pixel, in view space.
 EngineRoughness engine_roughness(const EngineFilter& filter, double roughness, const glm::dvec3& along_x,
                                  const glm::dvec3& along_y);
 

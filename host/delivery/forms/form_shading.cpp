@@ -41,8 +41,8 @@ const std::array<Lamp, 5>& lamps() {
 // Returns the radiance of the walls, which are brighter above.
 double walls_at(double height, double width) { return 0.5 + 0.3 * height / std::sqrt(height * height + width * width); }
 
-// Returns the room's light that a surface of this alpha reflects from a direction. Normals of variance alpha^2 / 2 turn
-// reflections by twice their own angle.
+// Returns the light of the room that a surface of this alpha reflects from a direction. Normals of variance alpha^2 / 2
+// turn reflections by twice their own angle.
 double room_at(const glm::dvec3& direction, double alpha) {
   double sum = walls_at(direction.y, 0.1 + alpha);
   for (const Lamp& lamp : lamps()) {

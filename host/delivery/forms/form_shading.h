@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Shades a pixel as engines do, in grey and double precision. The lights are three directional lights, with one picture
-// each, and a room with lamps that rough surfaces reflect blurred. The model is GGX with Smith's height-correlated
-// visibility, Schlick's Fresnel term and Lambert (glTF 2.0, appendix B; sources are in
+// each, and a room with lamps, whose reflection is blurred in rough surfaces. The model is GGX with Smith's
+// height-correlated visibility, Schlick's Fresnel term and Lambert (glTF 2.0, appendix B; sources are in
 // host/delivery/export/accuracy/lobe_shading.h).
 #pragma once
 
@@ -19,20 +19,21 @@ using FormLight = std::array<double, kFormLights>;
 
 /// Surface properties other than the normal.
 struct FormSurface {
-  double roughness = 1.0;  // perceptual
+  double roughness = 1.0;  // perceptual roughness
   double metalness = 0.0;
   double colour = 0.5;  // base colour
   // Roughness for reflections of the room, if the engine uses a different one.
   std::optional<double> room_roughness = std::nullopt;
 };
 
-/// Shades one unit normal. `view`: unit, towards the eye.
+/// Shades one unit normal. `view` is a unit vector towards the eye.
 FormLight shaded_normal(const glm::dvec3& normal, const FormSurface& surface, const glm::dvec3& view);
 /// Shades the part of a normal lobe, (a r, a) of amplitude 1, as @multum/three does (lobe_shading.js).
 FormLight shaded_lobe(const glm::dvec4& lobe, const FormSurface& surface, const glm::dvec3& view);
 
-/// Returns the roughness that @multum/three uses where the geometry's normal changes from pixel to pixel. It adds the
-/// variance of slopes within a box of one pixel (Kaplanyan et al. 2016; Tokuyoshi and Kaplanyan 2019).
+/// Returns the roughness that @multum/three uses where the geometry's normal changes from pixel to pixel. This
+/// roughness includes the variance of slopes within a box of one pixel (Kaplanyan et al. 2016; Tokuyoshi and Kaplanyan
+/// 2019).
 double roughness_of_variance(double roughness, const glm::dvec3& along_x, const glm::dvec3& along_y);
 
 }  // namespace multum

@@ -18,7 +18,7 @@ namespace multum {
 /// The map's levels 1 and coarser. Level 0 of this object is level 1 of the map.
 class LobeLevels {
  public:
-  /// Loads the levels of a baked file that fit together into `bytes_max`. Throws Error(kInput).
+  /// Loads as many levels of a baked file as fit together into `bytes_max`. Throws Error(kInput).
   LobeLevels(const std::string& path, WrapMode wrap_s, WrapMode wrap_t, std::uint64_t bytes_max);
 
   int count() const { return count_; }
@@ -26,10 +26,11 @@ class LobeLevels {
   const TextureFrame& frame() const { return frame_; }
   int finest_held() const { return finest_held_; }
 
-  /// Returns the level at which addLobes() reads a place of a pixel, before clamping. `along_x`, `along_y`: change of
-  /// the place across its part of the pixel.
+  /// Returns the level at which addLobes() reads a place of a pixel, before clamping. `along_x` and `along_y` are the
+  /// changes of the place across its part of the pixel.
   double level_of(const glm::dvec2& along_x, const glm::dvec2& along_y, double bias) const;
-  /// Returns columns and rows of `count` places of a pixel, a power of two, as multum_point_grid() does.
+  /// Returns the number of columns and rows into which multum_point_grid() divides `count` places of a pixel, a power
+  /// of two.
   glm::ivec2 grid(int count, const glm::dvec2& along_x, const glm::dvec2& along_y) const;
   /// Returns all lobes, (a r, a).
   std::vector<glm::dvec4> at(const glm::dvec2& place, double level) const;

@@ -26,14 +26,14 @@ glm::dvec3 turned_by(const SurfacePoint& frame, const glm::dvec3& n) {
   return n.x * frame.tangent + n.y * frame.bitangent + n.z * frame.normal;
 }
 
-// Transforms a lobe; a sum of normals or lobes keeps its length even if the frame's tangents are not at right angles.
+// Transforms a lobe. A sum of normals or lobes keeps its length even if the frame's tangents are not at right angles.
 glm::dvec4 turned_lobe(const SurfacePoint& frame, const glm::dvec4& lobe) {
   const glm::dvec3 turned = turned_by(frame, glm::dvec3(lobe));
   const double length = glm::length(turned);
   return {turned * (length > 1e-12 ? glm::length(glm::dvec3(lobe)) / length : 0.0), lobe.w};
 }
 
-// Returns a point of a pixel as interpolators do, `x` and `y` pixels from its middle.
+// Returns the interpolated values at a point of a pixel that is `x` and `y` pixels from its middle.
 SurfacePoint moved(const ModelPixel& pixel, double x, double y) {
   SurfacePoint made = pixel.middle + pixel.along_x * x + pixel.along_y * y;
   made.normal = glm::normalize(made.normal);
@@ -64,8 +64,8 @@ FormMeter::FormMeter(const FormTextures& textures, const std::vector<ModelPictur
   for_each_row_band(static_cast<int>(pixels_.size()), kPixelsAtOnce, threads_, [&](int, int begin, int end) {
     for (int i = begin; i < end; ++i) prepare(pixels_[size_of(i)]);
   });
-  // The relative L1 error is the sum of differences divided by the sum of references, over all pixels of a view; the
-  // result is its mean over lights.
+  // The relative L1 error is the sum of differences divided by the sum of references, over all pixels of a view.
+  // Returns its mean over lights.
   std::vector<FormLight> wholes(views_.size());
   for (const Measured& at : pixels_)
     for (std::size_t l = 0; l < kFormLights; ++l) wholes[at.view][l] += at.reference[l];

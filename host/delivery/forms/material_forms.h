@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Measures the possible forms of a material's normals in a model by their errors in pictures, drawn as engines draw
-// them. Chooses the cheapest form whose error exceeds the least error by at most a fifth of a percentage point.
+// Measures the possible forms of a material's normals in a model by their errors in pictures that are drawn as engines
+// draw them. Chooses the cheapest form whose error exceeds the least error by at most a fifth of a percentage point.
 #pragma once
 
 #include <array>
@@ -16,21 +16,21 @@
 
 namespace multum {
 
-/// Textures of a material, whose levels have the same sizes. Every material has `normals`, and roughness or the
-/// surface's channels as shares.
+/// Textures of a material, whose levels have the same sizes. Every material has `normals`. All values are shares.
 struct FormTextures {
-  const SharesTexture* averages = nullptr;  // mean normals, rounded like a mip of the map; alpha: mean roughness
-  const SharesTexture* normals = nullptr;   // of fitted lobes
-  const SharesTexture* surface = nullptr;   // green: their roughness; blue: metalness. Null: both are 1
+  const SharesTexture* averages = nullptr;  // mean normals, rounded like a mip of the map; alpha holds the mean
+                                            // roughness
+  const SharesTexture* normals = nullptr;   // normals of fitted lobes
+  const SharesTexture* surface = nullptr;   // green: roughness of fitted lobes; blue: metalness; if null, both are 1
   double metallic_factor = 1.0;
   double colour = 0.5;  // base colour, grey
 };
 
-/// One normal and roughness per texel: the normal is averaged or fitted; roughness includes a share of the normals'
-/// part.
+/// One normal and roughness per texel. The normal is averaged or fitted. The roughness includes a share of the
+/// roughness that the fit adds.
 struct LevelForm {
   bool has_fitted_normals = false;
-  double fitted_share = 0.0;  // mixed_roughness()
+  double fitted_share = 0.0;  // see mixed_roughness()
 
   bool is_plain() const { return !has_fitted_normals && fitted_share == 0.0; }
   bool operator==(const LevelForm&) const = default;
@@ -39,7 +39,7 @@ struct LevelForm {
 /// Returns perceptual roughness with a share of the increase of alpha squared that a fit makes.
 double mixed_roughness(double plain, double fitted, double share);
 
-/// Forms by level; level 0 is plain.
+/// The forms by level. Level 0 is plain.
 struct NormalForm {
   std::vector<LevelForm> levels;
 
@@ -52,7 +52,8 @@ struct NormalForm {
   bool has_fitted_normals() const;
 };
 
-/// Pictures that share one error number: they show one distance, and without a model also one simple shape.
+/// Pictures that share one error number. They show the material from one distance, and without a model on one simple
+/// shape.
 struct FormView {
   double distance = 0.0;
   std::string shape;  // ModelPicture::shape
@@ -68,7 +69,7 @@ struct FormError {
 
 struct FormMeterSettings {
   Engine engine = Engine::kThree;  // engine of normals() and improve()
-  bool has_points = true;          // whether points() and lobes() are needed
+  bool has_points = true;          // true if points() and lobes() are needed
   int threads = 1;
 };
 
@@ -77,7 +78,7 @@ class FormMeter {
   /// All arguments must outlive this object.
   FormMeter(const FormTextures& textures, const std::vector<ModelPicture>& pictures, const FormMeterSettings& settings);
 
-  const std::vector<FormView>& views() const { return views_; }  // ascending; empty: nothing is visible
+  const std::vector<FormView>& views() const { return views_; }  // in ascending order; empty if nothing is visible
 
   int level_count() const { return textures_.averages->frame().level_count; }
 
@@ -88,12 +89,12 @@ class FormMeter {
   void improve(NormalForm& form, const std::vector<double>& limits) const;
   /// Returns the error from the references' own sampling, estimated from two halves of the samples.
   FormError noise() const;
-  /// Returns the error with 2 x 2 points per pixel and the variance of slopes: addPoints() of @multum/three.
+  /// Returns the error with 2 x 2 points per pixel and the variance of slopes, as in addPoints() of @multum/three.
   FormError points(const NormalForm& form) const;
-  /// Returns the error of lobes with 4 evaluations, as addLobes() of @multum/three draws them, with textures of this
+  /// Returns the error of lobes that addLobes() of @multum/three draws with 4 evaluations and with textures of this
   /// form.
   FormError lobes(const LobeLevels& lobes, const NormalForm& form) const;
-  /// Errors in colour, for lobes that have colours: with the texel's mean colour, or with each lobe's own colour.
+  /// Errors in colour for lobes that have colours, with the texel's mean colour or with each lobe's own colour.
   struct Coloured {
     FormError mean, own;
   };
@@ -115,17 +116,17 @@ class FormMeter {
   struct Measured {
     const ModelPicture* picture;
     const ModelPixel* pixel;
-    std::size_t view;  // in views_
+    std::size_t view;  // index into views_
     FormLight reference, noise;
     FormLight weights;           // weights of differences in the error, percent
     Looked middle;               // the values at the pixel's middle as the engine reads them
     std::vector<Looked> beside;  // the pixels to the right and below, if this pixel's roughness uses them
-    std::vector<Looked> points;  // at 2 x 2 points
+    std::vector<Looked> points;  // the values at 2 x 2 points
   };
   // Grey base colours of a pixel.
   struct PixelColours {
     double mean = 0.5;
-    std::vector<double> factors = {};  // factors of lobes; empty: 1
+    std::vector<double> factors = {};  // factors of lobes; 1 if empty
   };
   static PixelColours colours_of(const ModelPixel& pixel, const LobeLevels& lobes);
   struct Bent {  // a normal of some form, in world space
@@ -134,7 +135,7 @@ class FormMeter {
   };
   void prepare(Measured& at) const;
   Looked look(const SurfacePoint& point, const ModelPixel& pixel, int anisotropy_max, double bias) const;
-  // The reference of a pixel. `lobes`: has the colours; null: all colours are equal.
+  // Returns the reference of a pixel. `lobes` has the colours. If it is null, all colours are equal.
   struct Reference {
     FormLight light, noise;  // noise: distance of both sample halves from the reference
   };
@@ -148,7 +149,7 @@ class FormMeter {
   template <typename Shade>
   std::vector<double> contributions(const Shade& shade) const;
   FormError errors_of(const std::vector<double>& contributions) const;
-  int last_seen_level() const;  // the coarsest level that several pixels see; coarser levels share its form
+  int last_seen_level() const;  // the coarsest level that several pixels show; coarser levels have the same form
   std::vector<std::size_t> pixels_of_levels(int first, int last) const;
 
   const FormTextures textures_;
@@ -159,17 +160,17 @@ class FormMeter {
   std::vector<Measured> pixels_;
 };
 
-/// The best form that the search finds: least mean error, with no view's error more than kFormTolerance above the error
-/// of `kept`. If no form improves the mean by kFormGain, the result is `kept`.
+/// Returns the form with the lowest mean error that the search finds. In each view, its error exceeds the error of
+/// `kept` by at most kFormTolerance. If no form improves the mean by kFormGain, returns `kept`.
 struct ChosenNormalForm {
   NormalForm form;
-  FormError plain, fitted, chosen;  // fitted: levels 1 and coarser, with the full roughness
+  FormError plain, fitted, chosen;  // `fitted` has levels 1 and coarser fitted, with the full roughness
 };
 ChosenNormalForm choose_normal_form(const FormMeter& meter, const NormalForm& kept);
 
-constexpr double kFormGain = 0.2;  // points, or
-// Least gain as a share of the error; the larger of the two gains counts. Our pictures differ from an engine's pictures
-// by about this share.
+constexpr double kFormGain = 0.2;  // percentage points, or
+// The smallest gain as a share of the error. The larger of the two minimum gains applies. Our pictures differ from an
+// engine's pictures by about this share.
 constexpr double kFormGainShare = 0.05;
 constexpr double kFormTolerance = 0.1;  // percentage points, for each view
 

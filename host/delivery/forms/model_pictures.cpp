@@ -18,10 +18,10 @@ namespace {
 
 constexpr std::uint32_t kNothing = ~0u;
 constexpr int kPictureSide = 240;   // pixels
-constexpr int kSamplesPerSide = 8;  // of a pixel
-// Half of the picture at distance 1: the field of view is 45 degrees.
+constexpr int kSamplesPerSide = 8;  // samples per side of a pixel
+// Half of the picture's side at distance 1. The field of view is 45 degrees.
 const double kPlaneHalf = std::tan(22.5 * std::numbers::pi / 180.0);
-// Pixels are edges if their middle sees the surface at a cosine below this value.
+// Pixels are edges if, at their middle, the cosine between surface and view is below this value.
 constexpr double kFacingMin = 0.02;
 
 // A distance in radii of the model's sphere, and its number of views. Distant views have few pixels each.
@@ -84,7 +84,7 @@ struct ModelPictures::View {
   void draw(const TriangleMesh& mesh);
 };
 
-// Draws triangles with the depth of their planes: 1 / depth is linear over the picture.
+// Draws triangles with the depth of their planes. 1 / depth is linear over the picture.
 void ModelPictures::View::draw(const TriangleMesh& mesh) {
   const int columns = width * kSamplesPerSide, rows = height * kSamplesPerSide;
   triangles.assign(size_of(columns) * size_of(rows), kNothing);
@@ -138,7 +138,7 @@ class PictureTriangle {
     edge_c_ = corner(2) - origin_;
   }
 
-  // Intersects as in Möller and Trumbore 1997; nullopt: the ray is parallel to the plane.
+  // Intersects as in Möller and Trumbore 1997. Returns nullopt if the ray is parallel to the plane.
   std::optional<SurfacePoint> at(const glm::dvec3& eye, const glm::dvec3& ray) const {
     const glm::dvec3 p = glm::cross(ray, edge_c_), s = eye - origin_, q = glm::cross(s, edge_b_);
     const double determinant = glm::dot(edge_b_, p);

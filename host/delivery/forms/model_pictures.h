@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Samples small pictures of a model at some of their pixels. For each pixel it finds the surface under the middle, as a
-// renderer shades it, and the surface under many samples, as the reference shades it. A visibility buffer holds the
-// nearest triangle at every sample (Burns and Hunt 2013). The pictures show the model from several sides and distances,
-// at the size that a viewer sees.
+// Samples small pictures of a model at some of their pixels. For each pixel, it finds the surface at the middle, which
+// a renderer shades, and the surface at many samples, which the reference shades. A visibility buffer holds the nearest
+// triangle at every sample (Burns and Hunt 2013). The pictures show the model from several sides and distances, at the
+// size that a viewer sees.
 #pragma once
 
 #include <cstddef>
@@ -38,9 +38,9 @@ struct ModelPixel {
 
 struct ModelPicture {
   double distance = 0.0;   // distance from the eye to the model's middle, in model units
-  std::string shape = {};  // shape of host/delivery/forms/simple_views.h; empty: a model
+  std::string shape = {};  // shape of host/delivery/forms/simple_views.h; empty for a model
   glm::dvec3 eye{0.0};
-  glm::dmat3 to_view{1.0};  // turns directions into view space
+  glm::dmat3 to_view{1.0};  // converts directions to view space
   std::vector<ModelPixel> pixels;
 };
 
@@ -53,14 +53,14 @@ struct PicturedSurface {
 /// Pictures of a whole model, drawn once for all its surfaces.
 class ModelPictures {
  public:
-  /// Progress: cancels. `mesh` must outlive this object.
+  /// Progress can cancel, but counts no units. `mesh` must outlive this object.
   ModelPictures(const TriangleMesh& mesh, int threads, Progress* progress);
   ~ModelPictures();
   ModelPictures(const ModelPictures&) = delete;
   ModelPictures& operator=(const ModelPictures&) = delete;
 
-  /// Returns pixels of which the surface covers at least half, for every picture that has such pixels. At most
-  /// `pixel_max` pixels per picture are evenly chosen.
+  /// For every picture, returns pixels of which the surface covers at least half. Pictures without such pixels are
+  /// omitted. At most `pixel_max` pixels per picture are chosen, spread evenly.
   std::vector<ModelPicture> of(const PicturedSurface& surface, std::size_t pixel_max) const;
 
  private:

@@ -14,14 +14,14 @@
 namespace multum {
 namespace {
 
-constexpr int kSimpleSamples = 8;           // of a pixel
+constexpr int kSimpleSamples = 8;           // samples per side of a pixel
 constexpr double kSimpleTexelsMost = 32.0;  // texels per pixel; coarser views reuse the last level
 constexpr double kSpherePixelsMin = 4.0;    // smallest radius of the sphere
-constexpr double kSphereRim = 0.9;          // share of the sphere's area; the rest counts as edges
+constexpr double kSphereRim = 0.9;          // share of the sphere's area in the picture; the rest counts as edges
 // Tilts of the plane seen from above, and of the tilted plane, in degrees.
 constexpr double kTilts[] = {0.0, 35.0, 75.0};
-constexpr double kPoleMost = 1.4;  // largest latitude on the sphere, radians: frames turn fast near the poles
-constexpr double kFar = 1e7;       // distance of the eye, in texels: all rays are parallel
+constexpr double kPoleMost = 1.4;  // largest latitude on the sphere in radians, because frames turn fast near the poles
+constexpr double kFar = 1e7;       // distance of the eye in texels, so large that all rays are parallel
 constexpr const char *kPlane = "plane", *kTiltedPlane = "tilted plane", *kSphere = "sphere";
 constexpr double kTurn = 2.0 * std::numbers::pi;
 
@@ -30,7 +30,7 @@ class EvenNumbers {
  public:
   explicit EvenNumbers(std::size_t index) : index_(static_cast<double>(index)) {}
   double next() {
-    // Powers of the inverse of the root of x^9 = x + 1: Roberts's generalized golden ratio, for eight axes.
+    // Powers of the inverse of the root of x^9 = x + 1, which is Roberts's generalized golden ratio for eight axes.
     power_ /= 1.085070245491451;
     const double value = 0.5 + index_ * power_;
     return value - std::floor(value);
@@ -40,10 +40,10 @@ class EvenNumbers {
   double index_, power_ = 1.0;
 };
 
-// The viewing direction of a pixel. As for models, the directions are all around the shape and slightly from above.
+// The viewing direction of a pixel. As for models, views are from all sides and slightly from above.
 struct Side {
   glm::dvec3 towards_eye{0.0, 0.0, 1.0}, right{1.0, 0.0, 0.0}, up{0.0, 1.0, 0.0};
-  double pixel = 1.0;  // texels
+  double pixel = 1.0;  // width of a pixel in texels
 
   Side(double turn, double height, double pixel_texels) : pixel(pixel_texels) {
     towards_eye = glm::normalize(glm::dvec3(std::sin(kTurn * turn), 0.05 + 0.6 * height, std::cos(kTurn * turn)));
@@ -54,7 +54,7 @@ struct Side {
   glm::dvec3 screen(double x, double y) const { return pixel * (x * right - y * up); }
 };
 
-// Returns the surface that a ray of a pixel hits; nullopt if it hits none.
+// Returns the surface that a ray of a pixel hits, or nullopt if it hits none.
 using Seen = std::function<std::optional<SurfacePoint>(double x, double y)>;
 
 // Texels and parts of the map.

@@ -20,7 +20,7 @@ namespace multum {
 /// Returns the texel that a sampler reads beyond the borders.
 int wrapped_texel(int i, int size, WrapMode mode);
 
-/// Size of a texture, and its wrap modes.
+/// The size of a texture and its wrap modes.
 struct TextureFrame {
   int width = 0, height = 0, level_count = 0;
   WrapMode wrap_s = WrapMode::kPeriodic, wrap_t = WrapMode::kPeriodic;
@@ -40,7 +40,7 @@ class SharesTexture {
   TextureFrame frame_;
 };
 
-/// Looks up bilinearly; `place` is 0 to 1 across the image.
+/// Looks up a texel bilinearly. `place` is 0 to 1 across the image.
 template <typename Texture>
 glm::dvec4 linear_lookup(const Texture& texture, int level, const glm::dvec2& place) {
   const TextureFrame& frame = texture.frame();
@@ -54,15 +54,15 @@ glm::dvec4 linear_lookup(const Texture& texture, int level, const glm::dvec2& pl
          v * ((1.0 - u) * texture.texel(level, left, below) + u * texture.texel(level, right, below));
 }
 
-/// Places and levels; the mean of their values is a pixel's value. All textures of one size use the same places and
-/// levels.
+/// The places and levels of a pixel. The mean of their values is the pixel's value. All textures of one size use the
+/// same places and levels.
 struct PixelTaps {
-  std::array<int, 2> levels{};  // finer, coarser
+  std::array<int, 2> levels{};  // the finer and the coarser level
   double coarser_share = 0.0;
   std::vector<glm::dvec2> places;
 
-  /// Chooses taps like the samplers of engines. `along_x`, `along_y`: change of the place from pixel to pixel. `bias`:
-  /// octaves that are added to the level; it does not move taps.
+  /// Chooses taps like the samplers of engines. `along_x` and `along_y` are the changes of the place from pixel to
+  /// pixel. `bias` is the number of octaves that are added to the level. It does not move taps.
   static PixelTaps of(const glm::dvec2& place, const glm::dvec2& along_x, const glm::dvec2& along_y,
                       const TextureFrame& frame, int anisotropy_max, double bias);
 

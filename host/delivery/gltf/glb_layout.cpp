@@ -140,7 +140,7 @@ class GlbLayout {
 
   void find_cuts() {
     std::vector<std::vector<ByteRange>> claimed(places_.size());
-    bool is_clear = true;  // all used ranges are known
+    bool is_clear = true;  // true if all used ranges are known
     std::size_t view = 0;
     const auto claim = [&](const GltfJson& reference) {
       const std::uint64_t buffer = *unsigned_at(reference, "buffer");
@@ -183,7 +183,7 @@ class GlbLayout {
       }
       range.begin = std::max(range.begin, one.end);
     }
-    claimed[buffer].push_back(range);  // cuts a range that two views share only once
+    claimed[buffer].push_back(range);  // if two views share a range, it is cut only once
   }
 
   void move_references(GltfJson& value, const std::string& key) {
@@ -234,7 +234,7 @@ class GlbLayout {
   const ViewContents& contents_;
   std::vector<BufferPlace> places_;
   bool has_bytes_ = false;              // whether there is a merged buffer
-  GltfJson head_ = GltfJson::object();  // its object
+  GltfJson head_ = GltfJson::object();  // the JSON object of the merged buffer
   std::map<std::size_t, std::uint64_t> offsets_;
   std::uint64_t length_ = 0;
 };

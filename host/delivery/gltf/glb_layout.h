@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rewrites the bytes of a glTF file as one GLB, which contains all referenced bytes and new contents of buffer views.
-// Offsets move by multiples of 16, so that aligned data stays aligned.
+// Rewrites a glTF file as one GLB, which contains all referenced bytes and new contents of buffer views. Offsets move
+// by multiples of 16, so that aligned data stays aligned.
 #pragma once
 
 #include <cstdint>
@@ -22,9 +22,9 @@ struct ViewContent {
 /// Contents by index of the view in the rewritten JSON.
 using ViewContents = std::map<std::size_t, ViewContent>;
 
-/// Writes `json`, the rewritten asset.json, with its buffers. The file appears complete or not at all. Buffer views
-/// with new contents need only their place in the array. Returns the file's bytes. Throws Error(kInput) if the data
-/// exceeds the limit of GLB, Error(kEnvironment), Cancelled.
+/// Writes `json`, the rewritten asset.json, with its buffers. The file appears complete or not at all. For buffer views
+/// with new contents, only their place in the array is needed. Returns the size of the file in bytes. Throws
+/// Error(kInput) if the data exceeds the limit of GLB, Error(kEnvironment), and Cancelled.
 std::uint64_t write_glb(const GltfAsset& asset, GltfJson json, const ViewContents& contents, const std::string& output,
                         Progress* progress);
 

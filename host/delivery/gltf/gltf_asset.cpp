@@ -14,7 +14,7 @@
 namespace multum {
 namespace {
 
-// 12 bytes of header ("glTF", version, length), then chunks of (length, type, data).
+// A GLB has a header of 12 bytes ("glTF", version, length), then chunks of (length, type, data).
 constexpr std::size_t kGlbHeader = 12, kChunkHeader = 8;
 constexpr std::uint32_t kJsonChunk = 0x4E4F534A, kBinaryChunk = 0x004E4942;
 
@@ -67,7 +67,7 @@ GltfJson parse_gltf_json(std::string_view text, const std::string& path) {
     if (depth > kGltfDepthMax)
       refuse_file(path, fmt::format("nests its JSON deeper than the limit of {} levels", kGltfDepthMax));
     if (++count > kGltfValuesMax)
-      refuse_file(path, fmt::format("has more than {} values in its JSON, the limit", kGltfValuesMax));
+      refuse_file(path, fmt::format("has more than {} values in its JSON, which exceeds the limit", kGltfValuesMax));
     return true;
   };
   try {
@@ -79,7 +79,7 @@ GltfJson parse_gltf_json(std::string_view text, const std::string& path) {
   }
 }
 
-// Returns up to a given number of bytes of a URI: embedded bytes, or the bytes of a file.
+// Returns at most a given number of bytes of a URI, which are embedded or in a file.
 std::string bytes_of_uri(const GltfAsset& asset, const GltfJson& uri, const std::string& what, std::uint64_t byte_max) {
   if (!uri.is_string()) asset.refuse(what + " has a URI that is not a string");
   return uri_bytes(asset.path, uri.get_ref<const std::string&>(), byte_max);
@@ -113,7 +113,8 @@ void check_views(const GltfAsset& asset) {
     if (!length || (view.contains("byteOffset") && !unsigned_at(view, "byteOffset")))
       asset.refuse(what + " has a byteOffset or byteLength that is not a number of bytes");
     if (offset > all || *length > all - offset)
-      asset.refuse(fmt::format("{} has bytes {} to {} of a buffer of {} bytes", what, offset, offset + *length, all));
+      asset.refuse(
+          fmt::format("{} refers to bytes {} to {} of a buffer of {} bytes", what, offset, offset + *length, all));
   }
 }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Reads a glTF 2.0 or GLB file with all its contents and referenced files, for programs that write the file again. JSON
-// keys keep their order; the bytes of buffers and images are loaded. Damaged files and references out of range are
-// rejected before any other work.
+// keys keep their order. The bytes of buffers and images are loaded. Damaged files and references out of range are
+// rejected first.
 #pragma once
 
 #include <cstddef>
@@ -20,13 +20,13 @@ using GltfJson = nlohmann::ordered_json;
 
 struct GltfAsset {
   std::string path;
-  GltfJson json;  // an object
-  // Bytes by buffer, as many as the file declares. A buffer without bytes in the file is unset: extensions fill it
-  // (fallback buffers of EXT_meshopt_compression).
+  GltfJson json;  // a JSON object
+  // Bytes of each buffer, as many as the file declares. A buffer without bytes in the file is unset, because extensions
+  // fill it (fallback buffers of EXT_meshopt_compression).
   std::vector<std::optional<std::string>> buffers;
   std::string other_chunks;  // whole chunks of a GLB that follow its bytes, unchanged
 
-  /// Throws Error(kInput) naming the file.
+  /// Throws Error(kInput) that names the file.
   [[noreturn]] void refuse(const std::string& what) const;
   /// Returns a top-level array such as "materials", or an empty array if the file has no such array. All elements are
   /// objects.
@@ -48,7 +48,7 @@ constexpr int kGltfDepthMax = 64;
 /// a referenced file is not a regular file in the same folder or below.
 GltfAsset read_gltf_asset(const std::string& path);
 
-/// An image's bytes, and whether they are outside the file's buffers: in a separate file, or in a data URI.
+/// An image's bytes, and whether they are outside the file's buffers, in a separate file or a data URI.
 struct GltfImageBytes {
   std::string bytes;
   bool is_outside = false;
@@ -59,7 +59,7 @@ GltfImageBytes read_gltf_image(const GltfAsset& asset, std::size_t image);
 /// its extensions support.
 std::string gltf_image_type(std::string_view bytes);
 
-/// Returns the non-negative integer of a key; nullopt if the key has no such value.
+/// Returns the non-negative integer of a key, or nullopt if the key has no such value.
 std::optional<std::uint64_t> unsigned_at(const GltfJson& object, const char* key);
 
 }  // namespace multum

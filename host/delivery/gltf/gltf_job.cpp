@@ -28,7 +28,7 @@
 namespace multum {
 namespace {
 
-constexpr int kBasisSideMultiple = 4;  // KHR_texture_basisu: pixelWidth and pixelHeight are multiples
+constexpr int kBasisSideMultiple = 4;  // KHR_texture_basisu requires multiples of this for pixelWidth and pixelHeight
 
 // Returns the files of the model, the named file first.
 std::vector<std::string> input_files(const GltfAsset& asset) {
@@ -127,7 +127,7 @@ class GltfConversion {
       if (format_ != GltfTextureFormat::kAuto || !job_.encoder.empty() || error.code() != ErrorCode::kEnvironment)
         throw;
       format_ = GltfTextureFormat::kRgba8;
-      warn(std::string("new textures are RGBA8, not UASTC, and larger: ") + error.what());
+      warn(std::string("new textures are stored as RGBA8 instead of UASTC, and are larger: ") + error.what());
     }
   }
   void warn(const std::string& what) {
@@ -160,8 +160,8 @@ class GltfConversion {
       for (const auto& [name, texture] : one.storage)
         if (!name.starts_with("lobe")) ++count, plain_count += texture.format == "rgba8" ? 1 : 0;
     if (plain_count > 0)
-      warn(fmt::format("{} of its {} new textures are KTX2 files with 8 bits per channel; this is outside of "
-                       "KHR_texture_basisu, the extension that refers to them; ",
+      warn(fmt::format("{} of its {} new textures are KTX2 files with 8 bits per channel, which KHR_texture_basisu, "
+                       "the extension that refers to them, does not allow; ",
                        plain_count, count) +
            engine_line(MaterialFormat::kKtx2, MaterialTexels::kRgba8, "--format uastc"));
     if (format_ == GltfTextureFormat::kPng && count > 0)
@@ -191,7 +191,7 @@ class GltfConversion {
     warn_of_bad(plan);
   }
 
-  // Returns the result of the pictures as text; empty: no pictures were drawn.
+  // Returns the result of the pictures as text, which is empty if no pictures were drawn.
   std::string form_text(const std::vector<PreparedSource>& prepared, const MaterialPlan& material) const {
     if (material.source >= prepared.size() || report_.forms[material.source].views.empty()) return "";
     return report_.forms[material.source].to_text(true);
@@ -250,7 +250,7 @@ class GltfConversion {
     return form;
   }
 
-  // Returns no textures if the material keeps its own; `source` then gives the reason.
+  // Returns no textures if the material keeps its own. `source` then gives the reason.
   SourceTextures textures_of(const GltfAsset& asset, SourceForms& forms, std::size_t number, PreparedSource& source) {
     SourceTextures made;
     std::optional<FittedSource> found = fit(asset, source, number);
@@ -266,11 +266,11 @@ class GltfConversion {
     FittedSource fitted = std::move(*found);
     const ChosenForm form = form_of(forms, number, fitted, baked);
     if (form.normals.is_plain() && !form.has_lobes) {
-      source.kept = "its own mips are as accurate";
+      source.kept = "its own mips are equally accurate";
       source.is_plain = true;
       remove_levels(fitted);
       remove_file(baked);
-      progress_advance(progress_, 2 * source.texel_count());  // counts textures that need no encoding
+      progress_advance(progress_, 2 * source.texel_count());  // counts progress for textures that need no encoding
       return made;
     }
     report_.textures.push_back({source.width, source.height, fitted.normal->level_count(), {}});
@@ -334,7 +334,7 @@ class GltfConversion {
   }
 
   const GltfJob& job_;
-  GltfTextureFormat format_ = job_.format;  // the written format; without an encoder kAuto becomes kRgba8
+  GltfTextureFormat format_ = job_.format;  // the written format; without an encoder, kAuto becomes kRgba8
   Device& device_;
   const DeviceCounts counts_;
   Progress* const progress_;

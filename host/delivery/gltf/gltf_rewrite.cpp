@@ -26,12 +26,12 @@ struct ImageKey {
 struct TextureRequest {
   GltfJson::json_pointer info;  // the object with its "index"
   std::size_t old_texture = 0;  // the texture whose sampler and name are kept
-  bool replaces = true;         // replaces the old texture at this reference
+  bool replaces = true;         // true if it replaces the old texture at this reference
   ImageKey image;
 };
 
 constexpr const char* kLobesExtension = "MULTUM_lobes";
-constexpr int kLinearMipmapLinear = 9987, kLinearFilter = 9729;  // GL's
+constexpr int kLinearMipmapLinear = 9987, kLinearFilter = 9729;  // values of OpenGL
 
 class GltfRewriter {
  public:
@@ -55,7 +55,8 @@ class GltfRewriter {
   }
 
  private:
-  // Returns a top-level array, and creates it if missing. Creation moves the other arrays: do not keep the reference.
+  // Returns a top-level array, and creates it if it is missing. Creation moves the other arrays, so do not keep the
+  // reference.
   GltfJson& array(const char* name) {
     GltfJson& found = made_.json[name];
     if (found.is_null()) found = GltfJson::array();
@@ -76,7 +77,7 @@ class GltfRewriter {
     GltfJson& normal = material["normalTexture"];
     const auto normal_texture = normal.at("index").get<std::size_t>();
     if (textures.normal && source.normal_scale != 1.0) normal.erase("scale");
-    // The texture info of a new kind of texture has the same coordinates as the normal texture.
+    // A new kind of texture has the same texture coordinates as the normal texture.
     GltfJson beside = {{"index", normal_texture}};
     if (normal.contains("texCoord")) beside["texCoord"] = normal["texCoord"];
     if (normal.contains("extensions") && normal["extensions"].contains("KHR_texture_transform"))
@@ -333,7 +334,7 @@ class GltfRewriter {
   RewrittenGltf made_;
   std::vector<TextureRequest> requests_;
   std::map<std::size_t, int> replaced_;           // uses of old textures that new ones replace
-  std::map<std::size_t, ImageKey> new_textures_;  // by index
+  std::map<std::size_t, ImageKey> new_textures_;  // by index of the texture
   std::map<std::size_t, std::size_t> instead_;    // old texture -> its first replacement
   std::set<std::size_t> kept_;                    // kept textures of drawn materials
   std::set<std::size_t> renewed_images_;

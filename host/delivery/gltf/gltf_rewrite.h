@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writes fitted textures into the JSON of a glTF file. Objects that nothing else uses are replaced in place; everything
-// else is appended. Indices and unknown data do not change.
+// Writes fitted textures into the JSON of a glTF file. Objects with no other use are replaced in place. Other new
+// objects are appended. Indices and unknown data do not change.
 #pragma once
 
 #include <optional>
@@ -25,7 +25,7 @@ struct RewrittenGltf {
   std::vector<std::string> left_outside;  // URIs of images of unknown types, which remain separate files
 };
 
-/// `textures`: by source.
+/// `textures` has one entry per source.
 RewrittenGltf rewrite_gltf(const GltfAsset& asset, const GltfPlan& plan, const std::vector<SourceTextures>& textures);
 
 }  // namespace multum

@@ -44,7 +44,7 @@ class Planner {
  private:
   [[noreturn]] void refuse(const std::string& what) const { asset_.refuse(fmt::format("'{}': {}", what_, what)); }
 
-  // Returns a child that is an object; null if there is none.
+  // Returns a child that is an object, or null if there is none.
   const GltfJson* object_at(const GltfJson& in, const char* key) const {
     const auto found = in.find(key);
     if (found == in.end()) return nullptr;
@@ -110,7 +110,7 @@ class Planner {
     if (!texture.contains("sampler")) return {WrapMode::kPeriodic, WrapMode::kPeriodic};
     const GltfJson& sampler = asset_.array("samplers").at(asset_.index(texture, "sampler", "samplers"));
     const auto wrap = [&](const char* key) {
-      constexpr std::uint64_t kRepeat = 10497, kClampToEdge = 33071, kMirroredRepeat = 33648;  // GL's
+      constexpr std::uint64_t kRepeat = 10497, kClampToEdge = 33071, kMirroredRepeat = 33648;  // values of OpenGL
       const std::uint64_t code = sampler.contains(key) ? unsigned_at(sampler, key).value_or(0) : kRepeat;
       if (code != kRepeat && code != kClampToEdge && code != kMirroredRepeat)
         refuse(fmt::format("its sampler's {} is {}, expected {}, {} or {}", key, sampler.at(key).dump().substr(0, 40),
@@ -120,7 +120,7 @@ class Planner {
     return {wrap("wrapS"), wrap("wrapT")};
   }
 
-  // Returns the image of a texture, if it is a PNG, JPEG or WebP image.
+  // Returns the image of a texture if it is a PNG, JPEG or WebP image.
   std::optional<std::size_t> image_of(const GltfJson& texture) const {
     std::vector<std::size_t> images;
     if (texture.contains("source")) images.push_back(asset_.index(texture, "source", "images"));
@@ -145,13 +145,13 @@ class Planner {
     return use;
   }
 
-  // Returns why the material is not fitted. Empty: it is fitted, and `made` has the inputs.
+  // Returns the reason why the material is not fitted. If it is empty, the material is fitted, and `made` has the
+  // inputs.
   std::string plan_material(const GltfJson& material, std::size_t number, MaterialPlan& made) {
     const std::optional<TextureUse> normal = texture_at(material, "normalTexture");
     if (!normal) return "it has no normal map";
     for (const char* name : {"KHR_materials_pbrSpecularGlossiness", "KHR_materials_unlit", "KHR_materials_anisotropy"})
-      if (extension_of(material, name) != nullptr)
-        return fmt::format("{} defines the reflection of its surface in another way", name);
+      if (extension_of(material, name) != nullptr) return fmt::format("{} uses another reflection model", name);
     if (extension_of(material, "MULTUM_lobes") != nullptr) return "it already has lobes (MULTUM_lobes)";
     static const GltfJson kNone = GltfJson::object();
     const GltfJson* found = object_at(material, "pbrMetallicRoughness");
@@ -199,7 +199,7 @@ class Planner {
     return "";
   }
 
-  // Returns the base colour image, if it covers the same texels as the normals. Ignores errors in this image.
+  // Returns the base colour image if it covers the same texels as the normals. Ignores errors in this image.
   std::optional<std::size_t> colour_image(const GltfJson& surface, std::size_t number, const TextureUse& normal) const {
     try {
       const std::optional<TextureUse> colour = texture_at(surface, "baseColorTexture");

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Decides which materials of a glTF file get fitted textures, and from which inputs (glTF 2.0, section 3.9; the rules
-// are in docs/reference/gltf.md). A material's normal texture and metallic-roughness texture are fitted together, if
-// their texels cover the same places of the surface. Other materials stay unchanged, with a reason.
+// are in docs/reference/gltf.md). A material's normal texture and metallic-roughness texture are fitted together if
+// their texels cover the same places of the surface. Other materials stay unchanged, and the reason is stated.
 #pragma once
 
 #include <array>
@@ -20,18 +20,19 @@ namespace multum {
 /// Inputs of one fit. Materials with equal inputs share the resulting textures.
 struct LobeSource {
   std::size_t normal_image = 0;
-  std::optional<std::size_t> surface_image;  // metallic-roughness image; none: roughness_factor applies everywhere
-  // Wrap modes of both images, beyond their borders.
+  std::optional<std::size_t> surface_image;  // metallic-roughness image; without it, roughness_factor applies
+                                             // everywhere
+  // Wrap modes of both images.
   WrapMode wrap_s = WrapMode::kPeriodic, wrap_t = WrapMode::kPeriodic;
-  double normal_scale = 1.0;      // of x and y
+  double normal_scale = 1.0;      // scale of x and y
   double roughness_factor = 1.0;  // multiplies the image's roughness
-  bool has_occlusion = false;     // red of surface_image is a material's occlusion
+  bool has_occlusion = false;     // true if red of surface_image is a material's occlusion
   bool is_anisotropic = false;
 
   auto operator<=>(const LobeSource&) const = default;
 };
 
-/// Texture coordinates: the set, and the transform of KHR_texture_transform.
+/// The set of texture coordinates, and the transform of KHR_texture_transform.
 struct TextureCoordinates {
   std::uint64_t set = 0;
   std::array<double, 2> offset{0.0, 0.0}, scale{1.0, 1.0};
@@ -43,19 +44,21 @@ struct TextureCoordinates {
 
 struct MaterialPlan {
   std::string name;                // "bricks", or "material 3"
-  std::string kept;                // reason that the material is unchanged; empty: it is fitted
-  std::size_t source = 0;          // in GltfPlan::sources
+  std::string kept;                // reason why the material is unchanged; empty if it is fitted
+  std::size_t source = 0;          // index into GltfPlan::sources
   TextureCoordinates coordinates;  // coordinates of the fitted textures
   std::vector<std::string> notes;
-  bool is_bad = false;    // `kept` is a fault of the model and causes a warning
-  bool is_plain = false;  // `kept` says that the own mips are as good: a trilinear filter reads them
+  bool is_bad = false;    // true if `kept` is a fault of the model and causes a warning
+  bool is_plain = false;  // true if `kept` says that the material's own mips are as good, because a trilinear filter
+                          // reads them
 };
 
 struct GltfPlan {
   std::vector<LobeSource> sources;
-  // By source: the base colour image over the same texels, if all materials of the source use the same image.
+  // The base colour image of each source that covers the same texels, if all materials of the source use the same
+  // image.
   std::vector<std::optional<std::size_t>> colour_images;
-  std::vector<MaterialPlan> materials;  // by index
+  std::vector<MaterialPlan> materials;  // plan of each material, by its index
 };
 
 /// Throws Error(kInput) for materials that violate glTF.

@@ -11,12 +11,12 @@ namespace multum {
 
 struct ResizeSettings {
   int width = 1, height = 1;                                            // new size, not smaller than the old one
-  WrapMode wrap_s = WrapMode::kPeriodic, wrap_t = WrapMode::kPeriodic;  // beyond the borders
+  WrapMode wrap_s = WrapMode::kPeriodic, wrap_t = WrapMode::kPeriodic;  // apply beyond the borders
   SpillPolicy spill;
   int threads = 1;
 };
 
-/// Calls `finish` for the three resulting values of each texel.
+/// Calls `finish` with the three resulting values of each texel.
 PlaneStore enlarged_planes(const PlaneStore& planes, const ResizeSettings& settings,
                            const std::function<void(float& a, float& b, float& c)>& finish);
 

@@ -50,8 +50,8 @@ ImageReadSettings reading_of(const SourceFitSettings& settings) {
 
 float fourth_power(float v) { return v * v * (v * v); }
 
-// Reads roughness times its factor, occlusion and metalness from an image: red is occlusion, green roughness, blue
-// metalness. A grey image sets all three.
+// Reads roughness times its factor, occlusion and metalness from an image. Red is occlusion, green is roughness, and
+// blue is metalness. A grey image sets all three.
 PlaneStore read_surface(const GltfAsset& asset, const std::string& file, const LobeSource& source, bool is_fourth_power,
                         const SourceFitSettings& settings) {
   ImageReader reader(file, reading_of(settings));
@@ -205,7 +205,7 @@ void keep_finest_normals(const std::string& file, LevelFile& normal, const Sourc
 }
 
 // Computes rows of a level. Each texel is the mean of the texels that it covers in the previous level, rounded to 8
-// bits like drivers do.
+// bits as drivers do.
 std::vector<std::uint8_t> averaged_rows(const LevelFile& file, int level, int first, int count) {
   const int width = mip_level_size(file.width(), level), height = mip_level_size(file.height(), level);
   const int finer_width = mip_level_size(file.width(), level - 1),
@@ -287,8 +287,8 @@ void prepare(const GltfAsset& asset, const SourceFitSettings& settings, Prepared
     is_surface_whole = surface.first >= normal.first && surface.second >= normal.second;
     largest = {std::max(normal.first, surface.first), std::max(normal.second, surface.second)};
     const auto texels = [](const std::pair<int, int>& size) { return std::int64_t{size.first} * size.second; };
-    // A common size of up to four times the larger image is accepted; then only one side differs. If the common size is
-    // larger, the images were not made for each other.
+    // A common size of up to four times the larger image is accepted. This allows images that differ in only one side.
+    // If the common size is larger, the images were not made for each other.
     if (texels(largest) > 4 * std::max(texels(normal), texels(surface)))
       made.kept = fmt::format("its normals have {} x {} texels and its roughness has {} x {}", normal.first,
                               normal.second, surface.first, surface.second);
@@ -335,7 +335,7 @@ void add_colours(const GltfAsset& asset, std::size_t image, const SourceFitSetti
     if (colours.width == normals.width && colours.height == normals.height && colours.channel_count >= 3)
       made.colour_file = file;
   } catch (const Error& error) {
-    why_kept(asset, error);  // rethrows errors that are not the image's fault
+    why_kept(asset, error);  // rethrows errors that the image did not cause
   }
 }
 

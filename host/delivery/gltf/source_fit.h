@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Fits the textures of one LobeSource: reads its images, resizes them to one size, and fits a lobe to each texel of
+// Fits the textures of one LobeSource. Reads its images, resizes them to one size, and fits a lobe to each texel of
 // every level (host/delivery/export/one_lobe_fit.h).
 #pragma once
 
@@ -27,24 +27,24 @@ struct SourceFitSettings {
   std::string folder;  // folder for images and levels
   bool is_fast = false;
   MapSurface surface = MapSurface::kTexels;
-  std::optional<ZRange> z_range;  // z range of all normal maps; unset: from statistics
+  std::optional<ZRange> z_range;  // z range of all normal maps; if not set, found by statistics
   bool two_channel = false;       // rebuild z of all normal maps
   int side_multiple = 1;          // texture sides are multiples of this number
   std::uint64_t memory_bytes = std::uint64_t{256} << 20;
   int threads = 1;
 };
 
-/// A source that is ready to be fitted, or the reason against it.
+/// A source that is ready to be fitted, or the reason why it is not fitted.
 struct PreparedSource {
   LobeSource source;
-  std::string normal_file, surface_file;  // in the folder
-  std::string colour_file;                // image of the normals' size; empty: none
-  int width = 0, height = 0;              // of the textures
-  std::string kept;                       // why the source is not fitted; empty: it is fitted
-  bool is_bad = false;                    // the reason is a fault of an image
-  bool is_plain = false;                  // the reason is that the own mips are as good
+  std::string normal_file, surface_file;  // names of files in the folder
+  std::string colour_file;                // image of the same size as the normals; empty if there is none
+  int width = 0, height = 0;              // size of the textures
+  std::string kept;                       // reason why the source is not fitted; empty if it is fitted
+  bool is_bad = false;                    // true if the reason is a fault of an image
+  bool is_plain = false;                  // true if the reason is that the material's own mips are as good
   std::vector<std::string> notes;
-  // Level 0 of the texture is the unchanged image of the file, in a format that all of glTF supports.
+  // True if level 0 of the texture is the unchanged image of the file, in a format that every glTF loader supports.
   bool normal_is_original = false, surface_is_original = false;
 
   std::uint64_t texel_count() const { return static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height); }
@@ -66,29 +66,31 @@ auto of_image(const GltfAsset& asset, std::size_t image, const std::string& file
   }
 }
 
-/// Returns how a glTF normal texture is read, with the settings for blue. A blue channel that is not z is an error.
+/// Returns the settings for reading a glTF normal texture, including its blue channel. A blue channel that is not z is
+/// an error.
 NormalMapSettings gltf_normal_reading(const LobeSource& source, const SourceFitSettings& settings);
 
-/// Writes the images into the folder and checks their sizes. If an image cannot be read, the material stays unchanged.
+/// Writes the images into the folder and checks their sizes. If an image cannot be read, its materials stay unchanged.
 /// Throws Error(kEnvironment).
 PreparedSource prepare_source(const GltfAsset& asset, const LobeSource& source, const SourceFitSettings& settings);
 
 /// Adds the base colour, if it is readable and has the size of the normal map.
 void add_colours(const GltfAsset& asset, std::size_t image, const SourceFitSettings& settings, PreparedSource& made);
 
-/// Returns the fault of an image as the reason to keep its materials: "image 2: found ...". Rethrows errors other than
-/// kInput.
+/// Returns the fault of an image as the reason to keep its materials, as in "image 2: found ...". Rethrows errors other
+/// than kInput.
 std::string why_kept(const GltfAsset& asset, const Error& error);
 
-/// The fitted textures; null: no such texture.
+/// The fitted textures. A texture that does not exist is null.
 struct FittedSource {
   std::unique_ptr<LevelFile> normal, surface, anisotropy;
-  // The mips that a renderer makes from level 0: normals, with roughness in alpha. Null if `anisotropy` is set.
+  // The mips that a renderer makes from level 0, which hold normals, with roughness in alpha. Null if `anisotropy` is
+  // set.
   std::unique_ptr<LevelFile> averages;
 };
 
-/// Names files by `number`. A surface that is 1 everywhere is left out. Progress: one unit per texel. Throws
-/// Error(kInput) naming the image, kEnvironment, Cancelled.
+/// Names files by `number`. A surface texture that is 1 everywhere is not written. Progress: one unit per texel. Throws
+/// Error(kInput) that names the image, Error(kEnvironment), and Cancelled.
 FittedSource fit_source(Device& device, const GltfAsset& asset, const PreparedSource& prepared, std::size_t number,
                         const SourceFitSettings& settings, Progress* progress);
 

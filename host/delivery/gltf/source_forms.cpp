@@ -15,13 +15,13 @@
 namespace multum {
 namespace {
 
-constexpr std::size_t kPicturedPixels = 250;  // of a picture
+constexpr std::size_t kPicturedPixels = 250;  // pixels of a picture
 constexpr int kFormRows = 64;
 // Lobes do not include the separate normals of a clearcoat. If evaluations are spent on lobes, these normals are
 // evaluated at only one point.
 constexpr const char* kClearcoatNormal = "/extensions/KHR_materials_clearcoat/clearcoatNormalTexture";
 
-// Applies KHR_texture_transform. v grows upwards in meshes, downwards in glTF.
+// Applies KHR_texture_transform. v grows upwards in meshes, but downwards in glTF.
 glm::dvec2 transformed(const TextureCoordinates& coordinates, const glm::dvec2& uv) {
   const double u = coordinates.scale[0] * uv.x, v = coordinates.scale[1] * (1.0 - uv.y);
   const double c = std::cos(coordinates.rotation), s = std::sin(coordinates.rotation);
@@ -31,7 +31,7 @@ glm::dvec2 transformed(const TextureCoordinates& coordinates, const glm::dvec2& 
 // If the noise is at least this share of an error, the errors of two forms cannot be distinguished.
 constexpr double kNoiseMost = 0.5;
 
-// Returns the grey base colour. The values of a texture are unknown here.
+// Returns the base colour as grey. The values of a colour texture are unknown here.
 double grey_of(const GltfJson& surface) {
   constexpr double kOfTextures = 0.5;
   double grey = surface.contains("baseColorTexture") ? kOfTextures : 1.0;

@@ -17,12 +17,12 @@ namespace multum {
 /// Draws the model on first use, once for all sources with the same set of texture coordinates.
 class SourceForms {
  public:
-  /// Both `asset` and `plan` must outlive this object. `engine`: its filter is used in the pictures.
+  /// Both `asset` and `plan` must outlive this object. The pictures use the filter of `engine`.
   SourceForms(const GltfAsset& asset, const GltfPlan& plan, const SourceFitSettings& settings, Engine engine,
               Progress* progress);
   ~SourceForms();
 
-  /// `baked`: a file of the source's lobes, which become a candidate; empty: no lobes.
+  /// `baked` is a file of the source's lobes, which become a candidate. It is empty if there are no lobes.
   ChosenForm choose(std::size_t source, const FittedSource& fitted, const std::string& baked);
 
  private:
@@ -34,10 +34,10 @@ class SourceForms {
   const SourceFitSettings settings_;
   const Engine engine_;
   Progress* const progress_;
-  std::map<std::uint64_t, std::unique_ptr<Drawn>> drawn_;  // by set
+  std::map<std::uint64_t, std::unique_ptr<Drawn>> drawn_;  // by set of texture coordinates
 };
 
-/// Replaces fitted values by averages in levels 1 and coarser, as the form requires.
+/// Replaces fitted values with averages in levels 1 and coarser, as the form requires.
 void apply_normal_form(const NormalForm& form, FittedSource& fitted);
 
 }  // namespace multum

@@ -30,7 +30,7 @@ double worst_error(const MovmfMipmap& exact, const MovmfMipmap& stored, const Lo
   return lobe_storage_error(levels_of(exact), levels_of(stored), surface).error;
 }
 
-// Prevents a bake from reporting an image again, under its name in the work folder, if the image was reported before.
+// If an image was already reported, prevents a bake from reporting it again under its name in the work folder.
 class QuietBake {
  public:
   QuietBake() : level_(log_level()) { set_log_level(LogLevel::kQuiet); }
@@ -68,7 +68,7 @@ std::string bake_source_lobes(Device& device, const GltfAsset& asset, const Prep
       bake.albedo = prepared.colour_file;
       bake_file(bake, nullptr, device, &cancelling);
     } catch (const Error& error) {
-      // An unreadable colour does not prevent lobes.
+      // Lobes are made even if the colour image cannot be read.
       if (error.code() != ErrorCode::kInput) throw;
       bake.albedo.clear();
       bake_file(bake, nullptr, device, &cancelling);

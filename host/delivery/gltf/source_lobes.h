@@ -16,19 +16,21 @@
 namespace multum {
 
 struct SourceLobeSettings {
-  std::optional<LobeTexels> texels;  // unset: blocks, or RGBA8 if blocks raise the error by kStorageErrorMax or more
-  LobeSurface surface;               // the surface under the lobes, for the storage error
+  std::optional<LobeTexels> texels;  // if not set, blocks, or RGBA8 if blocks raise the error by kStorageErrorMax or
+                                     // more
+  LobeSurface surface;               // properties of the surface, for the storage error
 };
 
-/// Bakes a file of the map's own size, whatever size the fitted textures have, and returns its path. Names files by
-/// `number`. Progress: only cancels, counts no units. Throws Error(kInput) naming the image, kEnvironment, Cancelled.
+/// Bakes a file of the map's own size, even if the fitted textures have another size, and returns its path. Names files
+/// by `number`. Progress can cancel, but counts no units. Throws Error(kInput) that names the image,
+/// Error(kEnvironment), and Cancelled.
 std::string bake_source_lobes(Device& device, const GltfAsset& asset, const PreparedSource& prepared,
                               std::size_t number, const SourceFitSettings& settings, Progress* progress);
 /// Encodes the colours of the lobes (host/delivery/export/lobes/lobe_colours.h). Returns nullopt if the file has no
-/// colours. Throws Error(kEnvironment), Cancelled.
+/// colours. Throws Error(kEnvironment) and Cancelled.
 std::optional<EncodedTexture> encode_source_colours(Device& device, const std::string& baked,
                                                     const SourceFitSettings& settings, Progress* progress);
-/// Encodes the lobes of a baked file and removes the file. Throws Error(kEnvironment), Cancelled.
+/// Encodes the lobes of a baked file and removes the file. Throws Error(kEnvironment) and Cancelled.
 EncodedTexture encode_source_lobes(Device& device, const std::string& baked, const SourceLobeSettings& how,
                                    const SourceFitSettings& settings, Progress* progress);
 

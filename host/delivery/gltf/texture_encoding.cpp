@@ -16,7 +16,7 @@ namespace multum {
 namespace {
 
 constexpr int kRowsAtOnce = 64;
-// Basis Universal uses 6; levels above 12 take several times as long and save one percent.
+// Basis Universal uses 6. Levels above 12 take several times as long and save one percent.
 constexpr int kZstdLevel = 12;
 
 FallbackImage write_png(const LevelFile& levels) {
@@ -36,7 +36,7 @@ FallbackImage write_png(const LevelFile& levels) {
 
 using LevelBlocks = std::vector<std::vector<std::uint8_t>>;
 
-// `blocks`: the blocks of all levels; empty: stores the texels themselves.
+// `blocks` holds the blocks of all levels. If it is empty, stores the texels themselves.
 EncodedTexture write_ktx2(const LevelFile& levels, GltfTextureFormat format, int zstd_level, LevelBlocks blocks) {
   const std::string path = levels.path() + ".ktx2";
   const TexelFormat texels = format == GltfTextureFormat::kUastc ? TexelFormat::kUastc : TexelFormat::kRgba8;

@@ -15,16 +15,16 @@ namespace multum {
 
 /// A plain image of level 0, for loaders that cannot read the texture.
 struct FallbackImage {
-  std::string file;  // PNG file; empty: the source image has the same texels
+  std::string file;  // PNG file; empty if the source image has the same texels
   std::uint64_t byte_count = 0;
 };
 
 struct EncodedTexture {
   std::string file;
-  std::string type;  // "image/ktx2"
+  std::string type;  // media type, such as "image/ktx2"
   std::uint64_t byte_count = 0;
-  std::string format = {};     // name in choices and reports, such as "uastc"; of lobes "bc"
-  double storage_error = 0.0;  // increase of the light's relative L1 error by the format, at the worst level
+  std::string format = {};     // name in choices and reports, such as "uastc", or "bc" for lobes
+  double storage_error = 0.0;  // increase of the light's relative L1 error that the format causes, at the worst level
   double refused_error = 0.0;  // increase that rejected blocks would have caused
   std::string refused_format = "uastc";
   std::optional<FallbackImage> fallback = {};
@@ -36,14 +36,14 @@ constexpr double kStorageErrorMax = 0.003;
 
 struct TextureEncoding {
   GltfTextureFormat format = GltfTextureFormat::kAuto;
-  bool has_fallback = false;  // for every format
-  bool is_original = false;   // level 0 is the unchanged image of the file; that image is the fallback
+  bool has_fallback = false;  // true to add a fallback for every format
+  bool is_original = false;   // true if level 0 is the unchanged image of the file, which is then the fallback
   UastcSettings uastc;
-  // Compares the material's light with `decoded` levels to the light with the texture's own levels.
+  // Compares the material's light with `decoded` levels and the light with the texture's own levels.
   std::function<StorageError(const LevelFile& decoded)> measure;
 };
 
-/// Writes its files next to the file of the levels. Throws Error(kEnvironment), Cancelled.
+/// Writes the files of the encoding next to the file of the levels. Throws Error(kEnvironment) and Cancelled.
 EncodedTexture encode_texture(const LevelFile& levels, const TextureEncoding& how, Progress* progress);
 
 }  // namespace multum

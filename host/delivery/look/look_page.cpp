@@ -30,7 +30,7 @@ namespace {
 
 std::string base64_of_file(const std::string& path) { return encode_base64(bytes_of_file(path)); }
 
-// Throws Error for maps that the page cannot show.
+// Throws Error for a map that the page cannot show.
 void check_map(const LookMap& map, const BakedHeader& header, bool same_source) {
   if (header.has_roughness)
     refuse_file(map.input, "found roughness in its lobes, expected none, because the page has one base roughness");

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Writes a page that shows the lobes of maps in a browser, next to averaged normals, the engines' rules and the
-// one-lobe export. The page is one self-contained HTML file, which opens from disk.
+// one-lobe export. The page is one self-contained HTML file that can be opened from disk.
 #pragma once
 
 #include <cstdint>
@@ -12,24 +12,25 @@
 
 namespace multum {
 
-constexpr int kLookSideMax = 2048;  // limit per map: browsers hold the whole map and its averaged normals as floats
-// Limit for all maps together: the page then has 150 MB.
+constexpr int kLookSideMax = 2048;  // limit per map, because browsers hold the whole map and its averaged normals as
+                                    // floats
+// Limit for all maps together, at which the page has 150 MB.
 constexpr std::int64_t kLookTexelsMax = std::int64_t{4} * kLookSideMax * kLookSideMax;
 
 struct LookMap {
   std::string input;   // *.ndf.exr of vMF lobes
-  std::string source;  // the normal map that was baked; empty: level 0 of `input`
+  std::string source;  // the normal map that was baked; if empty, level 0 of `input` is used
 };
 
 struct LookJob {
   std::vector<LookMap> maps;    // at least one map; the page lets the user choose
   std::string output;           // *.html
-  double base_roughness = 0.3;  // perceptual, 0.05..1
+  double base_roughness = 0.3;  // perceptual roughness, 0.05..1
   bool same_source = false;     // fail if a source is not the file that was baked
   int threads = 1;
 };
 
-/// Throws Error, Cancelled; leaves no partial file.
+/// Throws Error and Cancelled. Leaves no partial file.
 void write_look_page(const LookJob& job, Device& device, Progress* progress);
 
 }  // namespace multum

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writes a command line of multum as a job bundle of Open Job Description. Render farms read such bundles: AWS Deadline
-// Cloud, OpenCue, the openjd-cli of the Open Job Description project.
+// Writes a command line of multum as a job bundle of Open Job Description. Render farms read such bundles, for example
+// AWS Deadline Cloud, OpenCue, and the openjd-cli of the Open Job Description project.
 // github.com/OpenJobDescription/openjd-specifications: "Template Schemas", 2023-09, and RFC 0001, TASK_CHUNKING.
 //
 //   FOLDER/
@@ -24,14 +24,14 @@ struct FarmWord {
 
 struct FarmCommand {
   std::string name;                                // human-readable name of the job
-  std::vector<std::string> words;                  // behind `multum`
+  std::vector<std::string> words;                  // the words after `multum`
   std::vector<FarmWord> paths;                     // files and folders, in the order of the words
   std::vector<std::string> inputs, input_folders;  // all inputs, whether the words name them or not
   std::vector<std::string> output_folders;
   bool is_one_map = false;  // shares of one map: its coarse levels, its bands, and their merge
-  bool is_merged = false;   // shares of a scene or of inference, followed by `--merge`
+  bool is_merged = false;   // shares of a scene or of an inference, followed by `--merge`
   int shards = 1;           // number of tasks; more than one adds `--shard`
-  int threads = 0;          // per task; 0: unspecified
+  int threads = 0;          // per task; 0 means unspecified
 };
 
 using FarmJson = nlohmann::ordered_json;
@@ -50,7 +50,7 @@ int openjd_task_count(const FarmCommand& command);
 std::string yaml_text(const FarmJson& value);
 
 /// Creates the folder and writes the three files. Throws Error(kUsage), before anything is written, if the job exceeds
-/// the specification's limits (host/farm/openjd/openjd_limits.h); Error(kEnvironment).
+/// the specification's limits (host/farm/openjd/openjd_limits.h). Throws Error(kEnvironment).
 void write_openjd_bundle(const FarmCommand& command, const std::string& folder);
 
 }  // namespace multum

@@ -26,7 +26,7 @@ constexpr std::size_t kStepNameMax = 64;         // 3.1
 constexpr std::size_t kRequirementsMax = 50;     // 3.3
 constexpr std::size_t kCapabilityNameMax = 100;  // 3.3.1.1
 constexpr std::size_t kTaskParametersMax = 16;   // 3.4
-constexpr std::size_t kRangeElementsMax = 1024;  // 3.4.1.1, of a list
+constexpr std::size_t kRangeElementsMax = 1024;  // section 3.4.1.1: elements of a list
 constexpr std::int64_t kNoticeSecondsMax = 600;  // 5.3.2
 constexpr std::size_t kIdentifierMax = 64;       // 7.1
 constexpr std::size_t kDescriptionMax = 2048;    // 7.2
@@ -36,7 +36,7 @@ constexpr std::size_t kDescriptionMax = 2048;    // 7.2
               fmt::format("{}: {}, expected {} (Open Job Description 2023-09)", what, found, expected));
 }
 
-// Returns the characters of a UTF-8 text; nullopt if the text is not UTF-8.
+// Returns the characters of a UTF-8 text, or nullopt if the text is not UTF-8.
 std::optional<std::u32string> characters_of(const std::string& text) {
   std::u32string characters;
   for (std::size_t at = 0, length = 0; at < text.size(); at += length) {
@@ -58,7 +58,7 @@ struct TextRule {
   std::size_t least = 1;
   std::size_t most = std::string::npos;
   bool has_lines = false;  // allows newline, carriage return and tab
-  bool is_any = false;     // any character
+  bool is_any = false;     // allows any character
 };
 
 void check_text(const std::string& what, const std::string& text, const TextRule& rule) {
@@ -90,7 +90,8 @@ void check_choice(const std::string& what, const std::string& value, const std::
   if (!choices.contains(value)) refuse(what, "is " + value, "a value of the specification");
 }
 
-// Section 7.3: {{ opens a reference and }} closes it; neither can be escaped. `values`: the values of the references.
+// Section 7.3: {{ opens a reference and }} closes it; neither can be escaped. `values` holds the values of the
+// references.
 std::string resolved(const std::string& what, const std::string& text,
                      const std::map<std::string, std::string>& values) {
   std::string result;
@@ -186,7 +187,7 @@ class Checker {
     check_description(what, step);
     if (step.contains("dependencies")) {
       check_count(what + ": dependencies", step.at("dependencies").size(), 1, std::string::npos);
-      // In templates of multum a step depends only on earlier steps, so there are no cycles.
+      // In templates of multum, a step depends only on earlier steps, so there are no cycles.
       for (const Json& one : step.at("dependencies"))
         if (!steps_.contains(text_of(one, "dependsOn")))
           refuse(what, "depends on " + text_of(one, "dependsOn"), "a step before it");
@@ -253,7 +254,8 @@ class Checker {
     check_choice(what + ": rangeConstraint", text_of(chunks, "rangeConstraint"), {"CONTIGUOUS", "NONCONTIGUOUS"});
   }
 
-  // Sections 5.1 and 5.2: no control characters in a command or its words, also after parameters are inserted.
+  // Sections 5.1 and 5.2: a command and its words must not contain control characters, even after parameters are
+  // inserted.
   void check_action(const std::string& what, const Json& action, const std::map<std::string, std::string>& references) {
     check_text(what + ": command", resolved(what + ": command", text_of(action, "command"), references), {});
     if (action.contains("args"))

@@ -9,9 +9,9 @@
 
 namespace multum {
 
-constexpr std::size_t kOpenJdParametersMax = 50;  // 1.1, parameterDefinitions
+constexpr std::size_t kOpenJdParametersMax = 50;  // section 1.1, parameterDefinitions
 
-/// Throws Error(kUsage), which shows the text and its place, unless the text is UTF-8 (section 1: templates are UTF-8
+/// Throws Error(kUsage), which shows the text and its place, if the text is not UTF-8 (section 1: templates are UTF-8
 /// documents).
 void check_openjd_text(const std::string& what, const std::string& text);
 

@@ -82,7 +82,7 @@ class Service {
     api_.set_server(&server_);
   }
 
-  ~Service() { ledger_.reset(); }  // must end before the objects that it posts to
+  ~Service() { ledger_.reset(); }  // the ledger posts to other objects, so it must end before them
 
   void run() {
     dispatcher_.recover();
@@ -170,7 +170,7 @@ class Service {
       sd_notify(0, "RELOADING=1");
       try {
         ServiceSettings settings = options_.read_settings();
-        // The new settings are checked together with the values that stay in use until a restart.
+        // The new settings are checked together with those old values that stay in use until a restart.
         settings.listen = settings_.listen;
         settings.roots = settings_.roots;
         settings.data = settings_.data;
@@ -181,7 +181,7 @@ class Service {
                       "token_file was removed from the settings: restart the service to run without a token");
         api_.set_token(token);
         dispatcher_.reload(settings);
-        service_log(LogSeverity::kInfo, 0, "settings read again: queues, devices, memory and token");
+        service_log(LogSeverity::kInfo, 0, "the settings were read again: queues, devices, memory and token");
         sweep();
       } catch (const std::exception& wrong) {
         service_log(LogSeverity::kError, 0, std::string("the previous settings stay in use: ") + wrong.what());
@@ -192,12 +192,12 @@ class Service {
   }
 
   void notify_watchdog() {
-    std::uint64_t interval = 0;  // microseconds
+    std::uint64_t interval = 0;  // in microseconds
     if (sd_watchdog_enabled(0, &interval) <= 0) return;
     watchdog_.expires_after(std::chrono::microseconds(interval / 3));
     watchdog_.async_wait([this](const boost::system::error_code& error) {
       if (error) return;
-      // Notifies through the ledger, so that a daemon whose ledger hangs counts as failed.
+      // Sends the sign of life through the ledger, so that a daemon whose ledger hangs counts as failed.
       ledger_->run([](JobQueue&) {},
                    [this](const std::exception_ptr&) {
                      sd_notify(0, "WATCHDOG=1");
@@ -224,7 +224,7 @@ class Service {
           });
     }
     api_.pictures().sweep(*ledger_);
-    constexpr int kForEver = 1000000;  // days
+    constexpr int kForEver = 1000000;  // in days
     data_.sweep(*ledger_, std::chrono::hours(24) * (settings_.upload_days > 0 ? settings_.upload_days : kForEver));
   }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The daemon: ledger, workers, web interface, signals.
-//   SIGTERM, SIGINT   starts no more jobs; hands back running jobs that do not end within the grace period
+// Runs the daemon: its ledger, workers and web interface. It handles these signals:
+//   SIGTERM, SIGINT   starts no more jobs, and hands back running jobs that do not end within the grace period
 //   SIGHUP            reads the settings file again
 #pragma once
 
@@ -15,10 +15,10 @@ namespace multum {
 
 struct ServiceOptions {
   ServiceSettings settings;
-  std::string settings_file;                       // empty: none
+  std::string settings_file;                       // empty if none
   std::function<ServiceSettings()> read_settings;  // reads the settings file again, at SIGHUP
   std::vector<std::string> worker_command;         // command line of a worker, without its socket
-  std::vector<std::string> driver_command;         // exits with code 0 if workers find an OpenCL device
+  std::vector<std::string> driver_command;         // its exit code is 0 if workers find an OpenCL device
   Confinement system;                              // the part of the machine that every worker sees
   bool begins_anew = false;                        // makes a new ledger if the folder's ledger is lost
 };

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Chooses how a chunk is coded: its image coder, and either its pyramid over parameters or a basis that is learnt from
-// the block. The choice minimises error + lambda bits.
+// Chooses how to code a chunk: the image coder, and either a pyramid over the parameters or a basis learnt from the
+// block. The choice minimises error + lambda bits.
 #pragma once
 
 #include <utility>
@@ -23,7 +23,7 @@ std::vector<ParameterPyramid::Halvings> chosen_levels(
 /// An image coder and the side of cosine blocks.
 using CoderAndSide = std::pair<ImageCoder, std::size_t>;
 
-/// Returns the coders to try, in order. `coder`: returns only this one; unset: returns all.
+/// Returns the coders to try, in order: only `coder` if it is set, otherwise all coders.
 std::vector<CoderAndSide> image_coders(std::optional<ImageCoder> coder);
 
 struct ChunkCandidates {
@@ -34,11 +34,11 @@ struct ChunkCandidates {
   bool open_loop = false;
 };
 
-/// `coder`: the only coder to try; unset: tries all coders.
+/// If `coder` is set, only this coder is tried.
 ChunkCandidates chunk_candidates(const std::vector<std::size_t>& sizes, PyramidChoice pyramid,
                                  std::optional<ImageCoder> coder, bool open_loop);
 
-/// Returns the weights of coefficients for a coder. Textures do not depend on the coder.
+/// Returns the weights of the coefficients for a coder. The textures are the same for all coders.
 using WeightsOfLayout = std::function<CoefficientWeights(ImageCoder coder, std::size_t side)>;
 
 struct ChosenChunk {
@@ -47,8 +47,8 @@ struct ChosenChunk {
 };
 
 /// Returns the chunk with the least error + lambda bits. The first coder tries every pyramid, and larger bases as long
-/// as more images lower the cost. A later coder first tries the best settings so far, and the others only if it has the
-/// lowest cost with these settings. `step`: as in ChunkEncoder.
+/// as more images lower the cost. A later coder first tries the best settings so far. A later coder tries other
+/// settings only if it has the lowest cost with the best ones. `step` is as in ChunkEncoder.
 ChosenChunk best_chunk(const ChunkSource& source, const WeightsOfLayout& weights_of, const ChunkCandidates& candidates,
                        double lambda, const std::function<void()>& step);
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Encodes the images of a pyramid over parameters into the stream that DctStreamDecoder reads. Coefficients are chosen
-// by rate and distortion. For each block the encoder tries to drop bands, and to lower each coefficient by one step. It
-// keeps the choice with the least error + lambda bits; the contexts determine the bits.
+// by rate and distortion. For each block, the encoder tries to drop bands and to lower each coefficient by one step.
+// The encoder keeps the choice with the least error + lambda bits. The number of bits is estimated from the contexts.
 #pragma once
 
 #include "host/fields/codec/coding_ports.h"
@@ -13,11 +13,11 @@ namespace multum {
 struct DctTarget {
   /// Target coefficients per plane, block by block: grid.count() * side * side values.
   std::array<std::vector<float>, CoefficientBlocks::kPlanes> coefficients;
-  /// Weights of squared errors per coefficient, block by block: at least 0, and 0 for invisible coefficients.
+  /// The weight of each coefficient's squared error, block by block: at least 0, and 0 for invisible coefficients.
   std::vector<float> weights;
   std::vector<float> steps;  // steps above 0, one per position in a block
   float scale = 1.0f;        // multiplies all steps
-  float lambda = 0.0f;       // weighted squared error that one bit is worth
+  float lambda = 0.0f;       // the weighted squared error that justifies one bit
 };
 
 class DctStreamEncoder {

@@ -13,7 +13,7 @@
 namespace multum {
 namespace {
 
-/// Draws with A, three channels per texel: [row][3].
+/// Draws a texture with A, three channels per texel: [row][3].
 std::vector<float> drawn(const FilterMatrix& matrix, const std::vector<float>& texels) {
   std::vector<float> pixels(3 * matrix.row_count());
   for (std::size_t r = 0; r < matrix.row_count(); ++r)
@@ -23,7 +23,7 @@ std::vector<float> drawn(const FilterMatrix& matrix, const std::vector<float>& t
   return pixels;
 }
 
-/// Returns A^T pixels, added up in the finest level: [height][width][3].
+/// Multiplies the pixels by A^T and adds up all mip levels in the finest level: [height][width][3].
 std::vector<float> handed_back(const FilterMatrix& matrix, const std::vector<float>& pixels) {
   const auto width = static_cast<std::size_t>(matrix.texture_width);
   const auto height = static_cast<std::size_t>(matrix.texture_height);
@@ -69,8 +69,8 @@ class Probe {
     return samples;
   }
 
-  /// Adds texel values to the coefficients of this kind at the same places. `stride` and `offset` select the texel
-  /// values.
+  /// Adds texel values to the coefficients of this kind at the same places. `stride` and `offset` say which texel
+  /// values to use.
   void collect(std::size_t kind, const std::vector<float>& texels, std::size_t channel,
                std::vector<float>& energies) const {
     if (is_dct()) {
@@ -103,9 +103,9 @@ class Probe {
   std::vector<WaveletBand> bands_;
 };
 
-/// Raises the weights of wavelets, which reach beyond their places, to at least this share of the largest neighbouring
-/// weight. Otherwise details at the borders of visible areas are lost, and the error of field_demo1 at 370:1 is 1.5
-/// times as large.
+/// Raises each weight of a wavelet to at least this share of the largest neighbouring weight, because wavelets extend
+/// beyond their places. Otherwise details at the borders of visible areas are lost, and the error of field_demo1 at
+/// 370:1 is 1.5 times as large.
 void raise_beside_seen(const Probe& probe, std::size_t width, std::vector<float>& energies) {
   constexpr float kShare = 0.3f;
   const std::vector<float> before = energies;
@@ -131,7 +131,7 @@ std::vector<float> texel_masses(const FilterMatrix& matrix) {
 }
 
 /// Splits each block into sixteen parts and returns the fourth root of the greatest mass divided by the mean mass. On
-/// field_demo1 this correction lowers error + lambda bits by 0.5 %; the square root gives about the same.
+/// field_demo1 this correction lowers error + lambda bits by 0.5 %. A square root instead lowers them about as much.
 std::vector<float> partly_seen_factors(const CoefficientLayout& layout, const std::vector<float>& masses) {
   constexpr float kExponent = 0.25f, kShareMin = 0.02f;
   const BlockGrid grid{layout.width, layout.height, layout.side};
@@ -188,7 +188,8 @@ std::vector<std::vector<float>> coefficient_energies(const std::vector<FilterMat
 std::vector<std::vector<float>> layer_shares(const FilterMatrix& matrix,
                                              const std::vector<const std::vector<float>*>& layers) {
   constexpr float kExponent = 2.0f - 2.0f / 2.2f;
-  constexpr float kRadianceMin = 3e-4f;  // 6 of 255 gamma-coded; below it the gamma curve's slope is unreliable
+  constexpr float kRadianceMin = 3e-4f;  // gamma-coded value 6 of 255, below which the gamma curve's slope is
+                                         // unreliable
   constexpr float kShareMin = 0.01f;
   std::vector<std::vector<float>> pictures;
   std::vector<float> sum(3 * matrix.row_count());
@@ -201,7 +202,7 @@ std::vector<std::vector<float>> layer_shares(const FilterMatrix& matrix,
   const auto rows = (static_cast<std::size_t>(matrix.texture_height) + kShareCell - 1) / kShareCell;
   std::vector<std::vector<float>> shares;
   for (const auto& picture : pictures) {
-    std::vector<float> pixels(sum.size());  // visible share, 1, unused
+    std::vector<float> pixels(sum.size());  // channels: visible share, the constant 1, and an unused one
     for (std::size_t r = 0; r < matrix.row_count(); ++r) {
       float shown = 0.0f;
       for (std::size_t c = 0; c < 3; ++c) {

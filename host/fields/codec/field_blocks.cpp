@@ -16,7 +16,7 @@ class BlockCutter {
               const std::vector<std::string>& textures, const BlockLimits& limits)
       : field_(field), grid_(grid), mappings_(mapping_of_sample), textures_(textures), limits_(limits) {}
 
-  /// Cuts a box into boxes of one mapping each, and these boxes into blocks.
+  /// Cuts a box into smaller boxes of one mapping each, and cuts these into blocks.
   void cut(const FieldBlock& box) {
     const auto place = mapping_change(box);
     if (!place) return cut_mapped(box, box);
@@ -41,7 +41,7 @@ class BlockCutter {
     return {first, second};
   }
 
-  /// Cuts `block`, which is in a box of one mapping.
+  /// Cuts `block`, whose samples have the same mapping.
   void cut_mapped(FieldBlock block, const FieldBlock& box) {
     find_varying(block);
     const auto place = cut_of(block, box);
@@ -51,7 +51,7 @@ class BlockCutter {
     cut_mapped(second, box);
   }
 
-  /// Returns the dimension to cut and the length of the first part; nullopt if the block is small enough.
+  /// Returns the dimension to cut and the length of the first part, or nullopt if the block is small enough.
   std::optional<std::pair<std::size_t, int>> cut_of(const FieldBlock& block, const FieldBlock& box) const {
     std::size_t samples = 1;
     for (const std::size_t d : block.varying) {
@@ -66,7 +66,8 @@ class BlockCutter {
     return std::pair(longest, block.size[longest] / 2);
   }
 
-  /// Returns the dimension in which the mapping first changes, and the distance from the block's beginning.
+  /// Returns the dimension along which the mapping changes first, and the distance of this change from the block's
+  /// beginning.
   std::optional<std::pair<std::size_t, int>> mapping_change(const FieldBlock& block) const {
     std::optional<std::pair<std::size_t, int>> found;
     for (std::size_t d = 0; d < block.size.size(); ++d) {

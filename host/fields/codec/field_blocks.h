@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Cuts the parameter grid of a field into blocks. Each block of a layer is coded as one texture chunk. A block is a box
-// of samples that share a texture mapping. The number of samples is limited along each parameter that changes the
-// block's textures. Blocks of different objects may begin at different samples (Hakura et al. 2000, section 5), so that
-// a path does not enter new blocks of all objects in one frame:
+// of samples that share a texture mapping. A block has a limited number of samples along each parameter that changes
+// its textures. Blocks of different objects may begin at different samples (Hakura et al. 2000, section 5), so that a
+// path does not enter new blocks of all objects in one frame:
 //
 //      samples along a parameter   0 1 2 3 4 5 6 7 8 9        side 4
 //      an object, first 0          |-------|-------|---
@@ -42,12 +42,12 @@ SampleGrid sample_grid(const std::vector<InferredSample>& samples);
 
 struct BlockLimits {
   int side = 8;                 // samples along a varying parameter, at least 1
-  int first = 0;                // length of the first of several blocks of a mapping, 0 to side; 0: side
-  std::size_t samples_max = 1;  // textures of a block, at least 1
+  int first = 0;                // length of the first of several blocks of a mapping, 0 to side; 0 means side
+  std::size_t samples_max = 1;  // most textures of a block, at least 1
 };
 
-/// Returns blocks that cover the grid, in a fixed order. `mapping_of_sample`, `textures`: one per sample; "" means no
-/// texture and fits every block.
+/// Returns blocks that cover the grid, in a fixed order. `mapping_of_sample` and `textures` have one entry per sample.
+/// The name "" means that there is no texture, which fits every block.
 std::vector<FieldBlock> field_blocks(const InferredManifest& field, const SampleGrid& grid,
                                      const std::vector<int>& mapping_of_sample,
                                      const std::vector<std::string>& textures, const BlockLimits& limits);

@@ -23,7 +23,7 @@ namespace {
 using nlohmann::json;
 
 constexpr std::uint64_t kTextBytesMax = std::uint64_t{1} << 26;
-constexpr std::size_t kNumbersMax = std::size_t{1} << 24;  // numbers in matrices for 100,000 samples of ten objects
+constexpr std::size_t kNumbersMax = std::size_t{1} << 24;  // enough for the matrices of ten objects at 100,000 samples
 constexpr int kBlockDimensionsMax = static_cast<int>(ParameterPyramid::kDimensionsMax);
 
 [[noreturn]] void refuse_description(const std::string& what) { throw Error(ErrorCode::kInput, what); }
@@ -96,7 +96,7 @@ std::size_t index_of(const json& value, const char* what) {
 // Converts the description to the form that scene_from() reads. Returns the layers of each object.
 std::vector<json> expand(json& description) {
   const std::vector<json> views = description.at("views"), moves = description.at("moves");
-  std::size_t numbers = 0;  // count of the numbers of all samples; numbers that samples share are stored once
+  std::size_t numbers = 0;  // count of the numbers of all samples; the description stores shared numbers only once
   for (json& sample : description.at("samples")) {
     const json& view = views.at(index_of(sample.at(2), "the view of a sample"));
     const json& move = moves.at(index_of(sample.at(3), "the moves of a sample"));

@@ -26,13 +26,13 @@ struct PackedLayer {
 struct FieldDescription {
   InferredManifest field;           // the objects' layers have no textures
   SampleGrid grid;                  // grid of the field's samples
-  std::vector<PackedLayer> layers;  // numbered as in the sections, object by object
+  std::vector<PackedLayer> layers;  // object by object, numbered as in the sections
 };
 
 /// Returns the section's bytes. Numbers are rounded to single precision, which OpenGL uses for drawing.
 std::vector<std::uint8_t> encode_description(const FieldDescription& description);
 
-/// Throws Error(kInput) without the file's name, which the caller adds.
+/// Throws Error(kInput). The caller adds the file's name.
 FieldDescription decode_description(std::span<const std::uint8_t> bytes);
 
 }  // namespace multum

@@ -108,7 +108,7 @@ class ObjectReading {
     });
   }
 
-  /// Returns the chunk of a layer's block; nullopt if none of its samples has a texture.
+  /// Returns the chunk of a layer's block, or nullopt if none of its samples has a texture.
   std::optional<ChunkToCode> chunk_of(const SampleGrid& grid, const InferredLayer& layer,
                                       const FieldBlock& block) const {
     ChunkToCode chunk;
@@ -135,7 +135,7 @@ class ObjectReading {
     return chunk;
   }
 
-  /// Adds all matrices and textures in an order that does not depend on threads.
+  /// Adds all matrices and textures to the checksum, in an order that does not depend on threads.
   void add_to(Checksum& checksum) const {
     for (const Pose& pose : poses_) checksum.update(pose.checksum.data(), pose.checksum.size());
     for (const auto& [name, text] : checksums_) {
@@ -146,10 +146,10 @@ class ObjectReading {
 
  private:
   struct Pose {
-    std::size_t first_sample;  // the sample in its matrix's file name
+    std::size_t first_sample;  // the sample that the file name of its matrix contains
     std::vector<std::size_t> samples;
-    std::vector<float> masses;  // texel_masses
-    double pixels;              // covered
+    std::vector<float> masses;  // result of texel_masses()
+    double pixels;              // number of covered pixels
     std::string checksum;
   };
 
@@ -163,8 +163,8 @@ class ObjectReading {
             coder.second};
   }
 
-  /// Returns groups of poses with the same texture coordinates that see the object from the same place. Poses of a
-  /// group differ only in occlusion.
+  /// Returns groups of poses that have the same texture coordinates and view of the object. Poses of a group differ
+  /// only in occlusion.
   std::vector<std::vector<std::size_t>> alike_poses() const {
     std::vector<glm::dmat4> object_to_clip;
     std::vector<std::vector<std::size_t>> groups;
@@ -244,7 +244,7 @@ class ObjectReading {
   const InferredObject& object_;
   ObjectWeights& weights_;
   std::vector<Pose> poses_;
-  std::mutex mutex_;                              // guards progress and checksums_
+  std::mutex mutex_;                              // protects progress and checksums_
   std::map<std::string, std::string> checksums_;  // checksums of textures, by name
 };
 
@@ -262,7 +262,7 @@ void read_object(const FieldSourceSettings& settings, const InferredManifest& fi
   for (const TextureMapping& mapping : object.mappings)
     texels = std::max(texels, static_cast<std::size_t>(mapping.width) * static_cast<std::size_t>(mapping.height));
   const std::size_t samples_max = std::max<std::size_t>(1, TextureChunkFormat::kTexelsMax / 2 / texels);
-  // Spreads the objects evenly over a block's side.
+  // Spreads the objects' first samples evenly over a block's side.
   const int first = settings.stagger ? static_cast<int>(number * static_cast<std::size_t>(settings.block) /
                                                         std::max<std::size_t>(1, field.objects.size()))
                                      : 0;
@@ -341,7 +341,7 @@ ChunkSource read_chunk_source(const FieldSource& field, const ChunkToCode& chunk
     if (!chunk.textures[i].empty())
       source.textures[i] =
           finest_gamma_coded(read_texture_of(field.folder, chunk.textures[i], chunk.width, chunk.height));
-  // An invisible texture repeats a neighbour's texture, because repeated textures cost no bits.
+  // An invisible texture is a copy of a neighbouring sample's texture, because repeated textures cost no bits.
   const auto first =
       std::find_if(source.textures.begin(), source.textures.end(), [](const auto& t) { return !t.empty(); });
   MULTUM_CHECK(first != source.textures.end());

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Reads a folder written by `multum infer` for packing: its description, its chunks, and the weights of coding errors
-// in drawn frames. Textures are read on request, because a field's textures may exceed the memory.
+// in drawn frames. Textures are read on request, because all textures of a field may not fit into memory.
 #pragma once
 
 #include <cstdint>
@@ -26,23 +26,24 @@ struct ObjectWeights {
 
 /// The textures of one layer of an object over one block of the parameters.
 struct ChunkToCode {
-  std::size_t layer = 0, block = 0;  // of the description
+  std::size_t layer = 0, block = 0;  // indices in the description
   std::size_t object = 0, layer_of_object = 0;
   std::size_t width = 1, height = 1;              // texels
   std::vector<std::size_t> sizes;                 // samples along each dimension
-  std::vector<std::string> textures;              // [chunk sample], a file of the folder each; "": invisible
+  std::vector<std::string> textures;              // [chunk sample], files in the folder; "" means that the texture is
+                                                  // invisible
   std::vector<std::vector<std::size_t>> seen_at;  // [chunk sample], the field's samples that draw it
   std::vector<float> texel_weights;               // as in ChunkSource
   const ObjectWeights* weights = nullptr;
 
-  /// Returns the memory of its textures in ChunkSource.
+  /// Returns the memory that its textures take in ChunkSource.
   std::uint64_t texture_bytes() const { return std::uint64_t{12} * width * height * textures.size(); }
 };
 
 struct FieldSource {
   std::string folder;
   FieldDescription description;
-  std::vector<std::unique_ptr<ObjectWeights>> weights;  // of objects
+  std::vector<std::unique_ptr<ObjectWeights>> weights;  // weights of all objects
   std::vector<ChunkToCode> chunks;
   double values = 0.0;   // number of values in all frames, three per pixel
   std::string checksum;  // checksum of all data that was read
@@ -53,17 +54,17 @@ struct FieldSourceSettings {
   std::string output;                  // file to write; the path to the scene file is relative to it
   bool has_absolute_geometry = false;  // store the scene file's absolute path instead
   int block = 8;                       // most samples of a chunk along a parameter
-  bool stagger = false;                // objects' blocks begin at different samples
+  bool stagger = false;                // let the blocks of different objects begin at different samples
   std::vector<CoderAndSide> coders;    // coders whose coefficients are weighted
   int threads = 0;
 };
 
-/// Reads everything. A thread holds the matrices of a few poses, and one sample's textures, at a time. Throws
-/// Error(kInput) naming the file and its fault; Cancelled.
+/// Reads everything. At any time, a thread holds the matrices of only a few poses and the textures of one sample.
+/// Throws Error(kInput), which names the file and its fault; throws Cancelled.
 FieldSource read_field_source(const FieldSourceSettings& settings, Progress* progress);
 
-/// Reads a chunk's gamma-coded textures. Invisible textures repeat a neighbour's texture. Throws Error(kInput), also if
-/// a file has changed.
+/// Reads a chunk's gamma-coded textures. An invisible texture is a copy of a neighbouring sample's texture. Throws
+/// Error(kInput), for example if a file has changed.
 ChunkSource read_chunk_source(const FieldSource& field, const ChunkToCode& chunk);
 
 }  // namespace multum

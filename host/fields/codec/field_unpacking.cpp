@@ -135,7 +135,8 @@ std::unique_ptr<TextureChunk> PackedFieldFile::decode_chunk(std::size_t number, 
   std::string problem;
   std::unique_ptr<TextureChunk> chunk = TextureChunk::decode(bytes, problem, limits);
   if (!chunk) refuse_file(path_, section_name(number) + " is damaged: " + problem);
-  if (chunk->was_cut_short()) refuse_file(path_, section_name(number) + " is damaged: it ends before its images do");
+  if (chunk->was_cut_short())
+    refuse_file(path_, section_name(number) + " is damaged: it ends before its last image is complete");
   check_head(number, chunk->format());
   return chunk;
 }
@@ -172,7 +173,7 @@ UnpackReport unpack_field(const std::string& path, const std::string& folder, in
                                  .string();
   const std::string manifest_path = folder + "/" + kInferredManifestName;
   std::error_code error;
-  if (std::filesystem::exists(manifest_path, error))  // never overwrites the manifest of textures that took hours
+  if (std::filesystem::exists(manifest_path, error))  // a manifest whose textures took hours is never overwritten
     throw Error(ErrorCode::kUsage, manifest_path + ": already exists; unpack to a folder without this file");
   make_folder(folder + "/textures");
   progress_start(progress, file.index().sections().size());

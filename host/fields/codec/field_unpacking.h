@@ -16,14 +16,14 @@
 
 namespace multum {
 
-/// Returns whether the file begins like a packed field; false also if it cannot be read. Throws Error(kInput) for files
-/// that first_bytes() rejects.
+/// Returns whether the file begins like a packed field. Returns false if it cannot be read. Throws Error(kInput) for
+/// files that first_bytes() rejects.
 bool is_packed_field(const std::string& path);
 
 /// The index and description of a file; chunks are read on request. Two threads must not use it at once.
 class PackedFieldFile {
  public:
-  /// Throws Error(kInput) naming the file and its fault: another format, a truncated file, a damaged index or
+  /// Throws Error(kInput), which names the file and its fault: another format, a truncated file, or a damaged index or
   /// description.
   explicit PackedFieldFile(const std::string& path);
 
@@ -33,8 +33,8 @@ class PackedFieldFile {
   std::string section_name(std::size_t section) const;
   /// Returns the bytes of a section. Throws Error(kInput) naming the section if they are damaged.
   std::vector<std::uint8_t> section(std::size_t section);
-  /// Returns the section with a block's chunk; nullopt if nothing in the block is visible. Throws Error(kInput) if the
-  /// section is missing.
+  /// Returns the section with a block's chunk, or nullopt if nothing in the block is visible. Throws Error(kInput) if
+  /// the section is missing.
   std::optional<std::size_t> chunk_section(std::size_t layer, std::size_t block) const;
   /// Decodes the chunk from its section's bytes. Throws Error(kInput) naming the section if the chunk is damaged,
   /// exceeds the limits, or differs in size from its description. Like all const functions, it may run in any number of
@@ -61,7 +61,8 @@ class PackedFieldFile {
 /// floats.
 std::vector<float> radiance_levels(const TextureChunk& chunk, std::size_t sample);
 
-/// Returns the texture of a chunk's sample with all mip levels, with the values that reading an unpacked file gives.
+/// Returns the texture of a chunk's sample with all mip levels. The values are the same as those read from an unpacked
+/// file.
 InferredTexture unpacked_texture(const TextureChunk& chunk, std::size_t sample, const std::string& provenance);
 
 struct UnpackReport {
@@ -70,8 +71,8 @@ struct UnpackReport {
 };
 
 /// Creates `folder` and writes textures with all mip levels, then the manifest. Textures of damaged chunks are left
-/// out; the objects have no texture at these samples. Throws Error, also if a manifest already exists; Cancelled,
-/// without a manifest.
+/// out; the objects have no texture at these samples. Throws Error, for example if a manifest already exists. Throws
+/// Cancelled and then writes no manifest.
 UnpackReport unpack_field(const std::string& path, const std::string& folder, int threads, Progress* progress);
 
 struct PackedFinding {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Computes the coefficients of all textures of a chunk together, so that a device can do it
-// (host/fields/codec/transforms). This file contains the version without a device, which uses the decoder's transforms.
+// Computes the coefficients of all textures of a chunk together. A device can do this efficiently
+// (host/fields/codec/transforms). The version in this file needs no device; it uses the decoder's transforms.
 #pragma once
 
 #include <array>
@@ -14,9 +14,9 @@ namespace multum {
 struct CoefficientLayout {
   ImageCoder coder = ImageCoder::kDct;
   std::size_t width = 1, height = 1;  // texels
-  std::size_t side = 16;              // of cosine blocks
+  std::size_t side = 16;              // side of cosine blocks
 
-  /// Returns the count per plane: cosines [block][v][u], wavelets [height][width].
+  /// Returns the number of coefficients per plane: cosines [block][v][u], wavelets [height][width].
   std::size_t coefficient_count() const;
 };
 
@@ -26,7 +26,7 @@ struct PlaneAxes {
   std::array<float, 3> offsets{};
 };
 
-/// The planes of one texture, each with layout.coefficient_count() numbers.
+/// The planes of one texture. Each has layout.coefficient_count() numbers.
 using PlaneCoefficients = std::array<std::vector<float>, 3>;
 
 class ImageTransforms {
@@ -36,7 +36,8 @@ class ImageTransforms {
   ImageTransforms& operator=(const ImageTransforms&) = delete;
   virtual ~ImageTransforms() = default;
 
-  /// `textures`: [height][width][3] each. Several threads may call this; the result does not depend on them.
+  /// Each of the `textures` is [height][width][3]. Several threads may call this function at once; the result does not
+  /// depend on the number of threads.
   virtual std::vector<PlaneCoefficients> coefficients(const CoefficientLayout& layout,
                                                       const std::vector<std::vector<float>>& textures,
                                                       const PlaneAxes& axes) = 0;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Holds the error weights of an object's coefficients in each of its poses. If something moves in front of an object,
-// it has as many poses as the field has samples, and most poses differ only in occlusion. Poses that differ only in
-// occlusion are not measured. They get the energies of similar measured poses, scaled by the visible part of each cell
-// of texels.
+// the object has as many poses as the field has samples, and most of these poses differ only in occlusion. Poses that
+// differ only in occlusion are not measured. Unmeasured poses get the energies of similar measured poses, scaled by the
+// visible part of each cell of texels.
 #pragma once
 
 #include <cstddef>
@@ -13,9 +13,9 @@
 
 namespace multum {
 
-/// Chooses some of the poses that see an object from the same place. For every cell of texels, one of the chosen poses
-/// sees the cell nearly as well as any pose. `cell_masses`: [pose][cell], cell_sums of texel_masses. Returns ascending
-/// indices of poses.
+/// Chooses some of the poses in which an object is seen from the same place. Every cell of texels is seen in one of the
+/// chosen poses nearly as well as in any pose. `cell_masses`, [pose][cell], are the cell_sums() of texel_masses().
+/// Returns ascending indices of poses.
 std::vector<std::size_t> poses_to_measure(const std::vector<std::vector<float>>& cell_masses);
 
 class PoseEnergies {
@@ -23,17 +23,18 @@ class PoseEnergies {
   PoseEnergies() = default;
   explicit PoseEnergies(std::size_t pose_count) : poses_(pose_count) {}
 
-  /// `energies`: from coefficient_energies(), for textures of the layout's size; `masses`: from texel_masses().
+  /// `energies` come from coefficient_energies(), for textures of the layout's size, and `masses` from texel_masses().
   void set_measured(std::size_t pose, const CoefficientLayout& layout, std::vector<float> energies,
                     const std::vector<float>& masses);
 
-  /// Sets the energies of a pose from similar `measured` poses. For each cell, uses the energies of the measured pose
-  /// that sees most of the cell. They are scaled by the ratio of the cell's weights in both poses, and raised for the
-  /// hidden part of each block. All poses have textures of the same size and coordinates.
+  /// Sets the energies of a pose from similar `measured` poses. For each cell, takes the energies of the measured pose
+  /// in which most of the cell is visible. Scales them by the ratio of the cell's weights in both poses, and raises
+  /// them for the hidden part of each block. All poses have textures of the same size and coordinates.
   void set_like(std::size_t pose, const CoefficientLayout& layout, std::vector<std::size_t> measured,
                 const std::vector<float>& masses);
 
-  /// Returns the energies of the coefficients in a pose that was set; `cells`: of the layout's coefficients.
+  /// Returns the energies of the coefficients in a pose that was set. `cells` has the cell of each coefficient of the
+  /// layout.
   std::vector<float> of(std::size_t pose, const std::vector<std::uint32_t>& cells) const;
 
   /// Returns the memory in bytes.
@@ -44,7 +45,7 @@ class PoseEnergies {
     std::vector<float> energies;        // empty unless the pose is measured
     std::vector<std::size_t> measured;  // the similar measured poses, if the pose is not measured
     std::vector<float> cell_masses;
-    std::vector<float> block_factors;  // partly_seen_factors; empty for wavelets
+    std::vector<float> block_factors;  // result of partly_seen_factors(); empty for wavelets
   };
 
   std::vector<Pose> poses_;

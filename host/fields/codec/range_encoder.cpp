@@ -8,7 +8,7 @@ namespace multum {
 void RangeEncoder::carry() {
   if (low_ >> 32 == 0) return;
   low_ &= 0xffffffff;
-  // There is always an earlier byte below 255 for the carry, because the interval never leaves 0..1.
+  // There is always an earlier byte below 255 that can take the carry, because the interval never leaves 0..1.
   for (auto byte = bytes_.rbegin(); ++*byte == 0;) ++byte;
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writes binary symbols of given probabilities as bytes that RangeDecoder reads: a 32-bit range coder (Martin 1979)
-// that carries into bytes already written.
+// Writes binary symbols of given probabilities as bytes that RangeDecoder reads. The encoder is a 32-bit range coder
+// (Martin 1979) that carries into bytes already written.
 #pragma once
 
 #include <cstdint>
@@ -10,13 +10,13 @@ namespace multum {
 
 class RangeEncoder {
  public:
-  /// `probability`: of 1, in 1/65536, 1 to 65535.
+  /// `probability` is that of a 1, in units of 1/65536, from 1 to 65535.
   void encode(bool bit, std::uint32_t probability);
 
-  /// Returns the bits of the symbols so far, to within 32 bits.
+  /// Returns the number of bits of the symbols so far, with an error of at most 32 bits.
   std::size_t bits() const { return 8 * bytes_.size(); }
 
-  /// Returns the fewest bytes that determine every symbol, whatever follows them. Then the encoder starts anew.
+  /// Returns the fewest bytes that determine every symbol, whatever bytes follow. Resets the encoder.
   std::vector<std::uint8_t> finish();
 
  private:
@@ -24,7 +24,7 @@ class RangeEncoder {
   void carry();
 
   std::vector<std::uint8_t> bytes_;
-  std::uint64_t low_ = 0;  // beginning of the interval after `bytes_`; 2^32 is a carry
+  std::uint64_t low_ = 0;  // start of the interval, below the bytes in `bytes_`; bit 32 is a carry
   std::uint32_t range_ = 0xffffffff;
 };
 

@@ -10,7 +10,7 @@ namespace multum {
 std::vector<std::vector<double>> symmetric_eigenvectors(std::vector<double> matrix, std::size_t size) {
   std::vector<double> columns(size * size);
   for (std::size_t i = 0; i < size; ++i) columns[i * size + i] = 1.0;
-  constexpr int kSweeps = 30;  // off-diagonal elements fall quadratically; about ten sweeps suffice for 64 rows
+  constexpr int kSweeps = 30;  // convergence is quadratic: about ten sweeps suffice for 64 rows
   for (int sweep = 0; sweep < kSweeps; ++sweep)
     for (std::size_t p = 0; p < size; ++p)
       for (std::size_t q = p + 1; q < size; ++q) {

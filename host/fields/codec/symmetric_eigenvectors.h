@@ -8,7 +8,7 @@
 
 namespace multum {
 
-/// Returns orthonormal vectors by descending eigenvalue. `matrix`: [size][size], symmetric.
+/// Returns orthonormal eigenvectors by descending eigenvalue. `matrix` is symmetric, [size][size].
 std::vector<std::vector<double>> symmetric_eigenvectors(std::vector<double> matrix, std::size_t size);
 
 }  // namespace multum

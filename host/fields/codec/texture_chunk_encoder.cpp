@@ -16,8 +16,8 @@ namespace {
 
 /// Steps in units of sqrt(lambda / weight). Theory gives 2.9 at high rates, where one more bit per coefficient quarters
 /// the error step^2 / 12. On field_demo1, these values had the least error + lambda bits: 2, 2.5, 2.8 and 3 were tried
-/// for cosines, and 2, 3.5 and 4.5 for wavelets. Wavelet coefficients below a whole step become zero, cosines below
-/// half a step.
+/// for cosines, and 2, 3.5 and 4.5 for wavelets. Wavelet coefficients become zero below a whole step, cosine
+/// coefficients below half a step.
 constexpr double kDctStep = 2.8, kWaveletStep = 3.5;
 /// Smallest weight ratio that makes steps coarser at high frequencies, which are hardly visible. No step is finer than
 /// the first.
@@ -28,7 +28,7 @@ std::uint8_t code_of(double factor, int zero) {
   return static_cast<std::uint8_t>(std::clamp(std::lround(8.0 * std::log2(factor)) + zero, 0l, 255l));
 }
 
-/// The mean of values, each weighted by itself, so that clearly visible parts matter most.
+/// Computes the mean of values, with each value as its own weight, so that clearly visible parts matter most.
 class SelfWeighedMean {
  public:
   void add(double value) {
@@ -206,15 +206,16 @@ float error_share(const TextureChunkFormat& format, const Share& share) {
   return format.basis.empty() ? share.weight : share.weight * share.weight;
 }
 
-/// The remaining difference of each sample, by coefficient, which gives the target of the next image.
+/// The remaining difference of each sample, by coefficient. The difference gives the target of the next image.
 class Residual {
  public:
-  /// `weights`: [sample][coefficient]; they must outlive this object.
+  /// The `weights`, [sample][coefficient], must outlive this object.
   Residual(std::vector<PlaneCoefficients> lacking, const std::vector<std::vector<float>>& weights)
       : lacking_(std::move(lacking)), weights_(weights) {}
 
-  /// Returns the least-squares image over its samples, per coefficient: sum q w r / t / sum q w, with q of error_share.
-  /// Sets `weights` to the denominator.
+  /// Returns the image that fits its samples best in least squares. Each coefficient is (sum q w r / t) / (sum q w). q
+  /// comes from error_share(), w is the weight, r the remaining difference, and t the image's share. Sets `weights` to
+  /// the denominator.
   PlaneCoefficients wanted(const TextureChunkFormat& format, const std::vector<Share>& shares,
                            std::vector<float>& weights) const {
     const std::size_t size = lacking_[0][0].size();
@@ -264,7 +265,7 @@ void choose_scales(TextureChunkFormat& format, const std::vector<float>& weights
                    const std::vector<std::vector<Share>>& shares) {
   const double all = typical_weight(format, weights), samples = static_cast<double>(plan.of_samples.size());
   const std::size_t levels = plan.levels.back() + 1;
-  std::vector<double> served(levels), images(levels);  // number of samples that an image serves
+  std::vector<double> served(levels), images(levels);  // number of samples that use an image
   for (std::size_t i = 0; i < shares.size(); ++i) {
     images[plan.levels[i]] += 1.0;
     for (const Share& share : shares[i]) served[plan.levels[i]] += static_cast<double>(error_share(format, share));
@@ -360,7 +361,7 @@ EncodedChunk ChunkEncoder::encode(const ChunkSettings& settings, const std::func
   choose_scales(format, summed_weights_, settings.lambda, *plan, shares);
   const auto coding = coding_of(format, settings.lambda);
   Residual left(coefficients_, weights_);
-  std::optional<Residual> aim;  // open loop: the target sum of the images
+  std::optional<Residual> aim;  // for an open loop: the sum that the images should have
   if (settings.open_loop) aim.emplace(left);
   for (std::size_t i = 0; i < plan->image_count(); ++i) {
     step();

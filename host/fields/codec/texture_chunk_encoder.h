@@ -2,11 +2,10 @@
 // Encodes the textures of one layer of an object over one block of parameters as a texture chunk (Hakura et al. 2000,
 // section 4): an adaptive Laplacian pyramid over the parameters, whose images are coded in two dimensions.
 //
-// Departures from the paper: The loop is closed. An image is the weighted mean of the differences between its samples
-// and the sum of the decoded coarser images, so finer images correct quantization errors of coarser images. The errors
-// of each coefficient are weighted by its visibility in drawn pixels. Steps and the choice of coefficients follow from
-// one Lagrange multiplier. All images of all chunks that are coded with this multiplier have the same slope of error
-// over bits.
+// Departures from the paper: The coder is a closed loop. An image is the weighted mean of the differences between its
+// samples and the sum of the decoded coarser images. Finer images thus correct quantization errors of coarser images.
+// The errors of each coefficient are weighted by its visibility in drawn pixels. Steps and the choice of coefficients
+// follow from one Lagrange multiplier. One multiplier gives all images of all chunks the same slope of error over bits.
 #pragma once
 
 #include <functional>
@@ -25,51 +24,51 @@ struct ChunkSource {
   std::vector<std::vector<float>> textures;
   /// Weights of squared errors per texel, summed over the samples, at least 0. Used to choose colour axes.
   std::vector<float> texel_weights;
-  /// Computes coefficients of all textures together; null: HostImageTransforms.
+  /// Computes the coefficients of all textures together. If null, HostImageTransforms does this.
   ImageTransforms* transforms = nullptr;
 };
 
-/// Returns the weights of squared errors per coefficient in one sample, at least 0: cosines [block][v][u], wavelets
+/// Returns the weight of each coefficient's squared error in one sample, at least 0: cosines [block][v][u], wavelets
 /// [height][width]. Called once per sample.
 using CoefficientWeights = std::function<std::vector<float>(std::size_t sample)>;
 
 struct ChunkSettings {
   ImageCoder coder = ImageCoder::kDct;
   std::size_t side = 16;  // side of cosine blocks: 8, 16 or 32
-  /// The levels of the pyramid, as in ParameterPyramid::of. Empty: a basis of at most `basis_images` images is learnt
-  /// from the block instead (Karhunen-Loeve transform over the samples).
+  /// The levels of the pyramid, as in ParameterPyramid::of. If empty, a basis of at most `basis_images` images is
+  /// learnt from the block instead (Karhunen-Loeve transform over the samples).
   std::vector<ParameterPyramid::Halvings> levels;
   std::size_t basis_images = 8;
   bool linear = false;
-  /// Images continue from the exact coarser images instead of the decoded ones, as in the paper.
+  /// Finer images refine the exact coarser images instead of the decoded ones, as in the paper.
   bool open_loop = false;
-  double lambda = 1.0;  // weighted squared error that one bit is worth, above 0
+  double lambda = 1.0;  // the weighted squared error that justifies one bit, above 0
 };
 
 struct EncodedChunk {
   std::vector<std::uint8_t> bytes;
-  /// Remaining error of the source, squared and weighted, summed over coefficients and samples.
+  /// The remaining squared error, weighted and summed over coefficients and samples.
   double error = 0.0;
 
   double cost(double lambda) const { return error + 8.0 * lambda * static_cast<double>(bytes.size()); }
 };
 
-/// Data that all codings of a chunk with one image coder share: the coefficients of its textures and their weights. Two
-/// threads must not use it at once.
+/// The coefficients of a chunk's textures and their weights, which all codings of the chunk with one image coder share.
+/// Two threads must not use one object at once.
 class ChunkEncoder {
  public:
-  /// `side`: of cosine blocks. The source must outlive the encoder.
+  /// `side` is the side of cosine blocks. The source must outlive the encoder.
   ChunkEncoder(const ChunkSource& source, const CoefficientWeights& weights, ImageCoder coder, std::size_t side);
 
-  /// Ends the program if source and settings contradict each other. Calls `step` before each image; it may throw.
+  /// Ends the program if source and settings contradict each other. Calls `step` before each image; `step` may throw.
   EncodedChunk encode(const ChunkSettings& settings, const std::function<void()>& step);
 
  private:
   const std::vector<std::vector<double>>& eigenvectors();
 
   const ChunkSource& source_;
-  TextureChunkFormat format_;                                       // the part that all codings share, without levels
-  std::vector<PlaneCoefficients> coefficients_;                     // by sample
+  TextureChunkFormat format_;                                       // the fields that all codings share, without levels
+  std::vector<PlaneCoefficients> coefficients_;                     // coefficients by sample
   std::vector<std::vector<float>> weights_;                         // [sample][coefficient]
   std::vector<float> summed_weights_;                               // [coefficient]
   std::optional<std::vector<std::vector<double>>> eigenvectors_{};  // computed on first use

@@ -11,11 +11,11 @@ namespace multum {
 /// The target coefficients of an image, and their required precision.
 struct WaveletTarget {
   std::array<std::vector<float>, 3> coefficients;  // planes, [height][width] as forward_wavelet computes them
-  /// Weights of squared errors per coefficient, at least 0, [height][width]; 0 where the coefficient is invisible.
+  /// The weight of each coefficient's squared error, [height][width]: at least 0, and 0 for invisible coefficients.
   std::vector<float> weights;
   std::vector<float> steps;  // steps above 0, one per band in the order of wavelet_bands
   float scale = 1.0f;        // multiplies all steps
-  float lambda = 0.0f;       // weighted squared error that one bit is worth
+  float lambda = 0.0f;       // the weighted squared error that justifies one bit
 };
 
 class WaveletStreamEncoder {

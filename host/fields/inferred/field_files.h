@@ -11,9 +11,10 @@
 
 namespace multum {
 
-/// Groups of samples that see an object from one place with the same texture coordinates. They share its filter matrix.
+/// Groups of samples in which an object has the same pose and texture coordinates. The samples of a group share the
+/// object's filter matrix.
 struct ObjectPoses {
-  std::vector<std::size_t> first_samples;  // of each pose
+  std::vector<std::size_t> first_samples;  // first sample of each pose
   std::vector<std::size_t> of_sample;      // index into first_samples
 };
 
@@ -22,7 +23,7 @@ ObjectPoses object_poses(const InferredManifest& field, const InferredObject& ob
 /// Returns the matrix file of an object's pose, named by its first sample, relative to the manifest.
 std::string matrix_name(const InferredSample& sample, const InferredObject& object);
 
-/// Returns the path of the manifest's scene file without opening it. `folder`: its name is relative to this folder.
+/// Returns the path of the manifest's scene file without opening it. The file's name is relative to `folder`.
 std::string geometry_path(const InferredManifest& field, const std::string& folder);
 
 /// Returns the same path after checks. Throws Error(kInput) if the file cannot be read, is not a regular file, or is
@@ -30,8 +31,8 @@ std::string geometry_path(const InferredManifest& field, const std::string& fold
 std::string checked_geometry(const InferredManifest& field, const std::string& folder);
 
 /// Returns each file once: textures and matrices of the manifest's objects, its scene file, and the report of `multum
-/// infer` if present. Paths are absolute if the manifest's path is. Opens only the manifest, and throws Error(kInput)
-/// if it cannot be read.
+/// infer` if present. Paths are absolute if the manifest's path is. Opens only the manifest. Throws Error(kInput) if
+/// the manifest cannot be read.
 std::vector<std::string> inferred_field_files(const std::string& manifest_path);
 
 }  // namespace multum

@@ -18,7 +18,7 @@
 namespace multum {
 namespace {
 
-// The file: this line, one line of JSON, then the five lists as little-endian 32-bit values.
+// The file contains this line, one line of JSON, and the five lists as little-endian 32-bit values.
 constexpr const char* kFirstLine = "multum filter matrix 1";
 constexpr std::uint64_t kEntriesMax = std::uint64_t{1} << 31;
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// The filter matrix A of texture inference (Hakura et al. 2000, section 3.2, eq. 1): picture = A * texture. A has one
-// row per pixel that the object covers, and one column per texel of the mip pyramid. The OpenGL runtime measures A and
-// writes it to a file. The solver reads this file without OpenGL. docs/reference/inferred_textures.md describes the
-// file.
+// Defines the filter matrix A of texture inference (Hakura et al. 2000, section 3.2, eq. 1): picture = A * texture. A
+// has one row per pixel that the object covers, and one column per texel of the mip pyramid. The OpenGL runtime
+// measures A and writes it to a file. The solver reads this file without OpenGL. docs/reference/inferred_textures.md
+// describes the file.
 #pragma once
 
 #include <cstdint>
@@ -14,9 +14,9 @@
 
 namespace multum {
 
-/// Circumstances of the measurement. A solution is valid only for this renderer and sampler.
+/// Describes the measurement. Inferred textures are valid only for this renderer and sampler.
 struct FilterMatrixProvenance {
-  std::string software;  // "multum-view 0.1.0"
+  std::string software;  // such as "multum-view 0.1.0"
   std::string renderer;  // "osmesa: llvmpipe (...), 4.5 (Core Profile) Mesa 22.3.6"
   std::string view;      // names of the camera and of moved objects
   std::string object;
@@ -31,10 +31,10 @@ struct FilterMatrix {
   int texture_width = 1, texture_height = 1;
   WrapMode wrap_s = WrapMode::kClamp, wrap_t = WrapMode::kClamp;
   float anisotropy = 1.0f;
-  bool has_mips = true;  // false: bilinear, level 0 only
+  bool has_mips = true;  // if false, bilinear filtering of level 0 only
   FilterMatrixProvenance provenance;
-  /// Covered pixels that are left out because the weights of a sub-pixel did not sum to 1 within 1e-4, or did not give
-  /// the colour that OpenGL drew.
+  /// The number of covered pixels that are left out. In these pixels, the weights of a sub-pixel did not sum to 1
+  /// within 1e-4, or did not give the colour that OpenGL drew.
   std::uint64_t rows_rejected = 0;
 
   // One entry per covered pixel, by ascending pixel number. The columns of a row are ascending.
@@ -48,18 +48,18 @@ struct FilterMatrix {
   MipLayout layout() const { return MipLayout(texture_width, texture_height); }
 };
 
-/// Writes the complete file by a rename. Throws Error(kEnvironment).
+/// Writes a temporary file and renames it when it is complete. Throws Error(kEnvironment).
 void write_filter_matrix(const FilterMatrix& matrix, const std::string& path);
 
-/// Throws Error(kInput) naming the file and its fault: another format or version, cut short, damaged, columns beyond
-/// the texture, weights that are not finite.
+/// Throws Error(kInput), which names the file and its fault: another format or version, a truncated or damaged file,
+/// columns beyond the texture, or weights that are not finite.
 FilterMatrix read_filter_matrix(const std::string& path);
 
-/// Returns only the key; empty if the file does not exist or is not a filter matrix.
+/// Returns only the key. The key is empty if the file does not exist or is not a filter matrix.
 std::string filter_matrix_key(const std::string& path);
 
-/// Writes the Matrix Market coordinate format (Boisvert et al. 1996): real general, indices from 1, provenance as
-/// comments.
+/// Writes the Matrix Market coordinate format (Boisvert et al. 1996) of type "real general", with indices from 1 and
+/// the provenance as comments.
 void write_matrix_market(const FilterMatrix& matrix, const std::string& path);
 
 }  // namespace multum

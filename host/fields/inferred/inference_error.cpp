@@ -33,7 +33,7 @@ std::optional<double> inference_error_sum(const std::string& folder) {
     const nlohmann::json& frames = report.at("frames");
     const double sum = frames.is_null() ? sum_of_layers(report) : error_sum(frames);
     if (std::isfinite(sum) && sum >= 0.0) return sum;
-  } catch (const Error&) {                      // no file
+  } catch (const Error&) {                      // there is no such file
   } catch (const nlohmann::json::exception&) {  // not a report of `multum infer`
   }
   return {};

@@ -50,13 +50,14 @@ void check_is_texture(const Imf::TiledInputFile& file, const std::string& path) 
     const Imf::Channel* channel = header.channels().findChannel(name);
     if (channel == nullptr)
       refuse_file(path, std::string("has no channel ") + name + "; inferred textures have R, G and B");
-    // The library would round values of other types, and would convert large values to infinity.
+    // The library would round values of other types in its own way, and would convert large values to infinity.
     if (channel->type != Imf::HALF)
       refuse_file(path, std::string("has a channel ") + name + " that does not hold half floats");
   }
-  // frame_of() begins at pixel (0, 0). For another window the library would write beyond the texels.
+  // frame_of() begins at pixel (0, 0). If the file's window began elsewhere, the library would write outside the
+  // texels.
   if (header.dataWindow().min != Imath::V2i(0, 0))
-    refuse_file(path, "has a data window that does not begin at (0, 0); data windows of inferred textures begin there");
+    refuse_file(path, "has a data window that does not begin at (0, 0), expected the window of an inferred texture");
   const int width = file.levelWidth(0), height = file.levelHeight(0);
   if (width > kGpuSideMax || height > kGpuSideMax)
     refuse_file(path, "is " + std::to_string(width) + " x " + std::to_string(height) + " texels, expected up to " +
@@ -80,7 +81,7 @@ void write_inferred_texture(const InferredTexture& texture, const std::string& p
       const MipLevelPlace& level = layout.levels[static_cast<std::size_t>(l)];
       const auto begin = texture.texels.begin() + 3 * level.offset;
       values.resize(value_count(level));
-      // Infinity would spread: the filter multiplies it by a zero weight, which gives NaN.
+      // Infinity would spread to other texels, because the filter multiplies it by zero weights, which gives NaN.
       std::transform(begin, begin + static_cast<std::ptrdiff_t>(values.size()), values.begin(),
                      [](float value) { return half(std::clamp(value, -kHalfMax, kHalfMax)); });
       output.setFrameBuffer(frame_of(values.data(), level.width));
@@ -134,7 +135,7 @@ std::string read_texture_provenance(const std::string& path) {
     if (!file.isComplete()) return "";
     const auto* text = file.header().findTypedAttribute<Imf::StringAttribute>(kProvenance);
     return text != nullptr ? text->value() : "";
-  } catch (const std::exception&) {  // not an inferred texture: it is written again
+  } catch (const std::exception&) {  // the file is not an inferred texture, so it is written again
     return "";
   }
 }

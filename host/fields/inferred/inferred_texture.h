@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads and writes the results of texture inference: mip-mapped radiance textures, and the manifest. The manifest lists
-// the textures of an object at each point of the parameter space, the object's place there, and the camera.
+// Reads and writes the results of texture inference: mip-mapped radiance textures, and the manifest. For each point of
+// the parameter space, the manifest lists the textures and places of the objects, and the camera.
 // docs/reference/inferred_textures.md describes both.
 #pragma once
 
@@ -23,21 +23,21 @@ struct InferredTexture {
 };
 
 /// Writes a tiled, mip-mapped EXR of half floats, with "multum:provenance" in its header. Values beyond the largest
-/// half float become 65504. Writes the complete file by a rename. Throws Error(kEnvironment).
+/// half float become 65504. Writes a temporary file and renames it when it is complete. Throws Error(kEnvironment).
 void write_inferred_texture(const InferredTexture& texture, const std::string& path);
 
-/// Rounds values as writing and reading the file does.
+/// Rounds values to what a reader of the written file gets.
 void round_to_half(std::vector<float>& values);
 
 /// Throws Error(kInput) naming the file and its fault.
 InferredTexture read_inferred_texture(const std::string& path);
 
-/// Returns only the provenance; empty if the file does not exist or is not an inferred texture.
+/// Returns only the provenance. The provenance is empty if the file does not exist or is not an inferred texture.
 std::string read_texture_provenance(const std::string& path);
 
 struct InferredLayer {
   std::string name;
-  std::vector<std::string> textures;  // texture of every sample, relative to the manifest; empty: none at this sample
+  std::vector<std::string> textures;  // texture of every sample, relative to the manifest; empty if the sample has none
 };
 
 struct InferredObject {
@@ -53,7 +53,7 @@ struct InferredSample {
   std::string name;
   std::vector<int> at;  // index along each parameter
   glm::dmat4 world_to_clip{1.0};
-  // Places of objects that differ from their places in the geometry file.
+  // The places of objects that differ from the geometry file.
   std::map<std::string, glm::dmat4> object_to_world;
 };
 

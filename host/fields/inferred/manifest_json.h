@@ -12,8 +12,8 @@ namespace multum {
 /// Returns the whole manifest except for its version.
 nlohmann::json scene_json(const InferredManifest& manifest);
 
-/// Throws nlohmann::json::exception. Throws Error(kInput) without the file's name if picture sizes are invalid, if
-/// there are no samples, or if a sample lacks the index of a parameter or an object's mapping.
+/// Throws nlohmann::json::exception. Throws Error(kInput) if picture sizes are invalid, if there are no samples, or if
+/// a sample lacks the index of a parameter or an object's mapping. The caller adds the file's name.
 InferredManifest scene_from(const nlohmann::json& json);
 
 }  // namespace multum

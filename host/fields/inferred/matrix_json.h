@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Reads and writes the JSON that probe requests and manifests of inferred textures share: 4 x 4 matrices for column
-// vectors, as four rows of four numbers; the sampler's anisotropy; the picture's size.
+// vectors, as four rows of four numbers, the sampler's anisotropy, and the picture's size.
 #pragma once
 
 #include <array>
@@ -29,8 +29,8 @@ inline glm::dmat4 matrix_from_json(const nlohmann::json& json) {
   return m;
 }
 
-/// Throws nlohmann::json::exception, and Error(kInput) for values beyond OpenGL's range, because the number of draws
-/// grows with the width of footprints.
+/// Throws nlohmann::json::exception. Throws Error(kInput) for values beyond OpenGL's range, because wide footprints
+/// would take too many draws.
 inline float anisotropy_from_json(const nlohmann::json& json) {
   const auto anisotropy = json.get<double>();
   if (!(anisotropy >= 1.0 && anisotropy <= 16.0))

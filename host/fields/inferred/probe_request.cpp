@@ -10,7 +10,7 @@
 namespace multum {
 namespace {
 
-// Throws Error without the file's name, which the caller adds.
+// Throws Error. The caller adds the file's name.
 ProbeRequest request_from(const nlohmann::json& json) {
   if (json_int(json, "multumProbeRequest") != 1)
     throw Error(ErrorCode::kInput, "is a probe request of another version, expected 1");

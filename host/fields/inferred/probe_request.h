@@ -29,7 +29,7 @@ struct ProbeRequest {
   int supersampling = 1;
   std::string view;
   glm::dmat4 world_to_clip{1.0};
-  // Places of objects that differ from their places in the geometry file.
+  // The places of objects that differ from the geometry file.
   std::map<std::string, glm::dmat4> object_to_world;
   std::vector<ProbeTask> tasks;
 };

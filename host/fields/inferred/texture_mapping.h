@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// An affine map of an object's own texture coordinates onto its inferred texture (Hakura et al. 2000, section 3.4): six
-// values, and the branch cuts of periodic directions.
+// Defines an affine map of an object's own texture coordinates onto its inferred texture (Hakura et al. 2000, section
+// 3.4): six values, and the branch cuts of periodic directions.
 #pragma once
 
 #include <array>
@@ -27,23 +27,24 @@ struct TextureMapping {
   std::array<double, 2> cut{0.0, 0.0};
   WrapMode wrap_s = WrapMode::kClamp, wrap_t = WrapMode::kClamp;
   int width = 1, height = 1;          // texels
-  double stretch_max = 0.0;           // largest singular value of texels to pixels over all visible pixels
+  double stretch_max = 0.0;           // largest singular value of the map from texels to pixels over all visible pixels
   int stretch_rounds = 0;             // number of scalings for the stretch limit
   std::size_t visible_pixels = 0;     // visible pixels in all views together
   std::size_t degenerate_pixels = 0;  // visible pixels of triangles that are edge-on, or only a line in the texture
 };
 
-/// Returns the whole periods that move a triangle to its side of the cuts. If a triangle crosses a cut, which no
-/// visible triangle does, its middle decides. `uvs` [vertices], `indices` three per triangle.
+/// Returns how many whole periods move a triangle to its side of the cuts. Visible triangles never cross a cut; for
+/// other triangles the middle decides. `uvs` has one entry per vertex, `indices` three per triangle.
 glm::dvec2 cut_shift(const std::vector<glm::vec2>& uvs, const std::vector<std::uint32_t>& indices, std::size_t triangle,
                      const TextureMapping& mapping);
 
-/// Returns the mapped texture coordinates of every triangle's corners, three per triangle: a cut may give a vertex two.
+/// Returns the mapped texture coordinates of every triangle's corners, three per triangle. Coordinates are not stored
+/// per vertex, because a vertex at a cut has two of them.
 std::vector<glm::vec2> mapped_corners(const std::vector<glm::vec2>& uvs, const std::vector<std::uint32_t>& indices,
                                       const TextureMapping& mapping);
 
 void to_json(nlohmann::json& json, const TextureMapping& mapping);
-/// Throws nlohmann::json::exception for missing values and wrong types; Error(kInput) for values out of range.
+/// Throws nlohmann::json::exception for missing values and wrong types. Throws Error(kInput) for values out of range.
 void from_json(const nlohmann::json& json, TextureMapping& mapping);
 
 }  // namespace multum

@@ -14,9 +14,10 @@ namespace multum {
 namespace {
 
 constexpr std::size_t kHalfBytes = 8;  // bytes per texel of an image: RGBA halves
-// Per texel while an image is decoded: three colours, a plane, lines of wavelets.
+// Bytes per texel while an image is decoded: three colours, a plane, and lines of wavelets.
 constexpr std::size_t kWorkBytes = 20;
-constexpr std::size_t kTextureWorkBytes = 32;  // per texel of a texture: three colours, and three of all mip levels
+constexpr std::size_t kTextureWorkBytes = 32;  // bytes per texel of a texture: three colours of the finest level, and
+                                               // three of all mip levels
 
 std::size_t texels_of(const TextureChunkFormat& format) { return format.width * format.height; }
 
@@ -24,8 +25,8 @@ MULTUM_VECTOR_CLONES void round_to_halves(const float* values, std::size_t count
   for (std::size_t i = 0; i < count; ++i) halves[i] = clamped_to_half(values[i]);
 }
 
-/// Writes four half floats per texel from three floats, and keeps the fourth. Some hundred texels are rounded at a
-/// time, without the fourth value, so that the loop becomes vector instructions.
+/// Writes three floats per texel as the first three of four half floats, and does not change the fourth. Rounds some
+/// hundred texels at a time, without the fourth value, so that the compiler can vectorize the loop.
 void write_halves(std::span<const float> colours, std::span<std::uint16_t> halves) {
   constexpr std::size_t kTexels = 256;
   std::array<std::uint16_t, 3 * kTexels> rounded;

@@ -43,7 +43,7 @@ FieldPlayback::ImageObject object_of_block(const FieldDescription& description, 
   const std::vector<int>& mappings = description.field.objects[layer.object].mapping_of_sample;
   for (const std::size_t sample : description.grid.samples_in(layer.blocks[block]))
     if (layer.is_seen(sample)) return {layer.object, static_cast<std::size_t>(mappings[sample])};
-  return {layer.object, 0};  // never requested
+  return {layer.object, 0};  // such a chunk is never requested
 }
 
 }  // namespace
@@ -91,7 +91,7 @@ void FieldPlayback::reserve(std::size_t bytes) {
                           bytes, memory_.bytes_max() - memory_.bytes(), memory_.bytes_max()));
 }
 
-// ---- what a point needs
+// ---- the images that a point needs
 
 std::optional<FieldPlayback::Place> FieldPlayback::place_of(std::size_t layer, std::size_t sample) const {
   const PackedLayer& described = description().layers[layer];
@@ -166,7 +166,7 @@ LayerNeed FieldPlayback::need(std::size_t layer) const {
   return need;
 }
 
-/// Returns true also if the image is already uploaded.
+/// Also returns true if the image is already uploaded.
 bool FieldPlayback::has(ImageKey key) const {
   const auto found = images_.find(key);
   return found != images_.end() && found->second.state != ImageState::kAwaited;
@@ -182,7 +182,7 @@ const DecodedImage& FieldPlayback::decoded(ImageKey key) const {
   const Lock lock(mutex_);
   const Image& image = images_.at(key);
   MULTUM_CHECK(image.state == ImageState::kDecoded);
-  return image.decoded;  // no other thread uses it
+  return image.decoded;  // no other thread uses a decoded image
 }
 
 void FieldPlayback::uploaded(ImageKey key) {
@@ -239,7 +239,7 @@ void FieldPlayback::leave_out(Chunk& chunk, const std::string& part) {
 void FieldPlayback::read_head(Chunk& chunk, std::size_t distance) {
   const PackedSection& section = file_.index().sections()[chunk.section];
   if (section.length > memory_.bytes_max() / kChunkShare) return leave_out(chunk, "bytes");
-  if (!make_room(section.length, distance)) return;  // later
+  if (!make_room(section.length, distance)) return;  // requested again later
   MULTUM_CHECK(memory_.take(section.length));
   const ScopedTake taken(memory_, section.length);
   try {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Decodes a packed field during playback (Hakura et al. 2000, section 5). Finds the images of chunks that a point of
-// the parameter space needs. Worker threads decode them, the nearest frames and the coarsest levels first. A cache
+// Decodes a packed field during playback (Hakura et al. 2000, section 5). Finds which images of chunks are needed at a
+// point of the parameter space. Worker threads decode them, the nearest frames and the coarsest levels first. A cache
 // forgets an image `a * b^l` frames after its last use, where `l` is the image's level above the images of single
 // samples. In an adaptive pyramid or a basis, images have no such level, so an image that S samples share counts as
 // level `log4(S)`, as in the paper's pyramid over two parameters. This class does not draw: the caller uploads images
@@ -39,8 +39,8 @@ namespace multum {
 
 struct PlaybackSettings {
   std::size_t memory_max = std::size_t{256} << 20;  // bytes, at least 2^20
-  int threads = 0;                                  // decoding threads; 0: all cores
-  double lifetime = 20.0;        // a: frames that an unused image of a single sample is kept; 0 to 1e6
+  int threads = 0;                                  // number of decoding threads; 0 means one per core
+  double lifetime = 20.0;        // a: number of frames for which an unused image of a single sample is kept; 0 to 1e6
   double lifetime_factor = 4.0;  // b, 1 to 64
   DecodedKind kind = DecodedKind::kImages;
 };
@@ -53,8 +53,8 @@ struct NeededImage {
 /// The images whose sum is a layer's texture at a point; with DecodedKind::kTextures, one texture.
 struct LayerNeed {
   bool is_drawn = false;            // the object has a texture of the layer there, and its chunk is undamaged
-  std::size_t mapping = 0;          // mapping of the object: the texture's size
-  bool is_decoded = false;          // all coefficients are decoded: the zero images are known
+  std::size_t mapping = 0;          // mapping of the object, which gives the texture's size
+  bool is_decoded = false;          // all coefficients are decoded, so it is known which images are zero
   std::array<float, 3> offset{};    // gamma-coded
   std::vector<NeededImage> images;  // the coarsest first, without images that are known to be zero
 };
@@ -69,9 +69,9 @@ struct PlaybackCounts {
 
 class FieldPlayback {
  public:
-  /// Calls `forget` during other calls, when it forgets a decoded image. When `forget` returns, all uploaded copies of
-  /// the image, also partial ones, must be gone. `forget` must not call this object. Throws Error(kInput), and
-  /// Error(kUsage) for settings out of range.
+  /// Calls `forget` whenever another call discards a decoded image. `forget` must delete all uploaded copies of the
+  /// image, including partial ones, and must not call this object. Throws Error(kInput), and Error(kUsage) for settings
+  /// out of range.
   FieldPlayback(const std::string& path, const PlaybackSettings& settings, std::function<void(ImageKey)> forget);
   /// Cancels running decodings.
   ~FieldPlayback();
@@ -83,12 +83,12 @@ class FieldPlayback {
   /// Counts memory of the caller permanently. Throws Error(kEnvironment) if there is too little.
   void reserve(std::size_t bytes);
 
-  /// Begins the next frame at `now`; later frames, in order, will be at `ahead`. Forgets expired images, cancels
-  /// unwanted decodings, and requests missing images.
+  /// Begins the next frame at `now`. Later frames are expected at the points `ahead`, in this order. Forgets expired
+  /// images, cancels unwanted decodings, and requests missing images.
   void begin_frame(std::vector<SampleShare> now, std::vector<std::vector<SampleShare>> ahead);
   /// Forgets all decoded images and requests. Waits for workers. Call it between frames.
   void forget_all();
-  /// Requests the images still missing for the same frame, as far as memory allows. Call it after wait() and after
+  /// Requests the images that the same frame still lacks, as far as memory allows. Call it after wait() and after
   /// uploads.
   void request();
   /// Waits until a worker has finished a request. Returns false at once if no worker runs.
@@ -100,11 +100,11 @@ class FieldPlayback {
   };
   ImageObject object_of(ImageKey key) const { return objects_[key.chunk]; }
 
-  /// Returns the need at the frame's point. Mixes only samples whose textures have the size of the nearest sample's
-  /// texture.
+  /// Returns the images that are needed at the frame's point. Mixes only samples whose textures have the size of the
+  /// nearest sample's texture.
   LayerNeed need(std::size_t layer) const;
   ImageState state(ImageKey key) const;
-  /// Returns an image of state kDecoded, which stays until uploaded().
+  /// Returns an image whose state is kDecoded. The image is kept until uploaded() is called.
   const DecodedImage& decoded(ImageKey key) const;
   void uploaded(ImageKey key);
   /// Returns decoded images that later frames need, the nearest first.
@@ -115,13 +115,13 @@ class FieldPlayback {
   std::vector<std::string> damaged() const;
 
  private:
-  // A chunk may use 1/kChunkShare of the memory for its coefficients, and as much for its head. Several chunks then
-  // fit, and one untrusted file cannot take all memory.
+  // A chunk may use 1/kChunkShare of the memory for its coefficients, and as much for its head. Several chunks then fit
+  // into memory, and an untrusted chunk cannot take all of it.
   static constexpr std::size_t kChunkShare = 4;
 
   struct Rank {
     std::uint64_t frame = 0;   // the last frame that wanted it
-    std::size_t distance = 0;  // frames until it is wanted; 0: now
+    std::size_t distance = 0;  // number of frames until it is wanted; 0 means now
   };
   enum class ChunkState { kUnread, kRead, kQueued, kDecoding, kDecoded, kDamaged };
   struct Chunk {
@@ -130,7 +130,7 @@ class FieldPlayback {
     std::optional<TextureChunkFormat> format;
     std::optional<ImagePlan> plan;
     std::vector<std::uint32_t> served;  // number of samples that each image serves
-    std::vector<bool> zeros;            // whether each image is zero; empty if not known yet
+    std::vector<bool> zeros;            // whether each image is zero; empty until this is known
     std::array<float, 3> offset{};
     std::shared_ptr<const TextureChunk> decoded;
     std::size_t head_bytes = 0, coefficient_bytes = 0;  // counted bytes
@@ -145,16 +145,16 @@ class FieldPlayback {
   struct Image {
     ImageState state = ImageState::kAwaited;
     DecodedImage decoded;
-    std::size_t bytes = 0, work_bytes = 0;  // counted bytes: of the result, and needed only while decoding
+    std::size_t bytes = 0, work_bytes = 0;  // counted bytes of the result, and bytes needed only while decoding
     Rank rank;
   };
   struct Job {
     std::size_t chunk;
-    std::optional<std::size_t> image;  // unset: the chunk's coefficients
+    std::optional<std::size_t> image;  // if unset, the chunk's coefficients
     std::size_t order = 0;             // order among the jobs of a frame, as in Wanted
   };
   struct Wanted {
-    std::size_t order;  // 0: coefficients; 1: a sum or a texture; from 2 on: terms, the coarsest first
+    std::size_t order;  // 0 for coefficients, 1 for a sum or a texture, from 2 on for terms, the coarsest first
     ImageKey key;
     auto operator<=>(const Wanted&) const = default;
   };
@@ -199,12 +199,12 @@ class FieldPlayback {
   std::function<void(ImageKey)> forget_;
   std::mutex file_mutex_;
   PackedFieldFile file_;
-  std::vector<std::vector<std::optional<std::size_t>>> chunk_of_;  // [layer][block]; unset: nothing in it is visible
-  std::vector<ImageObject> objects_;                               // of each chunk
+  std::vector<std::vector<std::optional<std::size_t>>> chunk_of_;  // [layer][block]; unset if nothing in it is visible
+  std::vector<ImageObject> objects_;                               // object of each chunk
   std::vector<SampleShare> now_;
   std::vector<std::vector<SampleShare>> ahead_;
 
-  mutable std::mutex mutex_;  // guards all members below
+  mutable std::mutex mutex_;  // protects all members below
   std::condition_variable has_job_, has_news_;
   std::vector<std::unique_ptr<Chunk>> chunks_;
   std::map<ImageKey, Image> images_;

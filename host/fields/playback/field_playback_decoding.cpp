@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Requests the missing images of a frame, coarse first, and decodes them in worker threads.
+// Requests the missing images of a frame, the coarsest first, and decodes them in worker threads.
 #include <algorithm>
 #include <utility>
 
@@ -95,7 +95,7 @@ bool FieldPlayback::ask_image(const Wanted& wanted, std::size_t distance) {
   if (chunk.decoded == nullptr || images_.count(key) > 0) return true;
   const std::size_t kept = 2 * image_bytes(*chunk.format, settings_.kind);  // twice, because of the uploaded copy
   const std::size_t work = image_work_bytes(*chunk.format, settings_.kind);
-  ++chunk.images_at_work;  // its coefficients stay
+  ++chunk.images_at_work;  // so that its coefficients are kept
   const bool has_room = make_room(kept + work, distance);
   if (!has_room) {
     --chunk.images_at_work;
@@ -164,7 +164,7 @@ void FieldPlayback::decode_chunk(Lock& lock, Chunk& chunk) {
   chunk.state = ChunkState::kRead;
   if (decoded != nullptr) {
     chunk.coefficient_bytes = chunk.head_bytes + decoded->memory_bytes();
-    MULTUM_CHECK(memory_.take(chunk.coefficient_bytes));  // less than was taken
+    MULTUM_CHECK(memory_.take(chunk.coefficient_bytes));  // cannot fail: less than the request had taken
     chunk.decoded = std::move(decoded);
     chunk.zeros = std::move(zeros);
     chunk.state = ChunkState::kDecoded;

@@ -62,13 +62,13 @@ void FieldPlayback::forget_all() {
 
 /// Forgets images until `bytes` fit. Images that no known frame wants go first, the nearest to expiry first. For
 /// `distance` 0 it also forgets images that later frames want, the latest first, and coefficients that the current
-/// frame does not need. If all of these are not enough, forgets nothing and returns false.
+/// frame does not need. If all of this is not enough, forgets nothing and returns false.
 bool FieldPlayback::make_room(std::size_t bytes, std::size_t distance) {
   struct Victim {
     bool is_wanted;
     double life;  // frames until expiry; if wanted, minus the number of frames ahead
     std::map<ImageKey, Image>::iterator image;
-    Chunk* chunk;  // the chunk whose coefficients can be forgotten; null: the image
+    Chunk* chunk;  // the chunk whose coefficients can be forgotten; null for an image
     std::size_t bytes;
   };
   if (memory_.has_room(bytes)) return true;

@@ -19,7 +19,7 @@ std::size_t sample_of(const SampleGrid& grid, const std::vector<std::size_t>& at
   return grid.sample_at[grid.position_of(std::vector<int>(at.begin(), at.end()))];
 }
 
-/// A linear map as a rotation of columns with these lengths.
+/// A linear map: a rotation whose columns are multiplied by these lengths.
 struct TurnedSizes {
   glm::dquat turn{1.0, 0.0, 0.0, 0.0};
   glm::dvec3 sizes{1.0};
@@ -33,7 +33,7 @@ std::optional<TurnedSizes> turned_sizes(const glm::dmat3& m) {
     if (!(parts.sizes[c] > 0.0) || !std::isfinite(parts.sizes[c])) return {};
     axes[c] = m[c] / parts.sizes[c];
   }
-  if (glm::determinant(axes) < 0.0) {  // mirrored: one size below 0
+  if (glm::determinant(axes) < 0.0) {  // a mirrored object gets one negative size
     parts.sizes.x = -parts.sizes.x;
     axes[0] = -axes[0];
   }

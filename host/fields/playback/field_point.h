@@ -12,7 +12,7 @@
 
 namespace multum {
 
-/// A sample and its share; shares of a point sum to 1.
+/// A sample and its share of a point. The shares of a point sum to 1.
 struct SampleShare {
   std::size_t sample;
   float share;
@@ -25,15 +25,15 @@ std::vector<double> clamped_point(const SampleGrid& grid, std::vector<double> po
 std::size_t nearest_sample(const SampleGrid& grid, const std::vector<double>& point);
 
 /// Returns the nearest sample first, then all others around the point, each with the product of its linear shares along
-/// the parameters. Without `linear`: only the nearest sample.
+/// the parameters. Without `linear`, returns only the nearest sample.
 std::vector<SampleShare> sample_shares(const SampleGrid& grid, const std::vector<double>& point, bool linear);
 
-/// Interpolates a rotation with sizes and a position at `share`, 0..1: the rotation by slerp, sizes and position
-/// linearly. Matrices with shear are interpolated linearly as a whole.
+/// Interpolates an object's rotation by slerp, and its sizes and position linearly, at `share` of 0..1. Matrices with
+/// shear are interpolated linearly as a whole.
 glm::dmat4 place_between(const glm::dmat4& from, const glm::dmat4& to, double share);
 
-/// Interpolates a perspective camera, world to clip: its position linearly, its rotation by slerp, its projection
-/// linearly. Other matrices are interpolated linearly as a whole.
+/// Interpolates the world-to-clip matrix of a perspective camera: the rotation by slerp, the position and the
+/// projection linearly. Other matrices are interpolated linearly as a whole.
 glm::dmat4 camera_between(const glm::dmat4& from, const glm::dmat4& to, double share);
 
 using MatrixBetween = glm::dmat4 (*)(const glm::dmat4&, const glm::dmat4&, double);

@@ -9,7 +9,7 @@ namespace multum {
 
 struct ImageKey {
   std::size_t chunk = 0;  // index in the order of layers, then blocks
-  // Index in the chunk's plan; numbers after its images mean, for each sample, the sum of its images.
+  // Index in the chunk's plan. Numbers after the last image stand for samples, and mean the sum of a sample's images.
   std::size_t image = 0;
 
   auto operator<=>(const ImageKey&) const = default;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Counts bytes against a limit. Refuses excess bytes before they are allocated. Two threads must not use it at once.
+// Counts bytes against a limit. Refuses excess bytes before they are allocated. Two threads must not use one account at
+// once.
 #pragma once
 
 #include <algorithm>

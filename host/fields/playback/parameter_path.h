@@ -22,7 +22,7 @@ struct PathTime {
 
 class ParameterPath {
  public:
-  /// `names`: the field's parameters. Throws Error(kUsage) with the position, the text found and the text expected.
+  /// `names` are the field's parameters. Throws Error(kUsage) with the position, the text found and the text expected.
   ParameterPath(const std::string& text, const std::vector<std::string>& names);
 
   /// Returns the value of every parameter. Throws Error(kUsage) if one is not finite.
@@ -38,7 +38,7 @@ class ParameterPath {
   };
 
   std::vector<std::string> names_;
-  std::vector<std::vector<Step>> values_;  // steps of each parameter, operands before their operators; empty: 0
+  std::vector<std::vector<Step>> values_;  // steps of each parameter, operands before their operators; no steps give 0
 };
 
 }  // namespace multum

@@ -40,7 +40,7 @@ RecordedPath::RecordedPath(const std::string& text, const std::vector<std::strin
   if (file.is_discarded()) refuse_path("is not JSON, expected a path that a player's page saved");
   if (!file.is_object() || !file.contains("multumPath")) refuse_path("is not a path, expected \"multumPath\": 1");
   if (file["multumPath"] != 1)
-    refuse_path(fmt::format("has \"multumPath\": {}, expected 1: a later program may have saved it",
+    refuse_path(fmt::format("has \"multumPath\": {}, expected 1: a newer multum may have saved it",
                             file["multumPath"].dump().substr(0, 40)));
   const json parameters = file.value("parameters", json());
   if (parameters != json(names))

@@ -12,14 +12,14 @@ namespace multum {
 
 class RecordedPath {
  public:
-  /// Parses a file's text. `names`: the field's parameters, which must be the path's parameters. Throws Error(kInput)
-  /// with the value found and the value expected, without the file's name.
+  /// Parses a file's text. `names` are the field's parameters; the path must have the same ones. Throws Error(kInput)
+  /// with the value found and the value expected. The caller adds the file's name.
   RecordedPath(const std::string& text, const std::vector<std::string>& names);
 
   /// Returns the time from the first position to the last, at least 0.
   double seconds() const { return times_.back() - times_.front(); }
-  /// Returns the value of every parameter `seconds`, at least 0, after the first position. After its end the path
-  /// repeats.
+  /// Returns the value of every parameter `seconds`, at least 0, after the first position. The path starts again after
+  /// its end.
   std::vector<double> at(double seconds) const;
 
  private:

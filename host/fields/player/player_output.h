@@ -14,16 +14,16 @@ namespace multum {
 constexpr std::uint64_t kPlayerPageBytesMax = std::uint64_t{16} << 20;
 
 struct PlayerOutput {
-  std::string folder;  // player's folder, which is created; empty: none
-  std::string page;    // *.html to write; empty: none
-  /// Called with the path of the field's scene file before it is opened. Throws if the path is not allowed.
+  std::string folder;  // folder of the player, which is created; if empty, none is written
+  std::string page;    // name of the page, *.html; if empty, none is written
+  /// Called with the path of the field's scene file before the file is opened. Throws if the path is not allowed.
   std::function<void(const std::string& path)> check_geometry = {};
 
   bool is_asked_for() const { return !folder.empty() || !page.empty(); }
 };
 
-/// Checks the outputs before any work. Throws Error: kUsage for a name that cannot be written, kEnvironment if the
-/// program was built without the decoder for browsers; the message names what the build lacked.
+/// Checks the outputs before any work. Throws Error: kUsage for a name that cannot be written, or kEnvironment if the
+/// program was built without the decoder for browsers. The message of kEnvironment names what the build lacked.
 void check_player_output(const PlayerOutput& output);
 
 /// Writes the player of the packed field at `field`. Throws Error: kInput if the field or its geometry cannot be read,

@@ -9,7 +9,7 @@
 
 namespace multum {
 
-/// Writes a node and a mesh for each object; texture coordinates as TEXCOORD_`uv_set`.
+/// Writes a node and a mesh for each object. The texture coordinates become TEXCOORD_`uv_set`.
 std::string scene_glb(const std::vector<ObjectMesh>& objects, int uv_set);
 
 }  // namespace multum

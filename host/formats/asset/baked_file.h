@@ -12,23 +12,23 @@
 
 namespace multum {
 
-/// Blinn-Phong exponent for shading files with roughness: the sharpest exponent in the tests of the formulas. It adds
+/// Blinn-Phong exponent for shading files with roughness, the sharpest exponent in the tests of the formulas. It adds
 /// no width to roughness above 0.1, and keeps mirrors finite.
 constexpr float kRoughnessExponent = 1e5f;
 
-constexpr int kWeightCountMax = 4;  // channels of a texture
+constexpr int kWeightCountMax = 4;  // the number of channels of a texture
 
-/// Origin of a file, stored in its header.
+/// The origin of a file, which is stored in its header.
 struct BakedProvenance {
-  std::string software;       // "multum 0.1.0"
-  std::string source_name;    // file name of the normal map, without folder
-  std::string source_hash;    // SHA-256 of the normal map's file and of data from other tiles
-  std::string settings;       // JSON with every setting that changes the file
-  std::string settings_hash;  // SHA-256 of `settings`
-  std::string
-      measured_error;        // JSON: relative L1 error of file against source (docs/evidence/ACCURACY.md); may be empty
-  std::string content_hash;  // of all channel values (docs/reference/file_format.md, "Checksum"); set
-                             // by write and read
+  std::string software;        // "multum 0.1.0"
+  std::string source_name;     // file name of the normal map, without folder
+  std::string source_hash;     // SHA-256 of the normal map's file and of data from other tiles
+  std::string settings;        // JSON with every setting that changes the file
+  std::string settings_hash;   // SHA-256 of `settings`
+  std::string measured_error;  // JSON with relative L1 error of file against source (docs/evidence/ACCURACY.md); may be
+                               // empty
+  std::string content_hash;  // SHA-256 of all channel values (docs/reference/file_format.md, "Checksum"); set by write
+                             // and read
   std::string reading = {};  // JSON with findings about the source's files; empty in files of older programs
   std::string source_file_hash = "";  // SHA-256 of the normal map's file if source_hash covers more; otherwise empty
   std::string source_tiles = "";      // JSON with data from other tiles of the map's set; may be empty
@@ -57,20 +57,20 @@ struct BakedHeader {
   int format_version() const;
 };
 
-/// Treatment of texels with wrong checksums: kRefuse throws, kReport lists the places of the texels for `multum
+/// Treatment of texels with wrong checksums. kRefuse throws, and kReport lists the places of the texels for `multum
 /// verify`.
 enum class TexelCheck { kRefuse, kReport };
 
 struct BakedWriteOptions {
   // docs/contributing/ALGORITHMS.md, "Reasons for the file format", gives the reasons for the next two defaults.
-  std::string compression = "zip:1";  // none, rle, zips, zip or piz; with ":LEVEL" for zip and zips
+  std::string compression = "zip:1";  // none, rle, zips, zip or piz; zip and zips may end with ":LEVEL"
   int tile_size = 128;
   int threads = 2;
   // Room in the header for provenance.measured_error, which is known only after all rows are written
-  // (MovmfWriter::commit()). A bake makes at most 16 levels; the errors of these levels with colours need 28 KiB (test
+  // (MovmfWriter::commit()). A bake makes at most 16 levels. With colours, the errors of 16 levels need 28 KiB (test
   // AccuracyTable.TheLongestFitsIntoTheRoomOfAHeader).
   int measured_error_bytes = 32 * 1024;
-  bool is_checked = true;  // false for files that `multum verify` rejects, which its tests need
+  bool is_checked = true;  // false only for tests of `multum verify`, to write files that it rejects
 };
 
 /// Lists the compressions that BakedWriteOptions accepts.
@@ -97,11 +97,11 @@ std::vector<Value> texels_of(const std::vector<Value>& values, std::size_t texel
 /// Returns "7 levels" if all levels are stored; otherwise "levels 1 to 6 of 0 to 6" or "level 6 of 0 to 6".
 std::string levels_text(int first_level, int level_count);
 
-/// Lists the contents of texels in addition to normals, such as " with colours, 2 weights and roughness"; may be empty.
+/// Lists the contents of texels in addition to normals, such as " with colours, 2 weights and roughness". May be empty.
 std::string materials_text(const BakedHeader& header);
 
-/// Reads the header of a file of any representation, which is cheap for files of any size. Throws Error(kInput) naming
-/// the file, what was found and what was expected.
+/// Reads the header of a file of any representation, which is cheap for files of any size. Throws Error(kInput), which
+/// names the file, what was found and what was expected.
 BakedHeader read_baked_header(const std::string& path);
 
 /// Returns the bake's option `--surface`, "texels" or "interpolated": the surface between the texels of the source

@@ -29,7 +29,8 @@ Imath::Box2i window_of(const BakedHeader& header, int level) {
   return {{0, 0}, {mip_level_size(header.width, level) - 1, mip_level_size(header.height, level) - 1}};
 }
 
-// Makes the layout of pixels: windows, tiles, channels. OpenEXR requires one display window for all parts.
+// Makes the layout of pixels, which consists of windows, tiles and channels. OpenEXR requires one display window for
+// all parts.
 Imf::Header make_layout(const BakedHeader& baked, const BakedPart& part, const BakedWriteOptions& options) {
   const ExrCompression choice = parse_compression(options.compression);
   Imf::Header header(window_of(baked, baked.first_level), window_of(baked, part.first_level));
@@ -58,7 +59,7 @@ Imf::Header make_header(const BakedHeader& baked, const BakedPart& part, const B
   header.insert("multum:mapHeight", Imf::IntAttribute(baked.height));
   header.insert("multum:firstLevel", Imf::IntAttribute(baked.first_level));
   header.insert("multum:hasColours", Imf::IntAttribute(baked.has_colours ? 1 : 0));
-  if (baked.format_version() > info.version) {  // otherwise, the bytes are equal to those of older programs
+  if (baked.format_version() > info.version) {  // otherwise, the bytes are the same as those that older programs write
     header.insert("multum:weightCount", Imf::IntAttribute(baked.weight_count));
     header.insert("multum:roughness", Imf::IntAttribute(baked.has_roughness ? 1 : 0));
     header.insert("multum:meanCosine", Imf::FloatAttribute(baked.mean_cosine));

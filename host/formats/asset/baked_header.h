@@ -13,7 +13,7 @@
 
 namespace multum {
 
-// Attributes whose values are known only after the pixels are written; filled in at the end.
+// Attributes whose values are known only after the pixels are written. They are filled in at the end.
 constexpr char kMeasuredErrorAttribute[] = "multum:measuredError";  // only in the first part, because it is long
 constexpr char kContentHashAttribute[] = "multum:contentHash";      // in every part
 constexpr int kContentHashDigits = 64;
@@ -28,7 +28,7 @@ struct BakedChannel {
 struct BakedPart {
   std::string name;
   std::vector<BakedChannel> channels;  // in the order of values in memory (interleaved) and in the checksum
-  int first_level;                     // a level of the map
+  int first_level;                     // the part's finest level, as a level of the map
   int level_count;
   bool is_one_level;  // true for tiles of one level, without mip levels
   std::string channels_text;
@@ -41,8 +41,8 @@ struct BakedPart {
 std::vector<Imf::Header> make_baked_headers(const BakedHeader& header, const std::vector<BakedPart>& parts,
                                             const BakedWriteOptions& options);
 
-/// Reads everything except pixels from the first part's header. Throws Error(kInput) naming `path`, what was found and
-/// what was expected.
+/// Reads everything except pixels from the first part's header. Throws Error(kInput), which names `path`, what was
+/// found and what was expected.
 BakedHeader parse_baked_header(const Imf::Header& header, const std::string& path);
 /// Reads the header of a file that must have one representation.
 BakedHeader parse_baked_header(const Imf::Header& header, Representation expected, const std::string& path);

@@ -41,10 +41,10 @@ void put_row(const unsigned char* from, bool is_half, std::size_t width, float* 
 // Complete rows of tiles of one level of a part.
 struct BakedReader::TileRows {
   std::size_t part;
-  int level;  // a level of the map
+  int level;  // level of the map
   int width;
-  int tile_first, tile_last;  // rows of tiles
-  int row_begin, row_end;     // their texels
+  int tile_first, tile_last;  // the rows of tiles
+  int row_begin, row_end;     // the rows of texels in these tiles
   int tile_height;
 
   int count() const { return tile_last - tile_first + 1; }
@@ -89,7 +89,7 @@ void BakedReader::read_values(std::size_t part_index, int level, int first_row, 
     rows.row_end =
         static_cast<int>(std::min<std::int64_t>(height, (rows.tile_last + 1) * std::int64_t{rows.tile_height}));
     if (rows.row_begin == first_row && rows.row_end == first_row + row_count) return read_tile_rows(rows, values);
-    // Only whole tiles can be read. If they hold more rows than wanted, they go through a buffer.
+    // Only whole tiles can be read. If they hold more rows than requested, they go through a buffer.
     const std::size_t row_values = static_cast<std::size_t>(width) * part.channels.size();
     std::vector<float> whole(static_cast<std::size_t>(rows.row_end - rows.row_begin) * row_values);
     read_tile_rows(rows, whole.data());
@@ -172,8 +172,8 @@ void BakedReader::check_tile_rows(const TileRows& rows, const float* values) {
   }
 }
 
-// Checks the checksum of the whole file. Older files, and files that another program tiled again, have no checksums of
-// rows.
+// Checks the checksum of the whole file. Row checksums are missing in older files, and in files to which another
+// program gave other tiles.
 void BakedReader::check_content_hash() {
   is_content_checked_ = true;
   const std::string& stated = header_.provenance.content_hash;

@@ -21,22 +21,22 @@ namespace multum {
 /// Reads rows with several threads. Only one thread may call it at a time.
 class BakedReader {
  public:
-  /// Throws Error(kInput) naming the file. Decompresses with `threads` threads; 0 means one per core.
+  /// Throws Error(kInput), which names the file. Decompresses with `threads` threads; 0 means one per core.
   BakedReader(const std::string& path, int threads, TexelCheck check = TexelCheck::kRefuse);
 
   const std::string& path() const { return path_; }
   int threads() const { return threads_; }
   const Imf::MultiPartInputFile& file() const { return *file_; }
-  /// Height of one row of tiles. Reads that begin at a multiple of this height and cover a multiple of it decompress no
-  /// row twice.
+  /// The height of one row of tiles. If reads begin at a multiple of this height and cover a multiple of it, no row is
+  /// decompressed twice.
   int tile_size() const { return tile_size_; }
 
-  /// Tells the reader the contents of the file, given its header. Call it once, before reading rows. Throws
+  /// Sets the contents that the file must have according to its header. Call it once, before reading rows. Throws
   /// Error(kInput) if the parts differ, or if a tile is misplaced or cut short.
   void expect(const BakedHeader& header, std::vector<BakedPart> parts);
-  /// Reads some rows of a level of a part as interleaved floats. Writes every value or throws Error(kInput), naming
-  /// the tile that cannot be unpacked or the row of tiles whose checksum differs. A file of an older program has only
-  /// one checksum, so the first call reads the whole file.
+  /// Reads some rows of a level of a part as interleaved floats. Writes every value, or throws Error(kInput), which
+  /// names the tile that cannot be unpacked or the row of tiles whose checksum differs. A file of an older program has
+  /// only one checksum, so the first call reads the whole file.
   void read_values(std::size_t part, int level, int first_row, int row_count, float* values);
   /// Rows found by TexelCheck::kReport, such as "part lobe.1, level 3, texel rows 0 to 127".
   const std::vector<std::string>& changed_rows() const { return changed_rows_; }
@@ -74,11 +74,11 @@ class BakedReader {
   std::vector<BakedPart> parts_;
   std::unique_ptr<ExrChunks> chunks_;
   std::unique_ptr<RowChecksums> row_checksums_;  // null if the file has no checksums of rows
-  bool is_content_checked_ = false;              // set once a file without row checksums was checked
+  bool is_content_checked_ = false;              // true after a file without row checksums has been checked
   std::vector<std::string> changed_rows_;
 };
 
-/// Computes the checksum of docs/reference/file_format.md from rows that come level by level, from the top.
+/// Computes the checksum of docs/reference/file_format.md. Rows come level by level, from the top.
 class BakedRowHash {
  public:
   explicit BakedRowHash(const std::vector<BakedPart>& parts);
@@ -89,8 +89,8 @@ class BakedRowHash {
   std::string finish();
 
  private:
-  std::vector<int> first_levels_;                 // [part]
-  std::vector<std::vector<ContentHash>> hashes_;  // [part][level of the part]
+  std::vector<int> first_levels_;                 // index: [part]
+  std::vector<std::vector<ContentHash>> hashes_;  // index: [part][level of the part]
 };
 
 }  // namespace multum

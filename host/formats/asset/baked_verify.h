@@ -8,7 +8,7 @@
 namespace multum {
 
 struct VerifyFinding {
-  std::string check;  // "finite", "sum of a", ...
+  std::string check;  // name of the check, such as "finite" or "sum of a"
   bool passed;
   std::string detail;  // the value found, its place, and the expected value
 };

@@ -4,7 +4,7 @@
 //     rows of any count --> queue (16 MiB) --> row of tiles per part and level --> SHA-256, halfs, OpenEXR's writeTiles
 //
 // writeTiles distributes its tiles over OpenEXR's own threads. The file stores tiles in the order of these calls
-// (RANDOM_Y). Readers find tiles by the tables that OpenEXR writes last.
+// (RANDOM_Y). Readers find tiles through the tables that OpenEXR writes last.
 #include "host/formats/asset/baked_writer.h"
 
 #include <ImfMultiPartOutputFile.h>
@@ -88,7 +88,7 @@ struct Level {
   int width, height;
   int rows_accepted = 0;  // rows counted by the caller's thread
   int rows_written = 0;   // rows counted by the writer's thread, like rows_waiting
-  int rows_waiting = 0;   // in PartLevel::values
+  int rows_waiting = 0;   // number of rows in PartLevel::values
   std::vector<std::unique_ptr<PartLevel>> parts;
 };
 
@@ -123,7 +123,7 @@ class BakedWriter::Work {
     rethrow_failure();
     MULTUM_CHECK(portion->level() >= 0 && portion->level() < static_cast<int>(levels_.size()));
     Level& level = levels_[static_cast<std::size_t>(portion->level())];
-    MULTUM_CHECK(!level.parts.empty());  // a stored level
+    MULTUM_CHECK(!level.parts.empty());  // the level must be stored
     MULTUM_CHECK(first_row == level.rows_accepted && first_row + portion->height() <= level.height);
     portion->check_sizes(level.width);
     level.rows_accepted += portion->height();
@@ -168,7 +168,7 @@ class BakedWriter::Work {
     }
   }
 
-  // Throws if the file's reader would reject the file, so that the file is not published.
+  // Throws if a reader would reject the file, so that the file is not published.
   void check(const std::vector<VerifyFinding>& findings) const {
     for (const VerifyFinding& finding : findings)
       if (!finding.passed && options_.is_checked)
@@ -230,8 +230,8 @@ class BakedWriter::Work {
     for (const auto& at : level.parts) at->values = std::vector<float>();
   }
 
-  // Describes the channels to OpenEXR: floats are read directly from memory, halfs through `halfs_`, one channel at a
-  // time. The values are rounded first, so the checksum covers exactly the stored values.
+  // Describes the channels to OpenEXR. Floats are read directly from memory, and halfs through `halfs_`, one channel at
+  // a time. The values are rounded first, so the checksum covers exactly the stored values.
   Imf::FrameBuffer slices(PartLevel& at, const Level& level) {
     Imf::FrameBuffer buffer;
     const std::size_t channels = at.part->channels.size(), texels = at.values.size() / channels;
@@ -290,7 +290,7 @@ class BakedWriter::Work {
     if (thread_.joinable()) thread_.join();
   }
 
-  // The order matters: first the thread ends, then its output closes, then the temporary file is removed.
+  // The order matters: the thread ends first, its output closes next, and the temporary file is removed last.
   AtomicFile file_;
   const BakedWriteOptions options_;
   const std::vector<BakedPart> parts_;

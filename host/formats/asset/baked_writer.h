@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Writes a baked file of any representation from rows while the bake continues. A separate thread collects rows into
 // rows of tiles, hashes them, and has OpenEXR compress them. Only unfinished rows of tiles stay in memory. Only
-// host/formats/asset uses this header; bakes use MovmfWriter, MomentWriter and ShWriter.
+// host/formats/asset uses this header. Bakes use MovmfWriter, MomentWriter and ShWriter.
 #pragma once
 
 #include <ImfHeader.h>
@@ -28,11 +28,11 @@ class BakedRows {
   virtual std::size_t bytes() const = 0;
   /// Checks (MULTUM_CHECK) that all values of a level of this width are present.
   virtual void check_sizes(int level_width) const = 0;
-  /// Copies the values of `count` texels from texel `first` of the rows, as the part's channels, interleaved. Runs in
-  /// the writer's thread.
+  /// Copies the values of `count` texels of the rows, from texel `first` on, interleaved as the part's channels. Runs
+  /// in the writer's thread.
   virtual void copy_values(std::size_t part, std::size_t first, std::size_t count, float* values) const = 0;
-  /// Checks every texel like `multum verify`; `first_row` is the first of these rows in their level. Runs in the
-  /// writer's thread.
+  /// Checks every texel like `multum verify`. `first_row` is the number of the first of these rows in their level. Runs
+  /// in the writer's thread.
   virtual void scan(int first_row) const = 0;
 };
 
@@ -48,7 +48,7 @@ class BakedWriter {
   BakedWriter(const BakedWriter&) = delete;
   BakedWriter& operator=(const BakedWriter&) = delete;
 
-  /// Takes rows in order from row 0 within a level; levels come in any order. Blocks while more than about 16 MiB wait.
+  /// Takes rows in order from row 0 within a level. Levels come in any order. Blocks while more than about 16 MiB wait.
   void write(int first_row, std::unique_ptr<const BakedRows> rows);
   /// Finishes the file after every row of every stored level was written. Waits for the writer's thread, fills in the
   /// last attributes, syncs, and gives the file its name. `measured_error` is JSON of at most

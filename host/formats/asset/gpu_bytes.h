@@ -11,9 +11,9 @@
 
 namespace multum {
 
-/// Bytes of the stored levels of all lobes: 4 channels per texel, 2 bytes each (RGBA16_SNORM, RGBA16F) or 4 (RGBA32F).
-/// Colours need the same number of bytes; their fourth channel is padding (RGBA16F or RGBA32F). Needs only sizes, no
-/// texels.
+/// Bytes of the stored levels of all lobes. A texel has 4 channels with 2 bytes each (RGBA16_SNORM, RGBA16F) or 4 bytes
+/// each (RGBA32F). Colours need the same number of bytes, because their fourth channel is padding (RGBA16F or RGBA32F).
+/// Needs only sizes, no texels.
 std::uint64_t movmf_gpu_bytes(const MovmfMipmap& mipmap);
 
 /// Bytes of the stored levels of a file of moments: two textures of 4 channels (docs/reference/file_format.md,
@@ -31,8 +31,8 @@ std::uint64_t baked_gpu_bytes(const std::string& path);
 /// map next to a file that does not store these levels.
 std::uint64_t finest_normals_gpu_bytes(int width, int height, int first_level);
 
-/// Bytes of all levels of a width x height map as a BC5 normal (16 bytes per block of 4 x 4 texels) and a BC4
-/// roughness (8 bytes per block). Blocks are whole, so even a level of 1 x 1 needs one block.
+/// Bytes of all levels of a width x height map as a BC5 normal (16 bytes per block of 4 x 4 texels) and a BC4 roughness
+/// (8 bytes per block). Only whole blocks exist, so even a level of 1 x 1 needs one block.
 std::uint64_t default_gpu_bytes(int width, int height);
 
 }  // namespace multum

@@ -20,15 +20,15 @@
 namespace multum {
 namespace {
 
-constexpr std::size_t kDigitsOfOne = 8;  // digits of one attribute's digest, which identify a changed attribute
+constexpr std::size_t kDigitsOfOne = 8;  // number of digits per attribute that show which attribute has changed
 
 struct HeaderAttribute {
   int part;
   std::string name, type, value;
 };
 
-// Returns attributes sorted by part, then by name. Attributes with equal names, which no writer makes, stay in the
-// file's order.
+// Returns attributes sorted by part, then by name. Attributes with equal names stay in the file's order. No writer
+// makes such attributes.
 std::vector<HeaderAttribute> header_attributes(const std::string& path) {
   ByteFile file(path);
   std::vector<HeaderAttribute> attributes;
@@ -47,7 +47,7 @@ bool is_covered(const HeaderAttribute& attribute) {
   return attribute.name != "compression" && (attribute.part > 0 || attribute.name != kHeaderHashAttribute);
 }
 
-// Adds "PART 0 NAME 0 TYPE 0 SIZE 0 VALUE", with numbers as decimal text, so that different attributes give different
+// Adds "PART 0 NAME 0 TYPE 0 SIZE 0 VALUE". Numbers are decimal text, so that different attributes give different
 // bytes.
 void add(const HeaderAttribute& attribute, ContentHash& hash) {
   hash.update(fmt::format("{}{}{}{}{}{}{}{}", attribute.part, '\0', attribute.name, '\0', attribute.type, '\0',
@@ -85,7 +85,7 @@ std::set<std::string> differing_names(const std::string& found, const std::strin
   return names;
 }
 
-// Recognizes the checksum even if its name or type is damaged; otherwise the file would count as a file without a
+// Recognizes the checksum even if its name or type is damaged. Otherwise the file would count as a file without a
 // checksum. No other attribute holds such text.
 bool looks_like_it(const HeaderAttribute& attribute) {
   return attribute.name == kHeaderHashAttribute || attribute.value.find(" multum:representation=") != std::string::npos;
@@ -100,7 +100,8 @@ VerifyFinding header_finding(const std::string& path) {
   const auto stated = std::find_if(attributes.begin(), attributes.end(), looks_like_it);
   if (stated == attributes.end())
     return {"header", true,
-            fmt::format("no {}, as in files of older programs; attributes are not checked", kHeaderHashAttribute)};
+            fmt::format("found no {}, which older programs did not write; attributes are not checked",
+                        kHeaderHashAttribute)};
   if (stated->part != 0 || stated->name != kHeaderHashAttribute || stated->type != "string")
     return {"header", false,
             fmt::format("checksum '{}' is in part {} (type {}), expected {} in part 0 (type string)", stated->name,

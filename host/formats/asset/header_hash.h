@@ -10,7 +10,7 @@
 
 namespace multum {
 
-// Only in the first part, because it covers all parts.
+// The attribute is only in the first part, because it covers all parts.
 constexpr char kHeaderHashAttribute[] = "multum:headerHash";
 // Room for the checksum's text: 64 digits, and 10 bytes plus the name for each attribute. A file of lobes needs 880
 // bytes.
@@ -20,8 +20,8 @@ constexpr int kHeaderHashBytes = 2048;
 /// short.
 std::string header_hash_text(const std::string& path);
 
-/// Compares the headers with the attribute. The finding passes if they match, or if an older file lacks the attribute;
-/// otherwise it names the changed attributes. Throws as header_hash_text() does.
+/// Compares the headers with the attribute. The finding passes if they match, or if an older file lacks the attribute.
+/// Otherwise, it names the changed attributes. Throws as header_hash_text() does.
 VerifyFinding header_finding(const std::string& path);
 
 }  // namespace multum

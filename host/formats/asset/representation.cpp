@@ -29,7 +29,7 @@ const char* storage_encoding_name(StorageEncoding encoding) { return choice_name
 const std::vector<RepresentationInfo>& representations() {
   static const std::vector<StorageEncoding> every = {StorageEncoding::kSnorm16, StorageEncoding::kHalf,
                                                      StorageEncoding::kFloat};
-  // Slopes reach 20, their products 400, and coefficients exceed 1, so snorm16 cannot store them.
+  // snorm16 cannot store these values: slopes reach 20, their products reach 400, and coefficients exceed 1.
   static const std::vector<StorageEncoding> wide = {StorageEncoding::kHalf, StorageEncoding::kFloat};
   static const std::vector<RepresentationInfo> all = {
       {.representation = Representation::kMovmf,
@@ -54,7 +54,7 @@ const std::vector<RepresentationInfo>& representations() {
        .name = "gmm",
        .version = 1,
        .encodings = every,
-       .help = "planar Gaussians (Tan 2005), only for that paper's BRDF; less accurate near the rim",
+       .help = "planar Gaussians (Tan 2005), only for the BRDF of that paper; less accurate for steep normals",
        .contents = "planar Gaussians",
        .lobes = &kPlanarLobes,
        .has_kappa = false,
@@ -71,7 +71,7 @@ const std::vector<RepresentationInfo>& representations() {
        .name = "moments",
        .version = 1,
        .encodings = wide,
-       .help = "slope moments and the mean normal (LEAN, Toksvig, maketx --bumpslopes), cheap",
+       .help = "slope moments and the mean normal (LEAN, Toksvig, maketx --bumpslopes), which are cheap",
        .contents = "moments of slopes (LEAN)",
        .lobes = nullptr,
        .has_kappa = false,
@@ -88,7 +88,7 @@ const std::vector<RepresentationInfo>& representations() {
        .name = "sh",
        .version = 1,
        .encodings = wide,
-       .help = "spherical harmonics (Han 2007), for diffuse and broad highlights; needs no fitting",
+       .help = "spherical harmonics (Han 2007), for diffuse light and broad highlights; they need no fitting",
        .contents = "spherical harmonics",
        .lobes = nullptr,
        .has_kappa = false,

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lists the representations of normals that a baked file can hold. Code uses this table instead of tests for single
-// representations. A new representation needs a name (host/foundation/parameters/parameter_choices.h), a row
+// Lists the representations of normals that a baked file can hold. Code should use this table instead of testing for
+// particular representations. A new representation needs a name (host/foundation/parameters/parameter_choices.h), a row
 // here, and a row in each other table: bakes (host/bakes/bake/ndf_bake.cpp), estimates
 // (host/bakes/scene/map_planner.cpp), `multum info` (tools/multum/file_commands.cpp) and the viewer
 // (tools/multum_view/baked_map.cpp).
@@ -20,7 +20,7 @@ struct BakedHeader;
 struct LobeFamily;
 struct VerifyFinding;
 
-/// Number of lobes per texel, and order of harmonics. Other representations ignore both.
+/// Number of lobes per texel, and order of harmonics. Representations without lobes or harmonics ignore both.
 struct TexelCounts {
   int lobes = 1;
   int sh_order = 0;
@@ -28,17 +28,20 @@ struct TexelCounts {
 
 struct RepresentationInfo {
   Representation representation;
-  const char* option;                      // of --ndf
-  const char* name;                        // attribute multum:representation
-  int version;                             // attribute multum:formatVersion; one higher for files with materials
+  const char* option;                      // value of --ndf
+  const char* name;                        // value of attribute multum:representation
+  int version;                             // value of attribute multum:formatVersion; one higher for files with
+                                           // materials
   std::vector<StorageEncoding> encodings;  // allowed encodings, the default first
   const char* help;                        // description in one line
   const char* contents;                    // contents of a texel, such as "planar Gaussians"
   const LobeFamily* lobes;                 // the family of lobes (lobes/lobe_family.h); null if there are no lobes
-  bool has_kappa;                          // lengths of mean vectors give each lobe's kappa, for GGX and exports
+  bool has_kappa;                          // true if lengths of mean vectors give each lobe's kappa, for GGX and
+                                           // exports
   bool has_order;                          // true if an order sets the number of values per texel (--sh-order)
   bool has_slopes;                         // true for moments of slopes, which several models shade (--moments)
-  bool takes_every_brdf;                   // false if it has only Tan's highlight of one width, under directional light
+  bool takes_every_brdf;                   // false if only Tan's highlight of one width, under directional light, can
+                                           // be shaded
   // Number of four-channel textures, without textures for colours and weights.
   int (*value_textures)(const TexelCounts& counts);
   int (*mean_count)(const TexelCounts& counts);  // number of values that a pass over the map averages, without features
@@ -57,8 +60,8 @@ inline Representation default_representation() { return representations().front(
 /// Returns whether texels are mixtures of lobes.
 bool holds_lobes(Representation representation);
 
-/// Returns the number of four-channel textures. `features` is the number of features (colours, weights); every lobe
-/// has its own.
+/// Returns the number of four-channel textures. `features` is the number of features (colours, weights), which every
+/// lobe has separately.
 int texture_count(Representation representation, const TexelCounts& counts, int features);
 
 /// Throws Error(kUsage) if the representation does not allow the encoding.

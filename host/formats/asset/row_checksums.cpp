@@ -34,7 +34,7 @@ RowChecksums::RowChecksums(const BakedHeader& header, const std::vector<BakedPar
 }
 
 bool RowChecksums::take(const std::string& text) {
-  const std::size_t head = text_.find_last_not_of(' ') + 2;  // "  128 "
+  const std::size_t head = text_.find_last_not_of(' ') + 2;  // length of "  128 "
   if (text.size() != text_.size() || text.compare(0, head, text_, 0, head) != 0) return false;
   text_ = text;
   return true;

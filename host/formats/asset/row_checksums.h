@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Holds checksums of rows of tiles in a baked file's header. They show which rows are damaged, and whether some rows
-// are intact without reading the others (docs/reference/file_format.md, "Checksum"). Only host/formats/asset uses this
-// header.
+// Holds checksums of rows of tiles in a baked file's header. They show which rows are damaged. They also show that some
+// rows are intact without reading the others (docs/reference/file_format.md, "Checksum"). Only host/formats/asset uses
+// this header.
 #pragma once
 
 #include <cstddef>
@@ -13,7 +13,7 @@
 
 namespace multum {
 
-// Only in the first part, because it covers all parts.
+// The attribute is only in the first part, because it covers all parts.
 constexpr char kRowChecksumsAttribute[] = "multum:rowChecksums";
 
 class RowChecksums {
@@ -21,14 +21,14 @@ class RowChecksums {
   /// Makes the text for a file with tiles of this height. Digits are spaces until they are set.
   RowChecksums(const BakedHeader& header, const std::vector<BakedPart>& parts, int tile_size);
 
-  /// The attribute's text: the height of tiles, as in "  128 ", then 16 digits per row of tiles. Parts, levels and
-  /// rows come in order.
+  /// The attribute's text. It begins with the height of tiles, as in "  128 ", followed by 16 digits per row of tiles.
+  /// Parts, levels and rows come in order.
   const std::string& text() const { return text_; }
-  /// Takes the text of a file. Returns false if the text is for other tiles, for example after a program has tiled the
-  /// file again.
+  /// Takes the text of a file. Returns false if the text is for other tiles, for example because another program has
+  /// written the file again with other tiles.
   bool take(const std::string& text);
 
-  /// Sets the checksum of one row of tiles; `values` are all its rows of texels, interleaved.
+  /// Sets the checksum of one row of tiles. `values` holds all its rows of texels, interleaved.
   void set(std::size_t part, int level, int tile_row, const float* values, std::size_t count);
   bool is_same(std::size_t part, int level, int tile_row, const float* values, std::size_t count) const;
 
@@ -36,8 +36,9 @@ class RowChecksums {
   std::size_t place(std::size_t part, int level, int tile_row) const;
 
   std::string text_;
-  std::vector<int> first_levels_;                 // [part]
-  std::vector<std::vector<std::size_t>> places_;  // [part][level of the part]: position of the first row's digits
+  std::vector<int> first_levels_;                 // index: [part]
+  std::vector<std::vector<std::size_t>> places_;  // index: [part][level of the part]; position of the first row's
+                                                  // digits
 };
 
 }  // namespace multum

@@ -20,17 +20,18 @@ struct Brdf {
   float exponent = 100.0f, sigma = 0.1f, roughness = 0.5f;
   glm::vec3 f0{0.04f};       // F at normal incidence
   int term_count = 4;        // number of vMFs in the sum that BrdfFit::kSum fits to f for shading lobes: 1..4
-  glm::vec3 diffuse{0.5f};   // k_d
-  glm::vec3 specular{0.1f};  // k_s
-  // Replaces F for surfaces whose v.h varies little (host/formats/brdf/fresnel.h). Used only for lights, not for
-  // environments.
+  glm::vec3 diffuse{0.5f};   // the factor k_d
+  glm::vec3 specular{0.1f};  // the factor k_s
+  // A constant that replaces F for surfaces whose v.h varies little (host/formats/brdf/fresnel.h). Used only for
+  // lights, not for environments.
   std::optional<glm::vec3> fixed_fresnel = {};
   std::shared_ptr<const MeasuredBrdf> measured;
 };
 
 constexpr int kBrdfTermCountMax = 4;
 
-/// Pointers to the numeric members, in the order of BrdfField. The last field, kF0, is a colour and not in the list.
+/// Pointers to the numeric members, in the order of BrdfField. The last field, kF0, is not in the list because it is a
+/// colour.
 constexpr float Brdf::*kBrdfNumbers[] = {&Brdf::exponent, &Brdf::sigma, &Brdf::roughness};
 
 inline const BrdfFamily& family_of(const Brdf& brdf) { return brdf_family(brdf.kind); }

@@ -9,9 +9,9 @@
 
 namespace multum {
 
-/// Sets the family's default diffuse and specular parts: a measurement has its own diffuse part, families with
-/// Schlick's F have a specular part of 1, and Lambert has none. Throws Error(kUsage) naming `option`, and
-/// Error(kInput) for a file.
+/// Parses the text, and sets the family's default diffuse and specular parts. A measurement has its own diffuse part,
+/// families with Schlick's F have a specular part of 1, and Lambert has none. Throws Error(kUsage), which names
+/// `option`, and Error(kInput) for a file.
 Brdf parse_brdf(const std::string& option, const std::string& text, int term_count);
 
 /// Returns whether `text` names a file.

@@ -14,7 +14,7 @@ namespace multum {
 /// Returns the mean of the channels.
 inline double mean_channel(const glm::dvec3& channels) { return (channels.x + channels.y + channels.z) / 3.0; }
 
-/// Returns f per solid angle. e = 1 - n.h, 0..2, is used because n.h would lose precision for a narrow f.
+/// Returns f per solid angle. The argument is e = 1 - n.h, 0..2, because n.h would lose precision for a narrow f.
 glm::dvec3 facet_density(const Brdf& brdf, double e);
 
 /// Returns the exponent of an equally wide Blinn-Phong. The variance of slopes along each axis is 1 / exponent.
@@ -24,9 +24,9 @@ double equivalent_exponent(const Brdf& brdf);
 /// measurements do not.
 glm::dvec3 facet_total(const Brdf& brdf);
 
-/// Returns a_l = integral over the sphere of f(t) P_l(t), l = 0 .. `order`. For a normalized density, a_0 = 1 and the
-/// others are smaller. Convolution with f multiplies the coefficients (l, m) of a function on the sphere by a_l (Han
-/// et al. 2007, eq. 7).
+/// Returns a_l = integral over the sphere of f(t) P_l(t), for l = 0 .. `order`. For a normalized density, a_0 is 1 and
+/// the others are smaller. Convolution with f multiplies the coefficients (l, m) of a function on the sphere by a_l
+/// (Han et al. 2007, eq. 7).
 std::vector<glm::dvec3> zonal_coefficients(const Brdf& brdf, int order);
 
 /// Returns the integral over the sphere of a function of e = 1 - cosine.

@@ -23,7 +23,7 @@ glm::dvec3 fresnel(const Brdf& brdf, double v_h) {
   return f0 + (glm::dvec3(1.0) - f0) * schlick_part(v_h);
 }
 
-// For c = 2 low high / (low + high), |F - c| / F is equal at both ends.
+// With c = 2 low high / (low + high), |F - c| / F is equal at both ends.
 FixedFresnel fixed_fresnel(const Brdf& brdf, double v_h_min) {
   constexpr int kSteps = 256;  // measured factors need not be monotone
   glm::dvec3 low(fresnel(brdf, 1.0)), high(low);

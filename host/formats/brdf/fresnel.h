@@ -12,7 +12,7 @@ bool has_fresnel(const Brdf& brdf);
 /// Returns whether the diffuse part is multiplied by 1 - F.
 bool has_diffuse_fresnel(const Brdf& brdf);
 
-/// (1 - v.h)^5.
+/// Returns (1 - v.h)^5.
 double schlick_part(double v_h);
 /// Returns F, or 1 if the BRDF has none.
 glm::dvec3 fresnel(const Brdf& brdf, double v_h);

@@ -20,16 +20,16 @@
 namespace multum {
 
 struct GgxLobeShape {
-  double peak = 1.0;   // P
-  double slope = 4.0;  // B
-  double bend = 0.25;  // delta
-  double power = 1.0;  // gamma
+  double peak = 1.0;   // the number P
+  double slope = 4.0;  // the number B
+  double bend = 0.25;  // the number delta
+  double power = 1.0;  // the number gamma
 };
 
 /// Returns approximately 1 / kappa of a lobe of spread `d`, 0..1, like multum_vmf_scatter() of ggx_lobe.glsl.
 double vmf_scatter(double d);
 
-/// Returns D per solid angle. `alpha`: roughness^2, 0..1. `spread`: d, 0..1. `e`: 0..2.
+/// Returns D per solid angle. `alpha` is roughness^2, 0..1. `spread` is d, 0..1. `e` is 0..2.
 double ggx_lobe_density(const GgxLobeShape& shape, double alpha, double spread, double e);
 
 /// The table has columns by alpha / s and rows by s / sqrt(3), both 0..1, at texel centres.

@@ -19,10 +19,10 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 constexpr std::size_t kSide = kGgxLobeTableSide;
 constexpr double kPull = 0.06;      // weight of a logarithm's difference from the neighbours' mean
-constexpr int kSweepCount = 3;      // after the first sweep, in which a cell has only two neighbours
-constexpr double kWidthMin = 0.01;  // smallest s; below it, shapes no longer depend on s
+constexpr int kSweepCount = 3;      // number of sweeps after the first, in which a cell has only two neighbours
+constexpr double kWidthMin = 0.01;  // smallest s; below it, shapes do not depend on s
 constexpr double kSpreadMin = 1e-9, kSpreadMax = 1.0 - 1e-5;
-constexpr double kLeastPart = 1e-6;  // share of the largest value below which values get no more weight
+constexpr double kLeastPart = 1e-6;  // values below this share of the largest value get no more weight
 
 // Gauss-Legendre quadrature on [-1, 1].
 struct Rule {
@@ -57,7 +57,7 @@ void add_geometric(double begin, double end, int count, std::vector<double>& val
 
 struct Cell {
   double alpha, spread;
-  std::vector<double> e, exact, scale;  // scale: sqrt(solid angle / exact value)
+  std::vector<double> e, exact, scale;  // `scale` is sqrt(solid angle / exact value)
 };
 
 using Vector = Eigen::VectorXd;
@@ -145,7 +145,7 @@ GgxLobeShape fit_cell(const Cell& cell, const Vector& pulled_to, const std::vect
 
 }  // namespace
 
-// Integrates over rings about h; the integral of the vMF around a ring is the Bessel function I_0.
+// Integrates over rings about h. The integral of the vMF around a ring is the Bessel function I_0.
 double convolved_ggx_facets(double alpha, double kappa, double theta) {
   static const Rule rule = gauss_legendre(10);
   const double width = 1.0 / std::sqrt(kappa + 1.0);

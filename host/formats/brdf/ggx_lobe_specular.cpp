@@ -9,7 +9,7 @@
 namespace multum {
 namespace {
 
-constexpr double kAmplitudeMin = 1e-6;  // MULTUM_AMPLITUDE_MIN; lobes with a smaller amplitude are empty
+constexpr double kAmplitudeMin = 1e-6;  // same as MULTUM_AMPLITUDE_MIN; lobes with a smaller amplitude are empty
 
 }  // namespace
 

@@ -11,15 +11,15 @@
 
 namespace multum {
 
-/// Returns the mean of max(n . w, 0) over a vMF of spread `d`; `t` is the cosine between its mean direction and w.
-/// Like multum_vmf_mean_cosine() of runtime_gl/shaders/common/movmf_shading.glsl.
+/// Returns the mean of max(n . w, 0) over a vMF of spread `d`. `t` is the cosine between its mean direction and w. Like
+/// multum_vmf_mean_cosine() of runtime_gl/shaders/common/movmf_shading.glsl.
 double shaded_mean_cosine(double d, double t);
 
 /// One lobe under GGX with one roughness.
 class GgxOverLobe {
  public:
-  /// `lobe`: (a r_x, a r_y, a r_z, a) as in baked files (host/formats/asset/lobes/movmf_mipmap.h). `alpha`:
-  /// roughness^2, greater than 0, at most 1.
+  /// `lobe` is (a r_x, a r_y, a r_z, a) as in baked files (host/formats/asset/lobes/movmf_mipmap.h). `alpha` is
+  /// roughness^2, greater than 0 and at most 1.
   GgxOverLobe(const glm::dvec4& lobe, double alpha);
 
   /// Returns D V max(n . l, 0), times the amplitude. `light`, `view` and their half vector `half` are unit vectors in

@@ -13,9 +13,9 @@
 namespace multum {
 
 constexpr double kHalfPi = 0.5 * std::numbers::pi;
-/// theta_h of entry i is (pi / 2) (i / (count - 1))^2, which resolves narrow highlights.
+/// Entry i has theta_h = (pi / 2) (i / (count - 1))^2, which resolves narrow highlights.
 constexpr int kFacetTableSize = 90;
-/// theta_d of entry i is (pi / 2) i / (count - 1).
+/// Entry i has theta_d = (pi / 2) i / (count - 1).
 constexpr int kDifferenceTableSize = 19;
 
 struct MeasuredBrdf {
@@ -26,7 +26,7 @@ struct MeasuredBrdf {
   double relative_error;            // error of the factors: relative L1 of rho times its cosine
 };
 
-/// Interpolates f linearly in the table's index; e = 1 - n.h.
+/// Returns f for e = 1 - n.h, interpolated linearly in the table's index.
 glm::dvec3 measured_facets(const MeasuredBrdf& brdf, double e);
 double measured_differences(const MeasuredBrdf& brdf, double v_h);
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Alternating least squares: f given g, then g given f, each as a weighted quotient. It minimizes the sum over cells
-// and channels of (rho - k_d / pi - f g)^2 / (rho + 0.01 of its mean), weighted by the solid angles of both angles
-// times their cosines. So neither the peak nor the other cells are neglected. f may not grow with theta_h; growing
-// neighbours are replaced by their weighted mean. Facet distributions do not grow, a sum of vMFs around h cannot grow,
-// and pooling smooths a thousand scattered samples. All channels share one g, because three separate g with few samples
-// each caused coloured fringes. k_d / pi is the mean of rho outside the highlight (theta_h of 45 to 75 degrees, theta_d
-// below 45), and at most the mean of all cells.
+// Alternating least squares: fits f for fixed g, then g for fixed f, each as a weighted quotient. It minimizes the sum
+// over cells and channels of (rho - k_d / pi - f g)^2 / (rho + 0.01 of its mean), weighted by the solid angles of both
+// angles times their cosines. So neither the peak nor the other cells are neglected. f may not grow with theta_h;
+// growing neighbours are replaced by their weighted mean. Facet distributions do not grow, a sum of vMFs around h
+// cannot grow, and pooling smooths a thousand scattered samples. All channels share one g, because three separate g
+// with few samples each caused coloured fringes. k_d / pi is the mean of rho outside the highlight (theta_h from 45 to
+// 75 degrees, theta_d below 45), and at most the mean of all cells.
 #include "host/formats/brdf/measured_factors.h"
 
 #include <algorithm>
@@ -30,7 +30,8 @@ double theta_of_column(int column) { return kHalfPi * column / (kColumns - 1); }
 
 std::size_t index(int row, int column) { return static_cast<std::size_t>(row * kColumns + column); }
 
-// Fills entries without measurements: linearly between neighbours, and constantly beyond the last measured entry.
+// Fills entries without measurements. Interpolates linearly between neighbours, and repeats the last measured entry
+// beyond it.
 void fill(std::vector<double>& values, const std::vector<bool>& known) {
   int before = -1;
   const int count = static_cast<int>(values.size());
@@ -49,7 +50,7 @@ void fill(std::vector<double>& values, const std::vector<bool>& known) {
 struct Cell {
   std::size_t row, column;
   glm::dvec3 rho;
-  double area;        // solid angles times cosines
+  double area;        // product of solid angles and cosines
   glm::dvec3 weight;  // about area / rho
 };
 
@@ -76,7 +77,8 @@ void hold_from_growing(std::vector<double>& values, const std::vector<double>& w
     for (std::size_t k = 0; k < pool.count; ++k) values[i++] = pool.value;
 }
 
-// Returns quotients of the sums, at least 0. Entries without a quotient are interpolated from their neighbours.
+// Returns quotients of the sums, which are at least 0. Entries without a quotient are interpolated from their
+// neighbours.
 std::vector<double> quotients(const std::vector<double>& above, const std::vector<double>& below) {
   std::vector<double> values(above.size(), 0.0);
   std::vector<bool> known(above.size());

@@ -16,7 +16,7 @@ namespace multum {
 class BrdfCells {
  public:
   BrdfCells();
-  /// Adds a sample; angles in radians. Ignores samples with an angle beyond the horizon.
+  /// Adds a sample; angles are in radians. Ignores samples with an angle beyond the horizon.
   void add(double theta_h, double theta_d, const glm::dvec3& rho);
   MeasuredBrdf factor(const std::string& name) const;
 
@@ -25,7 +25,7 @@ class BrdfCells {
   std::vector<double> counts_;
 };
 
-/// Computes theta_h and theta_d of two unit directions; the normal is along z.
+/// Computes theta_h and theta_d of two unit directions. The normal points along z.
 void half_angles(const glm::dvec3& l, const glm::dvec3& v, double* theta_h, double* theta_d);
 
 }  // namespace multum

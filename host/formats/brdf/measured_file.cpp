@@ -24,9 +24,9 @@ namespace {
 
 constexpr std::uintmax_t kTextBytesMax = std::uintmax_t{256} << 20;
 
-// ---- text ----
+// ---- text files ----
 
-// CIE 1931 colour matching by sums of lobes (Wyman, Sloan and Shirley 2013).
+// The CIE 1931 colour matching functions as sums of lobes (Wyman, Sloan and Shirley 2013).
 double lobe(double x, double mean, double below, double above) {
   const double t = (x - mean) * (x < mean ? below : above);
   return std::exp(-0.5 * t * t);
@@ -92,7 +92,7 @@ void read_text(const std::string& path, const std::string& text, BrdfCells& cell
   const std::vector<double> numbers = numbers_of(path, text);
   const double first = numbers.empty() ? 0.0 : numbers[0];
   if (first < 3.0 || first > 1000.0 || first != std::floor(first))
-    refuse_file(path, fmt::format("found {} as the number of wavelengths, expected 3 to 1000", first));
+    refuse_file(path, fmt::format("found {} wavelengths, expected 3 to 1000", first));
   const auto count = static_cast<std::size_t>(first);
   const std::size_t width = 4 + count;
   if (numbers.size() < 1 + count + width || (numbers.size() - 1 - count) % width != 0)
@@ -100,7 +100,8 @@ void read_text(const std::string& path, const std::string& text, BrdfCells& cell
                                   numbers.size() - std::min(numbers.size(), 1 + count), count, width));
   const std::vector<double> wavelengths(numbers.begin() + 1, numbers.begin() + 1 + static_cast<std::ptrdiff_t>(count));
   const SpectrumColour colour(wavelengths);
-  if (!colour.is_usable()) refuse_file(path, "found no wavelengths for all three primaries, expected 400 to 700 nm");
+  if (!colour.is_usable())
+    refuse_file(path, "the wavelengths do not cover red, green and blue, expected 400 to 700 nm");
   std::vector<double> values(count);
   for (std::size_t i = 1 + count; i < numbers.size(); i += width) {
     double theta_h = 0.0, theta_d = 0.0;
@@ -149,7 +150,7 @@ void read_merl(const std::string& path, std::istream& in, BrdfCells& cells) {
       }
 }
 
-using Layer = std::vector<std::vector<double>>;  // rows of the kernel, then the bias
+using Layer = std::vector<std::vector<double>>;  // rows of the kernel, followed by the bias
 
 std::vector<Layer> network_layers(const std::string& path, const nlohmann::json& file) {
   std::vector<Layer> layers;
@@ -161,8 +162,8 @@ std::vector<Layer> network_layers(const std::string& path, const nlohmann::json&
     bool good = layer.size() == width + 1 && next >= 1 && next <= 1024;
     for (const std::vector<double>& row : layer) good = good && row.size() == next;
     if (!good)
-      refuse_file(path,
-                  fmt::format("layer {}: expected a kernel of {} rows as long as its bias", layers.size(), width));
+      refuse_file(
+          path, fmt::format("layer {}: expected a kernel of {} rows, each as long as the bias", layers.size(), width));
     layers.push_back(std::move(layer));
     width = next;
   }
@@ -189,7 +190,7 @@ void read_network(const std::string& path, const std::string& text, BrdfCells& c
     refuse_nul(text, path);
     layers = network_layers(path, nlohmann::json::parse(text));
   } catch (const nlohmann::json::exception& error) {
-    refuse_file(path, std::string("expected JSON with layers of kernel and bias: ") + error.what());
+    refuse_file(path, std::string("expected JSON with layers, each with a kernel and a bias: ") + error.what());
   }
   constexpr int kAzimuths = 12;
   for (int row = 0; row < kFacetTableSize; ++row)
@@ -219,11 +220,11 @@ MeasuredBrdf read_measured_brdf(const std::string& path) {
   BrdfCells cells;
   if (sizes == std::array<std::int32_t, 3>{kThetaCount, kThetaCount, kPhiCount}) {
     if (size != kMerlBytes)
-      refuse_file(path, fmt::format("is cut: {} bytes, expected {} for MERL's format", size, kMerlBytes));
+      refuse_file(path, fmt::format("is cut short: {} bytes, expected {} for the MERL format", size, kMerlBytes));
     read_merl(path, in, cells);
     return cells.factor(path);
   }
-  if (size > kTextBytesMax) refuse_file(path, "is larger than 256 MiB, expected a text file of samples, or a network");
+  if (size > kTextBytesMax) refuse_file(path, "is larger than 256 MiB, expected a text file of samples or a network");
   in.seekg(0);
   const std::string text{std::istreambuf_iterator<char>(in), {}};
   const std::size_t begin = text.find_first_not_of(" \t\r\n");

@@ -13,7 +13,7 @@
 
 namespace multum {
 
-/// Reads a file. Throws Error(kInput) naming the file, what was found and what was expected.
+/// Reads a file. Throws Error(kInput), which names the file, what was found and what was expected.
 MeasuredBrdf read_measured_brdf(const std::string& path);
 
 }  // namespace multum

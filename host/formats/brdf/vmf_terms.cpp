@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// Levenberg-Marquardt on the logarithms of the kappas; the weights are optimal for them and may be negative (variable
-// projection: Golub and Pereyra 1973). Minimizes the sum over e of (sum_i w_i vMF_i - f)^2 / f, weighted by solid
-// angle. This relative error covers the peak and the tail of GGX, is close to relative L1, and is smooth.
+// Levenberg-Marquardt on the logarithms of the kappas. The weights are optimal for given kappas, and may be negative
+// (variable projection: Golub and Pereyra 1973). Minimizes the sum over e of (sum_i w_i vMF_i - f)^2 / f, weighted by
+// solid angle. This relative error covers the peak and the tail of GGX, is close to relative L1, and is smooth.
 //
 // Below the horizon of h, f is 0, but a vMF is greater than 0. In that region, the squared error is divided by
 // f(horizon) and multiplied by kHorizonWeight. Without this term, broad vMFs fill the rim of the hemisphere well, but
-// leak below it and reappear under a lobe of kappa 3. A larger weight increases the error at the rim. Largest relative
-// L1 over GGX with alpha 0.05 to 0.4, kappa 3 to 2000 and four terms: 2.9 % for weight 0.1, 3.2 % for 0.3, 5.9 % for 1.
+// extend below the horizon and become visible under a lobe of kappa 3. A larger weight increases the error at the rim.
+// Largest relative L1 over GGX with alpha 0.05 to 0.4, kappa 3 to 2000 and four terms: 2.9 % for weight 0.1, 3.2 % for
+// 0.3, 5.9 % for 1.
 #include "host/formats/brdf/vmf_terms.h"
 
 #include <algorithm>
@@ -26,10 +27,10 @@ constexpr double kKappaMin = 0.05;  // almost uniform over directions
 constexpr double kKappaMax = 1e7;
 constexpr int kRoundCountMax = 80;
 constexpr int kWidenCount = 4;
-constexpr double kRidge = 1e-6;  // ridge factor for the squared weights, which avoids large terms of opposite signs
+constexpr double kRidge = 1e-6;  // penalty factor for the squared weights, which avoids large terms of opposite signs
 constexpr std::array kLadderRatios = {0.2, 0.07};
 
-// A point where f is compared: `value` is f, `scale` is 1 / tolerance. Samples are evenly spaced in log e above the
+// A point where f is compared. `value` is f, and `scale` is 1 / tolerance. Samples are evenly spaced in log e above the
 // horizon, and in e below the horizon.
 struct Sample {
   double e, value, scale;
@@ -39,7 +40,7 @@ struct Sample {
 constexpr int kUpperCount = 240, kLowerCount = 24, kCountMax = kBrdfTermCountMax;
 constexpr double kLeast = 1e-8;
 
-// Nodes end just above the horizon, where densities of a hemisphere end.
+// Nodes end just above the horizon, because densities of a hemisphere end there.
 double node(int i) {
   return (1.0 - 1e-9) * std::exp(std::log(kLeast) * (1.0 - static_cast<double>(i) / (kUpperCount - 1)));
 }
@@ -67,7 +68,7 @@ double unit_vmf(double kappa, double e) {
   return kappa / (2.0 * std::numbers::pi * -std::expm1(-2.0 * kappa)) * std::exp(-kappa * e);
 }
 
-// Returns the terms' vMFs times the sample's scale, as [sample * terms + i].
+// Returns the terms' vMFs times the sample's scale, at index [sample * terms + i].
 std::vector<double> scaled_terms(const std::vector<Sample>& samples, const std::vector<double>& kappas) {
   std::vector<double> rows;
   rows.reserve(samples.size() * kappas.size());
@@ -96,8 +97,8 @@ Vector solve(Matrix a, Vector b, std::size_t n) {
   return x;
 }
 
-// Returns the best weights for fixed kappas. Weights may be negative: a density that ends at the horizon, or rises
-// towards it, is the difference of two broad vMFs.
+// Returns the best weights for fixed kappas. Weights may be negative, because a density that ends at the horizon, or
+// rises towards it, is the difference of two broad vMFs.
 Vector fit_weights(const std::vector<Sample>& samples, const std::vector<double>& rows, std::size_t n) {
   Matrix gram{};
   Vector right{};
@@ -118,7 +119,7 @@ struct Fitted {
   std::vector<double> residuals;
 };
 
-// Fits the weights of each channel to these kappas; returns the sum of squares.
+// Fits the weights of each channel to these kappas. Returns the sum of squares.
 double fit_all(std::vector<Fitted>& channels, const std::vector<double>& kappas) {
   const std::size_t n = kappas.size();
   double sum = 0.0;
@@ -136,8 +137,8 @@ double fit_all(std::vector<Fitted>& channels, const std::vector<double>& kappas)
   return sum;
 }
 
-// If f is smaller than the fit's error, uses this error as the tolerance. Otherwise the region beyond the end of a
-// density would dominate the fit, because some measured densities end at an angle.
+// If f is smaller than the fit's error, uses this error as the tolerance. Some measured densities end at an angle.
+// Without this rule, the region beyond this angle would dominate the fit.
 void widen(Fitted& one) {
   for (std::size_t k = 0; k < one.samples.size(); ++k) {
     Sample& s = one.samples[k];
@@ -151,9 +152,9 @@ double step_kappa(double kappa, double log_step) {
 }
 
 // Variable projection: the weights follow from the kappas, so Levenberg-Marquardt varies only the kappas. Leaves the
-// best weights in `channels`; returns the sum of squares.
+// best weights in `channels`, and returns the sum of squares.
 double fit_kappas(std::vector<Fitted>& channels, std::vector<double>& kappas) {
-  constexpr double kDifference = 1e-4;  // of log kappa
+  constexpr double kDifference = 1e-4;  // difference of log kappa
   const std::size_t n = kappas.size();
   double best = fit_all(channels, kappas), damping = 1e-2;
   for (int round = 0; round < kRoundCountMax; ++round) {
@@ -200,7 +201,8 @@ double fit_kappas(std::vector<Fitted>& channels, std::vector<double>& kappas) {
   return fit_all(channels, kappas);
 }
 
-// Returns the relative L1 error over solid angle, summed over the channels, for fits with different tolerances.
+// Returns the relative L1 error over solid angle, summed over the channels. It can compare fits with different
+// tolerances.
 double relative_difference(const std::vector<Fitted>& channels) {
   double sum = 0.0;
   for (const Fitted& one : channels) {
@@ -214,8 +216,8 @@ double relative_difference(const std::vector<Fitted>& channels) {
   return sum;
 }
 
-// Returns kappas that start near the peak's kappa; each kappa is `ratio` times the previous one. A density with f(0) =
-// 0, such as a sheen, has no peak; differences of broad terms make it rise.
+// Returns kappas that start near the peak's kappa. Each kappa is `ratio` times the previous one. A density with f(0) =
+// 0, such as a sheen, has no peak; differences of broad terms approximate its rise.
 std::vector<double> ladder(const std::vector<Sample>& samples, int count, double ratio) {
   double total = 0.0;
   for (const Sample& s : samples) total += s.value * s.value * s.scale * s.scale;  // integral of f

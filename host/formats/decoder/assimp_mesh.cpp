@@ -17,8 +17,8 @@
 namespace multum {
 namespace {
 
-// assimp must not compute tangents or join vertices. assimp averages tangents without weights, even across mirrored
-// charts, and merges positions closer than 1e-5 in any unit.
+// assimp must not compute tangents or join vertices. It averages tangents without weights, even across mirrored charts,
+// and merges positions closer than 1e-5, whatever the unit.
 constexpr unsigned kMeshSteps = aiProcess_Triangulate | aiProcess_SortByPType | aiProcess_GenSmoothNormals |
                                 aiProcess_PreTransformVertices | aiProcess_ValidateDataStructure;
 
@@ -78,7 +78,7 @@ class PartReader {
   PartCorners result_;
 };
 
-// Appends a part; corners with identical attributes become one vertex.
+// Appends a part. Corners with identical attributes become one vertex.
 void append_part(TriangleMesh& mesh, const PartCorners& part) {
   using Vertex = std::array<float, 12>;
   std::map<Vertex, std::uint32_t> numbers;

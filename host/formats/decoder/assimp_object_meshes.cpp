@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Flattens assimp's node tree to one object per node with triangles. Joins only equal vertices here, because assimp
-// merges positions closer than 1e-5 in any unit.
+// merges positions closer than 1e-5, whatever the unit.
 #include "host/formats/decoder/mesh_readers.h"
 
 #include <array>

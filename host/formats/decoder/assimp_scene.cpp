@@ -18,13 +18,14 @@
 namespace multum {
 namespace {
 
-/// Listens to assimp's log, because only the log says that assimp dropped triangles with indices out of range. The log
+/// Listens to assimp's log, because only the log tells that assimp dropped triangles with indices out of range. The log
 /// belongs to the process, so only one import at a time may listen.
 class ImportLog {
  public:
   ImportLog() {
     Assimp::DefaultLogger::create("", Assimp::Logger::NORMAL, 0);
-    Assimp::DefaultLogger::get()->attachStream(new Listener(&warnings_), Assimp::Logger::Warn);  // the logger owns it
+    Assimp::DefaultLogger::get()->attachStream(new Listener(&warnings_),
+                                               Assimp::Logger::Warn);  // the logger owns the listener
   }
   ~ImportLog() { Assimp::DefaultLogger::kill(); }
   ImportLog(const ImportLog&) = delete;
@@ -56,9 +57,9 @@ void rethrow_hunger(const std::string& path, const std::exception_ptr& thrown) {
 }  // namespace
 
 MeshImport::MeshImport(const std::string& path, unsigned steps) : importer_(std::make_unique<Assimp::Importer>()) {
-  open_regular_file(path);  // otherwise assimp would only say that it cannot open the file
+  open_regular_file(path);  // otherwise, assimp's message would only say that it cannot open the file
   check_gltf_file(path);
-  importer_->SetIOHandler(new ModelFiles(path));  // the importer owns it
+  importer_->SetIOHandler(new ModelFiles(path));  // the importer owns the handler
   static std::mutex log_mutex;
   const std::lock_guard<std::mutex> lock(log_mutex);
   const ImportLog log;

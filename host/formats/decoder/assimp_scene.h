@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Imports a scene by assimp for every reader of meshes; watches the library's warnings and checks its numbers.
+// Imports a scene by assimp for every reader of meshes. Watches the library's warnings, and checks its numbers.
 #pragma once
 
 #include <memory>
@@ -21,8 +21,8 @@ namespace multum {
 /// A file as imported by assimp.
 class MeshImport {
  public:
-  /// `steps`: aiProcess_ flags. Throws Error(kInput) naming the file if check_gltf_file() rejects it, assimp cannot
-  /// read it, or indices are out of range.
+  /// `steps` are aiProcess_ flags. Throws Error(kInput), which names the file, if check_gltf_file() rejects it, assimp
+  /// cannot read it, or indices are out of range.
   MeshImport(const std::string& path, unsigned steps);
   ~MeshImport();
   MeshImport(const MeshImport&) = delete;

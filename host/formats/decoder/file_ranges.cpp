@@ -31,7 +31,7 @@ std::size_t FileRanges::pread(void* data, std::size_t byte_count, std::int64_t o
   for (; byte_count > 0 && next != pieces_.end(); ++next) {
     const std::int64_t begin = next->range.begin + (offset - next->offset);
     const auto count = std::min(static_cast<std::int64_t>(byte_count), next->range.end - begin);
-    if (count <= 0) break;  // beyond the end
+    if (count <= 0) break;  // the range begins beyond the end
     stream_.clear();
     if (begin != stream_.tellg()) stream_.seekg(begin);
     stream_.read(to, count);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Decodes images in the child process; answers the requests of host/formats/image/files/decoding_messages.h.
+// Decodes images in the child process, and answers the requests of host/formats/image/files/decoding_messages.h.
 #pragma once
 
 #include <memory>

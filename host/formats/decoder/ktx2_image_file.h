@@ -9,7 +9,7 @@
 
 namespace multum {
 
-/// Opens the file. Throws Error(kInput) naming the file.
+/// Opens the file. Throws Error(kInput), which names the file.
 std::unique_ptr<LibraryImageFile> open_ktx2_image(const std::string& path, const ImageContainer& container);
 
 }  // namespace multum

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Opens only the reader that the file's first bytes name, after host/formats/image/files/image_container has checked
-// the sizes. PNG and JPEG are read without their metadata.
+// Opens the file only with the reader that its first bytes indicate, after host/formats/image/files/image_container has
+// checked the sizes. PNG and JPEG are read without their metadata.
 #include "host/formats/decoder/library_image_file.h"
 
 #include <OpenImageIO/filesystem.h>
@@ -23,7 +23,7 @@
 namespace multum {
 namespace {
 
-// host/formats/image/files/number_type.h uses OpenImageIO's codes.
+// host/formats/image/files/number_type.h must have the same codes as OpenImageIO.
 static_assert(number_type::kUint8 == OIIO::TypeDesc::UINT8 && number_type::kInt8 == OIIO::TypeDesc::INT8);
 static_assert(number_type::kUint16 == OIIO::TypeDesc::UINT16 && number_type::kInt16 == OIIO::TypeDesc::INT16);
 static_assert(number_type::kUint32 == OIIO::TypeDesc::UINT32 && number_type::kInt32 == OIIO::TypeDesc::INT32);
@@ -46,12 +46,12 @@ std::vector<unsigned char> joined_ranges(const std::string& path, const std::vec
 }
 
 struct OpenImage {
-  std::vector<unsigned char> bytes;  // both outlive the reader
+  std::vector<unsigned char> bytes;  // like `file`, must outlive the reader
   std::unique_ptr<OIIO::Filesystem::IOProxy> file;
   std::unique_ptr<OIIO::ImageInput> input;
 };
 
-// Presents the file without metadata; in memory for JPEG, whose reader accepts no other source.
+// Presents the file without metadata. For JPEG, the file is in memory, because its reader accepts no other source.
 void leave_out_metadata(OpenImage& image, const std::string& path, const ImageContainer& container) {
   if (container.format == "jpeg") {
     image.bytes = joined_ranges(path, container.ranges);
@@ -78,7 +78,7 @@ OpenImage open_image(const std::string& path, const ImageContainer& container) {
   return image;
 }
 
-// Workaround "PNG gamma": OpenImageIO 2.4.7 rounds a gAMA to two digits: "Gamma1.9" for 1.85
+// Workaround "PNG gamma": OpenImageIO 2.4.7 rounds a gAMA to two digits, such as "Gamma1.9" for 1.85
 // (tests/cli/odd_inputs/odd_cases.py, albedos).
 std::string colour_space_of(const OIIO::ImageSpec& spec, double gamma) {
   std::string name = spec.get_string_attribute("oiio:ColorSpace");
@@ -125,7 +125,7 @@ void invert_every(std::byte* memory, std::size_t count, std::size_t stride, Numb
   }
 }
 
-// Inverts grey, the first channel; alpha may follow.
+// Inverts grey, which is the first channel; alpha may follow.
 void invert_first_channel(const ImagePart& part, const PixelBlock& block, std::byte* memory) {
   if (block.channel_begin > 0) return;
   const auto count = static_cast<std::size_t>(part.width) * static_cast<std::size_t>(block.y_end - block.y_begin);
@@ -156,7 +156,7 @@ class OiioImageFile : public LibraryImageFile {
     }
     for (int part = 0; open_.input->seek_subimage(part, 0); ++part)
       description_.parts.push_back(part_of(open_.input->spec(), container.gamma, true));
-    open_.input->geterror();  // clears the error after the last part, which is not a real error
+    open_.input->geterror();  // clears the message about the end of the parts, which is not an error
   }
 
   std::string read_into(const PixelBlock& block, std::byte* memory) override {
@@ -199,7 +199,7 @@ class OiioImageFile : public LibraryImageFile {
   std::string path_;
   int threads_;
   std::unique_ptr<ExrChunks> exr_chunks_;  // only for OpenEXR
-  std::vector<int> exr_rows_checked_;      // [part]: number of checked rows, from the top
+  std::vector<int> exr_rows_checked_;      // index: [part]; number of checked rows, from the top
   OpenImage open_;
   bool inverts_integers_;  // as in ImageContainer
 };

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Opens image files by OpenImageIO in this process: for multum-decode, which can crash on a broken file, and for tests.
+// Opens image files by OpenImageIO in this process. Used by multum-decode, which may crash on a broken file, and by
+// tests.
 #pragma once
 
 #include <cstddef>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Decodes meshes in the child process; answers the requests of host/formats/mesh/mesh_messages.h.
+// Decodes meshes in the child process, and answers the requests of host/formats/mesh/mesh_messages.h.
 #pragma once
 
 #include <string>

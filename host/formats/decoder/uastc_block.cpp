@@ -5,7 +5,7 @@
 //   | trits or quints of the endpoints, 5 or 3 per number | their lower bits
 //   | weights; the first weight of a subset has one bit less
 //
-// Endpoints and weights then have the meaning of ASTC's ("Khronos Data Format Specification", 23.15 to 23.21).
+// Endpoints and weights then have the same meaning as in ASTC ("Khronos Data Format Specification", 23.15 to 23.21).
 #include "host/formats/decoder/uastc_block.h"
 
 #include <algorithm>
@@ -20,7 +20,8 @@ constexpr std::size_t kTexels = 16;
 struct UastcMode {
   unsigned code, code_bits, hint_bits;
   unsigned components, subsets, planes, weight_bits;
-  unsigned endpoint_bits, endpoint_base;  // values are below base << bits; base 1 has only bits, 3 trits, 5 quints
+  unsigned endpoint_bits, endpoint_base;  // values are below base << bits; base 1 has only bits, base 3 trits, and base
+                                          // 5 quints
 };
 
 constexpr unsigned kSolidMode = 8;
@@ -44,8 +45,8 @@ constexpr std::array<UastcMode, 19> kUastcModes = {{{0x01, 4, 15, 3, 1, 1, 4, 6,
                                                     {0x25, 6, 23, 2, 1, 2, 2, 8, 1},
                                                     {0x09, 4, 15, 3, 1, 1, 5, 5, 1}}};
 
-// Seeds of ASTC's partitions: with two subsets; with the two subsets of mode 7, which also occur in BC7's modes of
-// three subsets; with three subsets.
+// Seeds of ASTC's partitions. The first table is for two subsets. The second is for the two subsets of mode 7, which
+// also occur in BC7's modes of three subsets. The third is for three subsets.
 constexpr std::array<unsigned, 30> kSeedsOfTwo = {28,  20,  16,  29,  91,  9,   107, 72,  149, 204,
                                                   50,  114, 496, 17,  78,  39,  252, 828, 43,  156,
                                                   116, 210, 476, 273, 684, 359, 246, 195, 694, 524};

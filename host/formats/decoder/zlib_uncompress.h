@@ -4,7 +4,8 @@
 
 namespace multum {
 
-/// Returns true. A call links the replacement into the program; the code that opens images makes that call.
+/// Returns true. If a program contains a call of this function, the replacement is linked. The code that opens images
+/// makes that call.
 bool replaces_zlib_uncompress();
 
 }  // namespace multum

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Interprets values as colours. Integers are in the file's colour space ("Linear", "GammaX", otherwise sRGB, as for
 // untagged textures). Floats are always linear, as in OpenEXR. NaN, infinities and negative values are not
-// reflectances: they become 0 and are counted. Texels are independent, so every band is converted as soon as it is
+// reflectances, so they become 0 and are counted. Texels are independent, so every band is converted as soon as it is
 // read.
 #include "host/formats/image/colour_map.h"
 
@@ -32,7 +32,8 @@ struct TransferFunction {
 TransferFunction transfer_function(const RawImageInfo& image, ColourEncoding encoding) {
   if (encoding == ColourEncoding::kSrgb) return {"sRGB", linear_from_srgb};
   if (encoding == ColourEncoding::kLinear) return {"linear", [](double v) { return v; }};
-  const bool is_linear = image.colour_space == "linear" || image.colour_space == "Linear";  // both occur
+  const bool is_linear =
+      image.colour_space == "linear" || image.colour_space == "Linear";  // files contain both spellings
   if (is_float_type(image.sample_type) || is_linear) return {"linear", [](double v) { return v; }};
   if (image.colour_space.starts_with("Gamma")) {
     const double gamma = std::strtod(image.colour_space.c_str() + 5, nullptr);
@@ -50,7 +51,7 @@ void check_channels(const std::string& path, const RawImageInfo& info) {
 void check_albedo_size(const std::string& path, const RawImageInfo& info, int width, int height) {
   if (info.width != width || info.height != height)
     throw Error(ErrorCode::kInput,
-                fmt::format("{}: found an albedo of {} x {} texels, expected the normal map's {} x {}", path,
+                fmt::format("{}: found an albedo of {} x {} texels, expected {} x {} as in the normal map", path,
                             info.width, info.height, width, height));
 }
 

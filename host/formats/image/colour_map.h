@@ -29,15 +29,15 @@ inline PlaneStore planes_of(const ColourMap& map) {
 }
 
 /// Reads an albedo. Integers of 8 and 16 bits are sRGB unless the file states another colour space, and floats are
-/// linear. Grey becomes RGB; alpha is ignored. Throws Error(kInput), also if the size is not `width` x `height`.
+/// linear. Grey becomes RGB, and alpha is ignored. Throws Error(kInput), also if the size is not `width` x `height`.
 ColourMap read_albedo_map(const std::string& path, int width, int height, int threads);
 
 struct ColourRows {
   PlaneStore planes;
-  int channel_count = 0;                // channels of the file, 1 or 3; with 1, all planes are equal
+  int channel_count = 0;                // channels of the file, 1 or 3; if it is 1, all planes are equal
   std::string format;                   // "png uint8, 3 channels, sRGB"
   std::int64_t clamped_count = 0;       // as in ColourMap
-  float largest = 0.0f;                 // largest value of all
+  float largest = 0.0f;                 // largest of all values
   std::vector<std::string> notes = {};  // RawImageInfo::notes
 };
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads rows in bands, so that images can be larger than memory, a cut file costs only the bands before the cut, and
-// cancelling is quick.
+// Reads rows in bands. So images can be larger than memory, a cut file costs only the time for the bands before the
+// cut, and cancelling is quick.
 #include "host/formats/image/image_reader.h"
 
 #include <algorithm>
@@ -39,7 +39,7 @@ void check_flat(const std::string& path, const ImagePart& part) {
   if (part.depth > 1) refuse_file(path, fmt::format("found a volume of depth {}, expected a flat image", part.depth));
 }
 
-// Rejects luminance/chroma images, as OpenEXR's own programs write them, because they hold neither vectors nor RGB.
+// Rejects luminance/chroma images, which OpenEXR's own programs can write, because they hold neither vectors nor RGB.
 void check_no_luminance(const std::string& path, const ImagePart& part) {
   for (const std::string& name : part.channel_names)
     if (const std::string last = name.substr(name.rfind('.') + 1); last == "RY" || last == "BY")
@@ -50,8 +50,8 @@ void check_no_luminance(const std::string& path, const ImagePart& part) {
 
 constexpr int kColourChannelCountMax = 64;
 
-// Returns the number of leading colour channels: all except alpha, 1 to 3; or the first three of many if they are
-// named RGB or XYZ.
+// Returns the number of leading colour channels. These are all channels except alpha, 1 to 3, or the first three of
+// many if they are named RGB or XYZ.
 int colour_channel_count(const std::string& path, const ImagePart& part) {
   const int without_alpha = part.channel_count() - (part.alpha_channel >= 0 ? 1 : 0);
   const bool alpha_last = part.alpha_channel < 0 || part.alpha_channel == part.channel_count() - 1;
@@ -65,7 +65,7 @@ int colour_channel_count(const std::string& path, const ImagePart& part) {
                                 part.channel_count(), part.channel_names[0]));
 }
 
-// Refuses sizes that the file cannot hold, so that a short file cannot demand much memory. Deflate reaches at most
+// Rejects sizes that the file cannot hold, so that a short file cannot demand much memory. Deflate reaches at most
 // 1032:1, and DWA encodes blocks of 64 texels as one number, which is then deflated. Small sizes are always accepted.
 void check_plausible_size(const std::string& path, const ImagePart& part, std::int64_t file_size) {
   constexpr std::int64_t kExpansionMax = 1032 * 64;
@@ -135,7 +135,7 @@ RawImageInfo image_info(const std::string& path, const ImagePart& part, const st
   return info;
 }
 
-// Returns the rows of a block that bands must not split: a row of tiles, or a strip of doubles. Workaround "TIFF
+// Returns the number of rows that bands must not separate: a row of tiles, or a strip of doubles. Workaround "TIFF
 // doubles": OpenImageIO 2.4.7's TIFF reader silently leaves 64-bit samples unread, unless it is asked for whole strips
 // of more than one row (ImageReaderTest.DoublesOfTiffAreRead). A single last row is read with the band before it.
 int whole_block_rows(const ImagePart& part) {
@@ -150,12 +150,13 @@ int preferred_block_rows(const ImagePart& part, const RawImageInfo& info) {
   if (whole > 1) return whole;
   const int strip_rows = part.rows_per_strip;
   if (strip_rows > 0 && static_cast<std::size_t>(strip_rows) <= kStripBytesMax / info.row_bytes) return strip_rows;
-  return part.compression == "dwab" ? 256 : 32;  // 32: OpenEXR's others
+  return part.compression == "dwab" ? 256 : 32;  // OpenEXR's other compressions have at most 32
 }
 
 int band_rows(const ImagePart& part, const RawImageInfo& info, int asked_rows) {
   constexpr std::size_t kBandBytes = std::size_t{2} << 20;
-  constexpr std::size_t kRowsMin = 64, kRowsMax = 4096;  // kRowsMin: readers prefer to decode several blocks at once
+  constexpr std::size_t kRowsMin = 64, kRowsMax = 4096;  // at least 64, because readers prefer to decode several blocks
+                                                         // at once
   const std::size_t rows_of_size = std::clamp(kBandBytes / info.row_bytes, kRowsMin, kRowsMax);
   const int rows = asked_rows > 0 ? asked_rows : static_cast<int>(rows_of_size);
   const int block =
@@ -170,7 +171,7 @@ struct ImageReader::State {
   std::unique_ptr<ImageFile> file;
   RawImageInfo info;
   int threads;
-  int rows;  // of a band
+  int rows;  // rows of a band
 
   State(const std::string& image_path, const ImageReadSettings& settings);
   int band_end(int row_begin) const { return info.height - row_begin <= rows + 1 ? info.height : row_begin + rows; }
@@ -191,7 +192,7 @@ ImageReader::State::State(const std::string& image_path, const ImageReadSettings
   check_plausible_size(path, part, file->description().file_size);
   if (format == "tiff" && part.base_type == number_type::kDouble && part.height == 1)
     refuse_file(
-        path, "found one row of 64-bit floats, which OpenImageIO leaves unread; expected 32-bit floats, or more rows");
+        path, "found one row of 64-bit floats, which OpenImageIO does not read; expected 32-bit floats, or more rows");
   rows = band_rows(part, info, settings.band_rows);
   if (format == "webp" && part.alpha_channel >= 0) check_webp_opaque(path, *file);
 }
@@ -213,7 +214,7 @@ void ImageReader::State::read(const std::function<void(const RawBand&)>& consume
   const auto launch = threads == 1 ? std::launch::deferred : std::launch::async;
   const std::size_t band_bytes = info.row_bytes * static_cast<std::size_t>(rows + 1);
   std::byte* const memory = file->reserve(2 * band_bytes);
-  std::future<void> consumed;  // the destructor of `consumed` waits while the bands still exist
+  std::future<void> consumed;  // its destructor waits for the other thread while the bands still exist
   std::size_t offset = 0;
   for (int row_begin = 0; row_begin < info.height; row_begin = band_end(row_begin), offset = band_bytes - offset) {
     const int row_end = band_end(row_begin);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Reads image files by bands of rows, through OpenImageIO. Returns the file's own numbers, without colour conversion,
-// multiplication by alpha, or resizing; other code interprets them.
+// multiplication by alpha, or resizing. Other code interprets them.
 #pragma once
 
 #include <cstdint>
@@ -22,7 +22,7 @@ struct ImageReadSettings {
 
 class ImageReader {
  public:
-  /// Opens PNG, JPEG, WebP, TIFF or OpenEXR (recognized by content, not by name). Throws Error(kInput) naming the
+  /// Opens PNG, JPEG, WebP, TIFF or OpenEXR (recognized by content, not by name). Throws Error(kInput), which names the
   /// file, what was found and what was expected.
   ImageReader(const std::string& path, const ImageReadSettings& settings);
   ~ImageReader();
@@ -32,7 +32,7 @@ class ImageReader {
   const RawImageInfo& info() const;
 
   /// Passes the bands, from the top, to `consume`, one after another. Unless settings.threads is 1, a second thread
-  /// consumes a band while the next one is read. Rethrows exceptions of `consume`; throws Error(kInput) as the
+  /// consumes a band while the next one is read. Rethrows exceptions of `consume`, and throws Error(kInput) as the
   /// constructor does. Can cancel between bands. Call it once.
   void read(const std::function<void(const RawBand&)>& consume, Progress* progress);
 

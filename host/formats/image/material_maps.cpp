@@ -18,24 +18,24 @@
 namespace multum {
 namespace {
 
-// Receives rows of the wanted channels, as floats of 0 to 1: [row * width + column] each.
+// Receives rows of the wanted channels as floats of 0 to 1, each as [row * width + column].
 using UseRows = std::function<void(int first_row, int row_count, const std::vector<std::vector<float>>& channels)>;
 
 struct Wanted {
   std::string path;
-  const char* what;  // "a roughness map", for messages
+  const char* what;  // description for messages, such as "a roughness map"
   int width, height;
-  std::size_t checked = 4;  // channels whose values are checked
+  std::size_t checked = 4;  // number of channels whose values are checked
 };
 
 void check_size(const Wanted& wanted, const RawImageInfo& info) {
   if (info.width != wanted.width || info.height != wanted.height)
     throw Error(ErrorCode::kInput,
-                fmt::format("{}: found {} of {} x {} texels, expected the normal map's {} x {}", wanted.path,
+                fmt::format("{}: found {} of {} x {} texels, expected {} x {} as in the normal map", wanted.path,
                             wanted.what, info.width, info.height, wanted.width, wanted.height));
 }
 
-// Reads channels in parallel; every thread has rows of its own. The first `wanted.checked` channels must hold 0 to 1.
+// Reads channels in parallel. Every thread has rows of its own. The first `wanted.checked` channels must hold 0 to 1.
 void read_channels(ImageReader& reader, const Wanted& wanted, const std::vector<std::size_t>& channels, int threads,
                    const UseRows& use) {
   const RawImageInfo info = reader.info();
@@ -76,7 +76,7 @@ ImageReadSettings settings_of(const SpillPolicy& spill, int threads) {
   return settings;
 }
 
-// Finds a channel by name; also finds R, G, B and A by position. Without a name, returns the only channel, or the
+// Finds a channel by name. Also finds R, G, B and A by position. Without a name, returns the only channel, or the
 // channel at `default_place`, or the last channel if there are fewer.
 std::size_t find_channel(const ChannelFile& file, const std::vector<std::string>& names,
                          std::size_t default_place = 1) {
@@ -95,8 +95,8 @@ struct RoughnessSums {
   double cosine = 0.0, roughness = 0.0, least = 1.0, most = 0.0;
   std::int64_t zeros = 0, ones = 0, mirrors = 0;
   double difference = 0.0;           // largest minus smallest value of red, green and blue
-  std::array<double, 3> colour{};    // sums of values,
-  std::array<double, 3> squares{};   // of squares,
+  std::array<double, 3> colour{};    // sums of values
+  std::array<double, 3> squares{};   // sums of squares
   std::array<double, 2> products{};  // sums of the products green times red and green times blue
 
   void add(double value, double value_cosine) {
@@ -142,8 +142,8 @@ struct RoughnessSums {
   }
 };
 
-// Returns the words of a file's name in lower case. Words end at non-letters, and between a small letter and a
-// capital.
+// Returns the words of a file's name in lower case. A word ends at a character that is not a letter, or between a small
+// letter and a capital.
 std::vector<std::string> words_of_name(const std::string& path) {
   std::vector<std::string> words(1);
   bool was_lower = false;
@@ -196,14 +196,15 @@ const char* name_of(NamedMap map) {
   return "";
 }
 
-// Uses the name and the values together, because neither is a proof by itself.
+// Uses the name and the values together, because neither proves anything by itself.
 void warn_of_doubts(const ChannelFile& file, RoughnessReport& report) {
   const NamedMap named = map_by_name(file.path), taken = file.is_gloss ? NamedMap::kGloss : NamedMap::kRoughness;
   const bool is_opposite = file.is_gloss ? named == NamedMap::kRoughness : named == NamedMap::kGloss;
-  // A named channel can differ from the file's name, such as gloss in the alpha of a specular map.
+  // A channel that is given by name can differ from the file's name, such as gloss in the alpha of a specular map.
   if (is_opposite || (named != NamedMap::kUnknown && named != taken && file.channel.empty())) {
     report.warnings.push_back(fmt::format(
-        "{}: its name says {} map, but it was given as --{}: {}", file.path, name_of(named), name_of(taken),
+        "{}: its name says that it is a {} map, but it was given as --{}: {}", file.path, name_of(named),
+        name_of(taken),
         is_opposite ? fmt::format("--{} would invert the values", name_of(named)) : "check that it is the right map"));
     return;  // one doubt is enough
   }
@@ -255,7 +256,8 @@ RoughnessReport read_roughness(const ChannelFile& file, int map_width, int map_h
   ImageReader reader(file.path, settings_of(spill, threads));
   check_size(wanted, reader.info());
   const std::size_t channel = find_channel(file, reader.info().channel_names);
-  std::vector<RoughnessSums> sums(static_cast<std::size_t>(map_height));  // one per row, independent of bands
+  std::vector<RoughnessSums> sums(static_cast<std::size_t>(map_height));  // one per row, so that the division into
+                                                                          // bands does not matter
   std::vector<std::size_t> read = {channel};
   const bool looks_for_colours = file.channel.empty() && reader.info().channel_count >= 3;
   if (looks_for_colours) read.insert(read.end(), {0, 1, 2});
@@ -330,7 +332,7 @@ RoughnessReport shorten_by_roughness(PlaneStore& normals, const ChannelFile& fil
 LobeMaterial read_lobe_material(const LobeMaterialFiles& files, int width, int height, const SpillPolicy& spill,
                                 int threads) {
   LobeMaterial material{make_plane_store(width, height, spill)};
-  // Planes are written in groups of three: each map replaces its own plane and keeps the other two.
+  // Planes are written in groups of three. Each map replaces its own plane and keeps the other two.
   const auto put = [&](std::size_t plane, int first_row, int row_count, const std::vector<float>& values) {
     std::array<std::vector<float>, 3> planes;
     for (std::vector<float>& all : planes) all.resize(values.size());

@@ -26,11 +26,11 @@
 
 namespace multum {
 
-/// Returns c(roughness) for perceptual roughness of 0 to 1: 1 to 1/2.
+/// Returns c(roughness), from 1 to 1/2, for perceptual roughness from 0 to 1.
 double mean_cosine_of_roughness(double roughness);
 
-/// One channel of a file. `channel` is R, G, B, A or the channel's name; empty for the only channel, or for G if there
-/// are several (as in glTF).
+/// One channel of a file. `channel` is R, G, B, A or the channel's name. It is empty for the only channel, or for G if
+/// there are several (as in glTF).
 struct ChannelFile {
   std::string path;
   std::string channel;
@@ -43,40 +43,40 @@ ChannelFile parse_channel_file(const std::string& text);
 struct RoughnessReport {
   double mean_cosine = 1.0;                    // the mean of c
   double least = 0.0, mean = 0.0, most = 0.0;  // 0 for a map without texels
-  double share_zero = 0.0, share_one = 0.0;    // shares of texels with roughness 0 and 1
-  double share_mirror = 0.0;                   // below kMirrorRoughness
-  std::vector<std::string> warnings;           // reasons why it may not be a roughness map, with the file's name
+  double share_zero = 0.0, share_one = 0.0;    // shares of texels with roughness 0 and with roughness 1
+  double share_mirror = 0.0;                   // share of texels below kMirrorRoughness
+  std::vector<std::string> warnings;           // reasons why the map may not be a roughness map, with the file's name
   /// Returns "perceptual roughness 0.08 to 1, mean 0.68; 0 % at 0, 1.2 % at 1".
   std::string to_text() const;
 };
 
-/// Kind of map that words of a file's name announce, as in "bricks_gloss.png", "bricks_s.png" and
-/// "BricksRoughness2K.png". The last word counts. Metalness counts only if no other kind is named, because metalness is
-/// packed together with other maps.
+/// Kind of map that words of a file's name state, as in "bricks_gloss.png", "bricks_s.png" and "BricksRoughness2K.png".
+/// The last such word counts. Metalness counts only if no other kind is named, because metalness is packed together
+/// with other maps.
 enum class NamedMap { kUnknown, kRoughness, kGloss, kSpecular, kMetalness };
 NamedMap map_by_name(const std::string& path);
 
-/// Below this roughness, a surface is a mirror whose blur is seldom visible: alpha is 0.01.
+/// Below this roughness, where alpha is 0.01, a surface is a mirror whose blur is seldom visible.
 constexpr double kMirrorRoughness = 0.1;
-/// Specular maps are dark where a surface is dull, so most of their texels would be mirrors if read as roughness.
-/// In the three roughness maps of shared/data, less than 0.1 % of the texels are below kMirrorRoughness; in its six
-/// specular maps, 23 to 82 % are.
+/// Specular maps are dark where a surface is dull, so most of their texels would be mirrors if they were read as
+/// roughness. In the three roughness maps of shared/data, less than 0.1 % of the texels are below kMirrorRoughness; in
+/// its six specular maps, 23 to 82 % are.
 constexpr double kMirrorShareMax = 0.1;
-/// The same limit for a file whose name agrees with its use, because polished surfaces exist. In
+/// The same limit for a file whose name agrees with its use. It is higher, because polished surfaces exist. In
 /// pc_seaside-rocks01-gloss.jpg, the only gloss map of shared/data, 48 % of the texels are below kMirrorRoughness.
 constexpr double kMirrorShareMaxNamed = 0.75;
-/// Share of texels with roughness 1 that a gloss map may have: the gloss map of shared/data has 0 %, and three specular
-/// maps have 15 to 32 %.
+/// The largest share of texels with roughness 1 that a gloss map may have. The gloss map of shared/data has 0 %, and
+/// three specular maps have 15 to 32 %.
 constexpr double kDullShareMax = 0.1;
 /// The channels of a picture differ, but are correlated, whereas occlusion, roughness and metalness have little in
-/// common. The least correlation of green with red and blue is 0.84 to 0.99 in six colour maps of shared/data, and at
-/// most 0.2 in its three packed maps. The mean difference of channels is at least 0.016 in colour maps, and 0 in grey
-/// ones.
+/// common. In six colour maps of shared/data, the lowest correlation of green with red and blue is 0.84 to 0.99; in its
+/// three packed maps, it is at most 0.2. The mean difference of channels is at least 0.016 in colour maps, and 0 in
+/// grey maps.
 constexpr double kColourCorrelationMin = 0.6;
 constexpr double kColourDifferenceMin = 0.01;
 
 /// Scales each unit normal by c from the roughness map, which must have the same size as the normals. Throws
-/// Error(kInput) naming the file, what was found and what was expected.
+/// Error(kInput), which names the file, what was found and what was expected.
 RoughnessReport shorten_by_roughness(PlaneStore& normals, const ChannelFile& file, const SpillPolicy& spill,
                                      int threads);
 
@@ -89,7 +89,7 @@ struct LobeMaterialFiles {
 struct LobeMaterial {
   PlaneStore planes;  // alpha^2 = roughness^4, occlusion, metalness; 1 without a map
   std::optional<RoughnessReport> roughness = std::nullopt;
-  std::vector<std::string> warnings = {};  // warnings about the other maps, with the file's name
+  std::vector<std::string> warnings = {};  // warnings about the other maps, with the files' names
 };
 
 /// Reads the maps, which must have this size. Throws as shorten_by_roughness() does.
@@ -99,11 +99,11 @@ LobeMaterial read_lobe_material(const LobeMaterialFiles& files, int width, int h
 /// Weights of 1 to 4 basis BRDFs.
 struct WeightMap {
   int count = 0;
-  std::vector<PlaneStore> rgb_planes;  // the fewest stores of three planes that hold the weights; unused planes are 0
-  std::vector<std::string> warnings;   // with the file's name
+  std::vector<PlaneStore> rgb_planes;  // stores of three planes, as few as hold the weights; unused planes are 0
+  std::vector<std::string> warnings;   // warnings with the file's name
 };
 
-/// Reads all channels of a file of 1 to 4. Throws as shorten_by_roughness() does.
+/// Reads all channels of a file with 1 to 4 channels. Throws as shorten_by_roughness() does.
 WeightMap read_weight_map(const std::string& path, int width, int height, const SpillPolicy& spill, int threads);
 
 }  // namespace multum

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads object-index images, whose grey values are the indices of the objects that pixels show; 0 means no object.
+// Reads object-index images. Their grey values are the indices of the objects that pixels show; 0 means no object.
 #pragma once
 
 #include <string>
@@ -7,8 +7,9 @@
 
 namespace multum {
 
-/// For each of `indices`, returns 1 where the image has that value, otherwise 0: width * height floats, row 0 at the
-/// top. Throws Error(kInput) naming the file if it is unreadable, of another size, or not 8- or 16-bit grey.
+/// For each of `indices`, returns 1 where the image has that value, and 0 elsewhere. The result has width * height
+/// floats, row 0 at the top. Throws Error(kInput), which names the file, if it is unreadable, of another size, or not
+/// 8- or 16-bit grey.
 std::vector<std::vector<float>> read_object_index_coverage(const std::string& path, int width, int height,
                                                            const std::vector<int>& indices);
 

@@ -27,9 +27,9 @@ class PlaneStore {
   PlaneStore(int width, int height);
   /// Makes a store in a scratch file in `folder`.
   PlaneStore(int width, int height, const std::string& folder);
-  /// Reads planes that `file` holds one after another, in the layout of `blocks`; read-only.
+  /// Reads planes that `file` holds one after another, in the layout of `blocks`. The store is read-only.
   PlaneStore(int width, int height, ScratchFile file, const PlaneBlocks& blocks);
-  /// Refers to planes in memory, which must outlive the store; read-only.
+  /// Refers to planes in memory, which must outlive the store. The store is read-only.
   PlaneStore(int width, int height, const std::array<const float*, 3>& planes);
 
   int width() const { return width_; }
@@ -37,7 +37,7 @@ class PlaneStore {
   /// Returns whether these are normals that a roughness map has shortened (host/formats/image/material_maps.h).
   bool is_shortened() const { return is_shortened_; }
   void set_shortened(bool is_shortened) { is_shortened_ = is_shortened; }
-  /// Moves the planes out; the store must be in memory, and is empty afterwards.
+  /// Moves the planes out of the store, which must be in memory and is empty afterwards.
   std::array<std::vector<float>, 3> take_planes();
 
   /// Writes rows [first_row, first_row + row_count), row-major. Throws Error(kEnvironment) if the disk fails. Threads
@@ -56,16 +56,17 @@ class PlaneStore {
   int width_;
   int height_;
   bool is_shortened_ = false;
-  // Planes that are not set to 0, so that the writing threads touch the memory first.
+  // The memory of the planes. It is not initialized to 0, so that the writing threads touch it first.
   std::array<std::unique_ptr<float[]>, 3> owned_;
-  std::array<const float*, 3> planes_{};  // null: in the file
+  std::array<const float*, 3> planes_{};  // null if the planes are in the file
   std::optional<ScratchFile> file_;
-  PlaneBlocks blocks_;  // of the file
+  PlaneBlocks blocks_;  // layout of the file
 };
 
 PlaneStore make_plane_store(int width, int height, const SpillPolicy& spill);
 
-/// Returns the rows per band for decoding: few enough for a thread's cache, but enough to justify scheduling.
+/// Returns the rows per band for decoding. Bands are small enough for a thread's cache, but large enough to justify
+/// scheduling.
 int decoding_rows(int width, const SpillPolicy& spill);
 
 }  // namespace multum

@@ -18,7 +18,7 @@
 
 namespace multum {
 
-enum class SampleType { kUint8, kUint16, kOtherInteger, kHalf, kFloat };  // kFloat: also double
+enum class SampleType { kUint8, kUint16, kOtherInteger, kHalf, kFloat };  // kFloat includes double
 
 inline bool is_float_type(SampleType type) { return type == SampleType::kHalf || type == SampleType::kFloat; }
 
@@ -26,10 +26,10 @@ inline bool is_float_type(SampleType type) { return type == SampleType::kHalf ||
 struct RawImageInfo {
   int width = 0;
   int height = 0;
-  int channel_count = 0;  // number of colour channels, 1 to 3, without alpha; or of all channels
+  int channel_count = 0;  // number of colour channels, 1 to 3, without alpha; or number of all channels
   SampleType sample_type = SampleType::kFloat;
   int base_type = 0;                       // type of the stored samples (host/formats/image/files/number_type.h)
-  std::size_t row_bytes = 0;               // of the stored samples
+  std::size_t row_bytes = 0;               // bytes of a row of the stored samples
   std::string colour_space;                // name from the file: "sRGB", "Linear", "Gamma2.2", or empty
   bool has_alpha = false;                  // true if the file has alpha, which is never read
   std::vector<std::string> channel_names;  // names of the channels that are read
@@ -41,15 +41,15 @@ struct RawImageInfo {
   std::size_t row_values() const { return static_cast<std::size_t>(width) * static_cast<std::size_t>(channel_count); }
 };
 
-/// Rows in the file's sample type: row-major, channels interleaved.
+/// Rows in the file's sample type, row-major, with interleaved channels.
 struct RawBand {
   int first_row;
   int row_count;
   const std::byte* samples;
 };
 
-/// Rows as floats (host/formats/image/sample_converter.h) with interleaved channels, and the memory for reading them;
-/// each thread needs its own.
+/// Rows as floats (host/formats/image/sample_converter.h) with interleaved channels, and the memory for reading them.
+/// Each thread needs its own object.
 struct RawRows {
   std::vector<float> values;
   std::vector<std::byte> samples;
@@ -63,13 +63,13 @@ class RawImage {
   const RawImageInfo& info() const { return info_; }
   /// Throws Error(kEnvironment) if the disk fails.
   void write(const RawBand& band);
-  /// Several threads may read at once, each into its own rows.
+  /// Reads rows. Several threads may read at once, each into its own rows.
   void read_rows(int first_row, int row_count, RawRows& rows) const;
 
  private:
   RawImageInfo info_;
   SampleConverter converter_;
-  std::unique_ptr<std::byte[]> samples_;  // not set to 0
+  std::unique_ptr<std::byte[]> samples_;  // not initialized to 0
   std::optional<ScratchFile> file_;
 };
 

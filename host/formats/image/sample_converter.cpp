@@ -35,7 +35,8 @@ void look_up(const std::vector<float>& table, const std::byte* samples, std::siz
   }
 }
 
-// Integers become 0..1, or from slightly below -1 to 1, by multiplication with the reciprocal of their largest value.
+// Integers become 0..1, or from slightly below -1 to 1 if signed, by multiplication with the reciprocal of their
+// largest value.
 template <typename Sample>
 void scale(const std::byte* samples, std::size_t count, float* values) {
   constexpr float kScale =

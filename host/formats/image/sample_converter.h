@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Converts a file's samples to floats, with integers scaled to 0..1. The result equals OpenImageIO's conversion to
-// FLOAT bit by bit; optionally applies a function.
+// FLOAT bit by bit. Can then apply a function.
 #pragma once
 
 #include <cstddef>
@@ -11,7 +11,8 @@ namespace multum {
 
 class SampleConverter {
  public:
-  /// `base_type`: of host/formats/image/files/number_type.h. `then` is called once for each code of 8 and 16 bits.
+  /// `base_type` is a code of host/formats/image/files/number_type.h. `then` is called once for each code of 8 and 16
+  /// bits.
   explicit SampleConverter(int base_type, std::function<float(float)> then = {});
 
   /// `values` holds `count` floats. Several threads may convert at once.

@@ -10,7 +10,7 @@
 namespace multum {
 namespace {
 
-// The one or two outputs to which an input contributes, and their weights. A line has `from` inputs and `to` <= `from`
+// The weights with which an input contributes to one or two outputs. A line has `from` inputs and `to` <= `from`
 // outputs.
 struct Share {
   int first = 0;
@@ -73,7 +73,7 @@ class AreaMeans {
   std::vector<double> row_sums_, sums_;
 };
 
-// Returns the values shown as black and white.
+// Returns the values that are shown as black and as white.
 std::pair<double, double> range_of(const std::vector<double>& means, const RawImageInfo& info) {
   const auto [least, most] = std::minmax_element(means.begin(), means.end());
   if (info.channel_count == 1) return {*least, *most};

@@ -16,7 +16,7 @@ namespace {
 
 constexpr float kBeside = 0.211324865f;  // distance (1 - 1 / sqrt 3) / 2 of the two-point Gauss rule, in texels
 
-// Directions (1 or -1) of the neighbours towards which a texel's point is moved; each neighbour has the weight kBeside.
+// Directions (1 or -1) in which a texel's point is moved towards a neighbour. Each neighbour has the weight kBeside.
 int step_x(int x, int y) { return (x + y) % 2 == 0 ? 1 : -1; }
 int step_y(int x) { return x % 4 == 0 || x % 4 == 3 ? 1 : -1; }
 

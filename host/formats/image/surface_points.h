@@ -10,7 +10,7 @@
 //                                (-, s)  (+, -s)
 //
 // Each of the four points occurs once. Points are distributed along x and y like texel centres. Between any two columns
-// or rows of texels there are equally many points, so edges along the axes have the right width.
+// or rows of texels, there are equally many points, so edges along the axes have the right width.
 #pragma once
 
 #include "host/formats/image/plane_store.h"
@@ -28,13 +28,13 @@ struct MapWrap {
   WrapMode s = WrapMode::kPeriodic, t = WrapMode::kPeriodic;
 };
 
-/// Returns the points' normals, in new planes according to `spill`. Each is the weighted mean of four texels, scaled
-/// to the weighted mean of their lengths: 1, or less with a roughness map. If the four texels cancel out, the nearest
-/// texel gives the direction.
+/// Returns the points' normals, in new planes according to `spill`. Each is the weighted mean of four texels, scaled to
+/// the weighted mean of their lengths. This length is 1, or less with a roughness map. If the four texels cancel out,
+/// the nearest texel gives the direction.
 PlaneStore surface_normals(const PlaneStore& texels, const MapWrap& wrap, const SpillPolicy& spill, int threads,
                            Progress* progress);
 
-/// Returns the same points' colours or weights, interpolated without scaling.
+/// Returns the colours or weights of the same points, interpolated without scaling.
 PlaneStore surface_values(const PlaneStore& texels, const MapWrap& wrap, const SpillPolicy& spill, int threads,
                           Progress* progress);
 

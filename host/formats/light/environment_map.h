@@ -9,21 +9,21 @@
 
 namespace multum {
 
-/// Row 0 is up, +Y; the middle column is -Z, with +X to its right. Values are row-major and linear.
+/// Row 0 is up, +Y. The middle column is -Z, with +X to its right. Values are row-major and linear.
 struct EnvironmentMap {
   int width = 0;
   int height = 0;
   std::vector<glm::vec3> texels;
 };
 
-/// Returns a unit direction; `s`, `t`: 0..1 across the map.
+/// Returns a unit direction. `s` and `t` are 0..1 across the map.
 glm::dvec3 environment_direction(double s, double t);
 /// Returns the (s, t) of a unit direction.
 glm::dvec2 environment_coordinates(const glm::dvec3& direction);
 /// Returns the solid angle of a texel of row `y`.
 double texel_solid_angle(int width, int height, int y);
 
-/// Averages blocks of texels over solid angle: the result is at most `width` wide, and half as high. A smaller map
+/// Averages blocks of texels over solid angle. The result is at most `width` wide, and half as high. A smaller map
 /// stays unchanged.
 EnvironmentMap shrink(const EnvironmentMap& map, int width);
 

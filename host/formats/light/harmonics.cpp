@@ -26,7 +26,7 @@ void for_each_texel(const EnvironmentMap& map, const Use& use) {
 std::vector<double> harmonics(const glm::dvec3& d, int order) {
   const auto index = [](int l, int m) { return static_cast<std::size_t>(l * (l + 1) + m); };
   std::vector<double> y(index(order, order) + 1);
-  double cosine = 1.0, sine = 0.0;                       // sin^m theta (cos, sin)(m phi)
+  double cosine = 1.0, sine = 0.0;                       // sin^m theta times (cos, sin)(m phi)
   double diagonal = std::sqrt(0.25 / std::numbers::pi);  // K_mm P_mm / sin^m
   for (int m = 0; m <= order; ++m) {
     if (m > 0) {
@@ -53,7 +53,7 @@ std::vector<double> harmonics(const glm::dvec3& d, int order) {
   return y;
 }
 
-// Uses moments: the projection to l = 1 is 3/(4 pi) times the first moment, the projection to l = 2 is 15/(8 pi) times
+// Uses moments. The projection to l = 1 is 3/(4 pi) times the first moment. The projection to l = 2 is 15/(8 pi) times
 // the second moment without its trace.
 SmoothEnvironment smooth_environment(const EnvironmentMap& map) {
   SmoothEnvironment smooth{
@@ -75,7 +75,7 @@ std::vector<glm::dvec3> half_vector_light(const EnvironmentMap& map, const glm::
   std::vector<glm::dvec3> sum((kHalfVectorOrder + 1) * (kHalfVectorOrder + 1), glm::dvec3(0.0));
   for_each_texel(map, [&](const glm::dvec3& l, const glm::dvec3& light) {
     const double size = glm::length(l + v);
-    if (size < 1e-6) return;  // v.h = 0
+    if (size < 1e-6) return;  // here v.h is 0
     const glm::dvec3 h = (l + v) / size;
     const std::vector<double> y = harmonics(h, kHalfVectorOrder);
     for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += y[i] * glm::dot(v, h) * light;

@@ -8,11 +8,11 @@
 
 namespace multum {
 
-/// The density of a direction per solid angle is the luminance of its texel (sampled_luminance()) over `total`.
+/// The density of a direction per solid angle is the luminance of its texel (sampled_luminance()), divided by `total`.
 class LightSampler {
  public:
   explicit LightSampler(const EnvironmentMap& map);
-  /// Samples the sum of (1 - share) times the map of `a` and `share` times the map of `b`; both maps must have the same
+  /// Samples the sum of (1 - share) times the map of `a` and `share` times the map of `b`. Both maps must have the same
   /// size.
   LightSampler(const LightSampler& a, const LightSampler& b, double share);
   /// Returns direction `index` of a low-discrepancy sequence: a unit vector in the environment's frame.
@@ -21,7 +21,7 @@ class LightSampler {
 
  private:
   int width_, height_;
-  std::vector<double> cumulative_;  // over texels
+  std::vector<double> cumulative_;  // sums over texels
 };
 
 /// Returns the mean of the channels, so that light of any colour is sampled.

@@ -60,13 +60,14 @@ EnvironmentMap convolve(const EnvironmentMap& source, double kappa, int width, i
 
 }  // namespace
 
-// Makes each level from the level above. Mean cosines multiply, so the lobe of a step has the quotient of two mean
+// Makes each level from the previous level. Mean cosines multiply, so the lobe of a step has the quotient of two mean
 // cosines.
 PrefilteredLevels prefilter(const EnvironmentMap& map) {
   const double texel = std::numbers::pi / map.height;
-  PrefilteredLevels result{{map}, {texel * texel / 12.0}};  // the spread of level 0, because a texel is a box
+  PrefilteredLevels result{{map}, {texel * texel / 12.0}};  // the spread of level 0 is that of a box, because a texel
+                                                            // is a box
   for (int k = 1; (map.height >> k) >= 4; ++k) {
-    const int width = map.width >> k, height = map.height >> k;  // as in OpenGL
+    const int width = map.width >> k, height = map.height >> k;  // sizes as in OpenGL
     const double deviation = 2.0 * std::numbers::pi / height;
     const double spread = vmf_spread(1.0 / (deviation * deviation));
     const double step = 1.0 - (1.0 - spread) / (1.0 - result.spreads.back());

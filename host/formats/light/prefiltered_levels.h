@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// An environment convolved with vMF lobes, one per mip level. A lobe of any spread is read from two levels.
+// An environment convolved with vMF lobes, one per mip level. A lobe of any spread is interpolated from two levels.
 #pragma once
 
 #include <vector>

@@ -31,7 +31,7 @@ std::array<double, 4> sequence(int i) {
 
 // Draws a direction around `axis` from a vMF with this kappa.
 glm::dvec3 sample_vmf(const glm::dvec3& axis, double kappa, double u, double w) {
-  // Inverts the distribution of e = 1 - cosine: exp(-kappa e) from 1 to exp(-2 kappa).
+  // Inverts the distribution of e = 1 - cosine, with exp(-kappa e) from 1 to exp(-2 kappa).
   const double e = kappa < 1e-4 ? 2.0 * u : -std::log1p(-u * -std::expm1(-2.0 * kappa)) / kappa;
   const double sine = std::sqrt(std::max(e * (2.0 - e), 0.0)), phi = 2.0 * std::numbers::pi * w;
   const glm::dvec3 side = glm::normalize(std::abs(axis.z) < 0.9 ? glm::cross(axis, glm::dvec3(0.0, 0.0, 1.0))

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tabulates the light that a lobe of normals reflects under uniform light (the "split sum" of Karis 2013, with the
-// lobe as one more dimension). It draws a lobe n ~ vMF(mu, d), facets h ~ vMF(n, term), and l = reflect(v, h), each
+// Tabulates the light that a lobe of normals reflects under uniform light (the "split sum" of Karis 2013, with the lobe
+// as one more dimension). Draws normals n ~ vMF(mu, d) of a lobe, facets h ~ vMF(n, term), and l = reflect(v, h), each
 // with the weight 4 (v.h) F(v.h) V max(n.l, 0).
 #pragma once
 
@@ -12,16 +12,16 @@
 
 namespace multum {
 
-constexpr int kReflectionCosineCount = 32;  // number of values of mu.v, evenly from -1 to 1
-constexpr int kReflectionSpreadCount = 24;  // d = 1 - |r|: (i / (count - 1))^3
+constexpr int kReflectionCosineCount = 32;  // number of values of mu.v, evenly spaced from -1 to 1
+constexpr int kReflectionSpreadCount = 24;  // number of values of d = 1 - |r|: (i / (count - 1))^3
 
 struct ReflectionEntry {
-  glm::dvec3 weight;  // the integral
+  glm::dvec3 weight;  // integral of the weights
   double plain;       // integral of only 4 (v.h) (v.h)
   double fresnel;     // mean of (1 - v.h)^5 over cosine-weighted light, for the factor 1 - F of the diffuse part
 };
 
-/// Returns one table per term of vmf_terms(brdf), as entries [spread][cosine], row by row.
+/// Returns one table per term of vmf_terms(brdf). Its entries are [spread][cosine], row by row.
 std::vector<std::vector<ReflectionEntry>> reflection_tables(const Brdf& brdf);
 
 }  // namespace multum

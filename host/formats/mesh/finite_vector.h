@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Returns whether every component of a vector is finite; every check of a mesh uses this function.
+// Returns whether every component of a vector is finite. Every check of a mesh uses this function.
 #pragma once
 
 #include <cmath>

@@ -7,9 +7,9 @@
 
 namespace multum {
 
-/// Does nothing for other file types. Throws Error(kInput) naming the file if it is unreadable or damaged, or if its
-/// buffers are outside its folder. Also rejects a required extension that changes geometry and cannot be read, and
-/// names it (KHR_draco_mesh_compression, ...).
+/// Does nothing for other file types. Throws Error(kInput), which names the file, if it is unreadable or damaged, or if
+/// its buffers are outside its folder. Also rejects a required extension that changes geometry and cannot be read. The
+/// message names this extension (KHR_draco_mesh_compression, ...).
 void check_gltf_file(const std::string& path);
 
 }  // namespace multum

@@ -68,8 +68,8 @@ std::uint32_t little_endian(const std::string& bytes, std::size_t at) {
   return value;
 }
 
-// Splits a GLB file: 12 bytes of header ("glTF", version, length), then chunks of (length, type, data): JSON, then
-// optional bytes.
+// Splits a GLB file. Its header has 12 bytes ("glTF", version, length). Chunks of (length, type, data) follow: JSON,
+// then optional bytes.
 void split_glb(const std::string& bytes, const std::string& path, std::string& json, std::string& binary) {
   constexpr std::uint32_t kJsonChunk = 0x4E4F534A;
   if (bytes.size() < 20 || bytes.compare(0, 4, "glTF") != 0)
@@ -118,7 +118,7 @@ bool decode_data_uri(const std::string& uri, const std::string& path, std::strin
 
 std::string read_model_file(const std::string& path) {
   std::string bytes = read_from(open_regular_file(path), path, kModelBytesMax + 1);
-  if (bytes.size() > kModelBytesMax) refuse_file(path, "has 4 GiB or more, expected less, the limit of GLB");
+  if (bytes.size() > kModelBytesMax) refuse_file(path, "has 4 GiB or more, which exceeds the limit of GLB");
   return bytes;
 }
 

@@ -11,36 +11,36 @@ namespace multum {
 
 struct GltfDocument {
   std::string path;
-  nlohmann::json json;  // an object
-  std::string binary;   // of a GLB: the bytes after the JSON
+  nlohmann::json json;  // a JSON object
+  std::string binary;   // for a GLB: the bytes after the JSON
 };
 
 bool is_gltf_name(const std::string& path);  // *.gltf, *.glb
 
-/// A GLB stores its length in 32 bits; the buffers of a .gltf get the same limit.
+/// Limit of file sizes. A GLB stores its length in 32 bits, and the buffers of a .gltf get the same limit.
 constexpr std::uint64_t kModelBytesMax = (std::uint64_t{1} << 32) - 1;
 
-/// Reads a whole model file. Throws Error(kInput) naming the file if it is unreadable, not a regular file, or 4 GiB or
-/// larger.
+/// Reads a whole model file. Throws Error(kInput), which names the file, if it is unreadable, not a regular file, or
+/// has 4 GiB or more.
 std::string read_model_file(const std::string& path);
 
-/// Reads a glTF file. Throws Error(kInput) naming the file if it is unreadable or damaged, has NUL in a string, or has
-/// an index beyond its array.
+/// Reads a glTF file. Throws Error(kInput), which names the file, if it is unreadable or damaged, has NUL in a string,
+/// or has an index beyond its array.
 GltfDocument read_gltf_document(const std::string& path);
 
 /// Returns the bytes of a buffer view, from the GLB, from a file next to it, or from a data URI. Throws Error(kInput).
 std::string buffer_view_bytes(const GltfDocument& document, std::size_t view);
 
-/// Decodes a base64 data URI; returns false for other URIs. Throws Error(kInput) for a damaged one.
+/// Decodes a base64 data URI. Returns false for other URIs. Throws Error(kInput) for a damaged base64 data URI.
 bool decode_data_uri(const std::string& uri, const std::string& path, std::string& bytes);
 
 /// Resolves a relative URI in the file `path` to a path in that file's folder or below, and decodes %20 and the like.
-/// Throws Error(kInput) for an empty URI, other schemes, NUL, a place outside the folder (also through a link), or an
-/// existing file that is not regular.
+/// Throws Error(kInput) for an empty URI, other schemes, NUL, a place outside the folder (also if a link leads there),
+/// or an existing file that is not regular.
 std::string uri_path(const std::string& path, const std::string& uri);
 
-/// Returns the first bytes, at most `byte_max`, of a data URI or of the file at uri_path(). The file is opened once,
-/// so the checks apply to the bytes that are read. Throws Error(kInput).
+/// Returns the first bytes, at most `byte_max`, of a data URI or of the file at uri_path(). The file is opened only
+/// once, so the checks apply to the bytes that are read. Throws Error(kInput).
 std::string uri_bytes(const std::string& path, const std::string& uri, std::uint64_t byte_max);
 
 }  // namespace multum

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Checks the indices of a glTF file: each index must refer to an existing element of its array.
+// Checks the indices of a glTF file. Each index must refer to an existing element of its array.
 #pragma once
 
 #include <string>
@@ -8,9 +8,9 @@
 
 namespace multum {
 
-/// Checks every index of glTF 2.0, and of the extensions that multum reads or moves in an object. Throws Error(kInput)
-/// naming the file: "meshes/0/primitives/0/indices is 7, expected a number below 3, the length of accessors". Skips
-/// extras, other extensions, and files of glTF 1.0, which has names instead of indices.
+/// Checks every index of glTF 2.0, and of the extensions that multum reads, or moves with an object. Throws
+/// Error(kInput), which names the file: "meshes/0/primitives/0/indices is 7, expected a number below 3, the length of
+/// accessors". Skips extras, other extensions, and files of glTF 1.0, which has names instead of indices.
 void check_gltf_indices(const nlohmann::json& json, const std::string& path);
 void check_gltf_indices(const nlohmann::ordered_json& json, const std::string& path);
 

@@ -72,7 +72,7 @@ class MaterialReader {
     return made;
   }
 
-  // Detects the format from the bytes; name and type may be wrong.
+  // Detects the format from the bytes, because name and type may be wrong.
   std::string extension_of(const std::string& bytes, const std::string& number) const {
     if (bytes.starts_with("\x89PNG")) return "png";
     if (bytes.starts_with("\xff\xd8\xff")) return "jpg";
@@ -121,7 +121,7 @@ class MaterialReader {
     const json& more = texture.contains("extensions") ? texture.at("extensions") : json::object();
     if (more.contains("EXT_texture_webp")) image = index_at(more.at("EXT_texture_webp"), "source");
     if (image == result_.images.size() && texture.contains("source")) image = index_at(texture, "source");
-    // This format is the last choice, because some of its texels can be decoded only by GPU libraries.
+    // This format is the last choice, because only GPU libraries can decode some of its texels.
     if (image == result_.images.size() && more.contains("KHR_texture_basisu"))
       image = index_at(more.at("KHR_texture_basisu"), "source");
     if (image >= result_.images.size()) refuse(fmt::format("texture {} has no readable image", index));
@@ -145,7 +145,7 @@ class MaterialReader {
                          (transform.contains("texCoord") && uv_set_of(transform) != uv_set_of(info));
     if (changes)
       refuse(
-          fmt::format("material '{}' transforms its {} by KHR_texture_transform, which is not supported; apply it to "
+          fmt::format("material '{}' transforms its {} with KHR_texture_transform, which is not supported; apply it to "
                       "the texture coordinates and export again",
                       material, key));
   }

@@ -14,7 +14,7 @@ namespace multum {
 
 struct GltfTexture {
   int image = 0;                                         // index into GltfMaterials::images
-  int uv_set = 0;                                        // TEXCOORD_n
+  int uv_set = 0;                                        // n of TEXCOORD_n
   std::string wrap_s = "periodic", wrap_t = "periodic";  // names of WrapMode
 };
 
@@ -27,13 +27,13 @@ struct GltfMaterial {
   float anisotropy = 0.0f;    // strength, 0..1 (KHR_materials_anisotropy)
   std::optional<GltfTexture> normal;
   std::optional<GltfTexture> colour;              // base colour
-  std::optional<GltfTexture> metallic_roughness;  // listed; not used
+  std::optional<GltfTexture> metallic_roughness;  // listed, but not used
 };
 
 struct GltfImage {
   std::string name;       // name of the extracted file: "normal", "image_2"
-  std::string file;       // path; empty: embedded
-  std::string extension;  // "png", "jpg", "webp", "ktx2": format of embedded bytes
+  std::string file;       // path; empty for an embedded image
+  std::string extension;  // format of embedded bytes: "png", "jpg", "webp" or "ktx2"
   std::string bytes;      // bytes of an embedded image
 };
 
@@ -42,7 +42,7 @@ struct GltfMaterials {
   std::vector<GltfImage> images;
 };
 
-/// Reads the materials. Throws Error(kInput) naming the file and the fault: not glTF or GLB, damaged, a missing
+/// Reads the materials. Throws Error(kInput), which names the file and the fault: not glTF or GLB, damaged, a missing
 /// texture, an effective texture transform (KHR_texture_transform), or an image format that cannot be read.
 GltfMaterials read_gltf_materials(const std::string& path);
 

@@ -20,8 +20,8 @@ using ObjectMeshes = std::vector<ObjectMesh>;
 std::string open_mesh_request(DecodingRequest kind, const std::string& path, int uv_set);
 std::string read_mesh_request();
 
-/// Reads everything except the contents of arrays; arrays are resized to their final lengths. `Meshes` is TriangleMesh
-/// or ObjectMeshes. Throws Error(kInput) naming the file if the lengths exceed the child's limits.
+/// Reads everything except the contents of arrays, which are resized to their final lengths. `Meshes` is TriangleMesh
+/// or ObjectMeshes. Throws Error(kInput), which names the file, if the lengths exceed the child's limits.
 template <typename Meshes>
 Meshes parse_mesh_answer(const AskedFile& file, MessageReader& in);
 
@@ -29,12 +29,12 @@ Meshes parse_mesh_answer(const AskedFile& file, MessageReader& in);
 template <typename Meshes>
 std::size_t array_bytes(const Meshes& meshes);
 
-/// Copies the arrays from memory. Throws Error(kInput) naming the file if the values are not a valid mesh, because
-/// later code computes with them.
+/// Copies the arrays from memory. Throws Error(kInput), which names the file, if the values are not a valid mesh,
+/// because later code computes with them.
 template <typename Meshes>
 void take_arrays(const AskedFile& file, const std::byte* memory, Meshes& meshes);
 
-/// Work of the child: answers a request to open, and copies arrays to memory that the other process reads.
+/// The work of the child. Answers a request to open a file, and copies arrays to memory that the other process reads.
 template <typename Meshes>
 std::string open_mesh_answer(const Meshes& meshes);
 template <typename Meshes>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Objects of a scene file by name, each in its own space, for ray-traced animations.
+// Objects of a scene file by name, for ray-traced animations. Each object has its own space.
 #pragma once
 
 #include <cstdint>
@@ -15,18 +15,18 @@ namespace multum {
 
 struct ObjectMesh {
   std::string name;                    // name of the glTF node or the OBJ object
-  std::vector<glm::vec3> positions;    // object space
+  std::vector<glm::vec3> positions;    // positions in object space
   std::vector<glm::vec2> uvs;          // from the requested texture coordinate set; v grows upwards in the image
-  std::vector<std::uint32_t> indices;  // three a triangle
+  std::vector<std::uint32_t> indices;  // three per triangle
   glm::dmat4 object_to_world{1.0};     // transform from the file; the identity for OBJ
 };
 
-/// Returns the object's transform: from `moved` if `moved` has the object's name, otherwise from the file.
+/// Returns the object's transform. It comes from `moved` if `moved` has the object's name; otherwise from the file.
 const glm::dmat4& object_place(const ObjectMesh& mesh, const std::map<std::string, glm::dmat4>& moved);
 
-/// Reads every object with triangles, in the file's order; all meshes of one node are one object. `uv_set`: 0 is
-/// TEXCOORD_0. Throws Error(kInput) naming the file, the object and the fault: no texture coordinates of that set,
-/// indices out of range, values that are not finite, or two objects with the same name.
+/// Reads every object with triangles, in the file's order. All meshes of one node are one object. `uv_set` 0 is
+/// TEXCOORD_0. Throws Error(kInput), which names the file, the object and the fault: no texture coordinates of that
+/// set, indices out of range, values that are not finite, or two objects with the same name.
 std::vector<ObjectMesh> read_object_meshes(const std::string& path, int uv_set);
 
 }  // namespace multum

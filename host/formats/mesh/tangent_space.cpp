@@ -34,7 +34,7 @@ struct VertexKeyHash {
 VertexKey key_of(const TriangleCorners& corners, std::size_t i) {
   const glm::vec3 &p = corners.positions[i], &n = corners.normals[i];
   const glm::vec2& uv = corners.uvs[i];
-  const auto bits = [](float v) { return std::bit_cast<std::uint32_t>(v == 0.0f ? 0.0f : v); };  // -0 is 0
+  const auto bits = [](float v) { return std::bit_cast<std::uint32_t>(v == 0.0f ? 0.0f : v); };  // -0 becomes 0
   return {{bits(p.x), bits(p.y), bits(p.z), bits(n.x), bits(n.y), bits(n.z), bits(uv.x), bits(uv.y)}};
 }
 
@@ -85,11 +85,11 @@ class Groups {
 
 bool is_directed(const Face& face) { return face.has_area && face.tangent != glm::dvec3(0.0); }
 
-// Joins corners of triangles that share an edge and its orientation, at both ends of the edge.
+// Joins corners of triangles that share an edge and its orientation. Corners are joined at both ends of the edge.
 Groups join_at_edges(const std::vector<Index>& vertices, const std::vector<Face>& faces) {
   const auto next = [](std::size_t corner) { return corner % 3 == 2 ? corner - 2 : corner + 1; };
   Groups groups(vertices.size());
-  // Maps the edge's vertices and orientation to the corner of the first triangle where the edge begins.
+  // Maps an edge's vertices and orientation to the corner of the first triangle at which the edge begins.
   std::map<std::array<Index, 3>, std::size_t> edges;
   for (std::size_t corner = 0; corner < vertices.size(); ++corner) {
     const Face& face = faces[corner / 3];

@@ -19,12 +19,12 @@ namespace multum {
 
 class BackgroundBuilds {
  public:
-  /// Returns a program's binary, built in the thread's context. The context is null at first; later builds in the same
+  /// Returns a program's binary, built in the thread's context. The context is null at first. Later builds in the same
   /// thread reuse the context of the first build.
   using Build = std::function<std::string(cl::Context& context)>;
 
   BackgroundBuilds() = default;
-  /// Waits for running builds; drops waiting builds.
+  /// Waits for running builds, and drops waiting builds.
   ~BackgroundBuilds();
   BackgroundBuilds(const BackgroundBuilds&) = delete;
   BackgroundBuilds& operator=(const BackgroundBuilds&) = delete;

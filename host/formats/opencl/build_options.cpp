@@ -8,7 +8,7 @@
 namespace multum {
 
 std::string build_options(const KernelVariant& variant, bool rounds_when_asked) {
-  MULTUM_CHECK(variant.lobes >= 1 && variant.lobes <= 9);  // up to 8 in a file; one more for the normal map
+  MULTUM_CHECK(variant.lobes >= 1 && variant.lobes <= 9);  // up to 8 in a file, and one more for the normal map
   MULTUM_CHECK(variant.vector_width == 1 || variant.vector_width == 16);
   MULTUM_CHECK(variant.sh_order >= 0 && variant.sh_order <= 20);
   const std::string sh = variant.sh_order > 0 ? fmt::format(" -DMULTUM_SH_ORDER={}", variant.sh_order) : "";

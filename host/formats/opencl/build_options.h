@@ -7,17 +7,17 @@
 
 namespace multum {
 
-/// Structural choices that are compiled into a kernel.
+/// Choices of structure that are compiled into a kernel.
 struct KernelVariant {
-  int lobes = 4;          // 1..8
+  int lobes = 4;          // 1 to 8
   int vector_width = 1;   // 1 for scalars, one work-item per texel (GPUs); 16 for float16 (CPUs)
   bool weighted = false;  // true if sides are not powers of two, so that texels cover fractions of finest texels
   bool planar = false;    // true if lobes are planar Gaussians (kernels/device/planar_family.clh)
   int sh_order = 0;       // order of spherical harmonics, 1..20; 0 for a kernel without harmonics
 };
 
-/// `rounds_when_asked`: the device rounds divisions and square roots correctly (IEEE 754) only if the program is built
-/// with the option that requests it.
+/// `rounds_when_asked` is true if the device rounds divisions and square roots correctly (IEEE 754) only in programs
+/// built with the option that requests it.
 std::string build_options(const KernelVariant& variant, bool rounds_when_asked);
 
 }  // namespace multum

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Includes OpenCL's headers in one place: clhpp owns handles, and cl_error.h checks every status. Private to
+// Includes OpenCL's headers in one place. clhpp owns handles, and cl_error.h checks every status. Private to
 // host/formats/opencl.
 #pragma once
 

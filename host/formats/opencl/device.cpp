@@ -142,8 +142,8 @@ std::shared_ptr<DeviceState> open_state(const std::string& selector) {
   if (!number) {
     std::string known;
     for (const FoundDevice& device : devices) known += fmt::format("\n  {}: {}", device.info.index, device.info.name);
-    throw Error(ErrorCode::kEnvironment,
-                "no OpenCL device matches '" + selector + "'; expected a number, or part of a name, from" + known);
+    throw Error(ErrorCode::kEnvironment, "no OpenCL device matches '" + selector +
+                                             "'; expected a number or a part of a name from this list:" + known);
   }
   auto opened = std::make_shared<DeviceState>();
   DeviceState& state = *opened;

@@ -30,11 +30,12 @@ struct DeviceInfo {
   std::string version;  // version of OpenCL, with the driver's additions
   bool is_cpu;
   bool shares_memory;      // true if memory is shared with the host, so that fewer copies save no time
-  bool rounds_when_asked;  // rounds divisions and roots as IEEE requires only in programs built with an option
-  bool has_atomic_longs;   // cl_khr_int64_base_atomics
+  bool rounds_when_asked;  // true if divisions and roots are rounded as IEEE requires only in programs built with an
+                           // option
+  bool has_atomic_longs;   // true if the device has cl_khr_int64_base_atomics
   int compute_units;
-  int work_group_max;         // work-items
-  std::uint64_t local_bytes;  // of a work-group
+  int work_group_max;         // in work-items
+  std::uint64_t local_bytes;  // local memory of a work-group
   std::uint64_t memory_bytes;
   std::uint64_t buffer_bytes_max;
 };
@@ -47,10 +48,10 @@ struct TransferCounts {
   TransferCounts operator-(const TransferCounts& other) const;
 };
 
-/// Returns every device of every platform; may be empty.
+/// Returns every device of every platform. The list may be empty.
 std::vector<DeviceInfo> list_devices();
 
-/// Chooses the device that a selector names, as Device::open() does; unset if it names none.
+/// Chooses the device that a selector names, as Device::open() does. Returns nullopt if it names none.
 std::optional<std::size_t> choose_device(const std::vector<DeviceInfo>& devices, const std::string& selector);
 
 class DeviceState;
@@ -77,15 +78,15 @@ struct BufferRange {
 
 struct BufferMove {
   BufferRange from;
-  std::size_t to;  // first byte
+  std::size_t to;  // first byte of the target
 };
 
 /// A kernel of one program variant. Arguments are buffers or plain structs and numbers, in the kernel's order.
 class Kernel {
  public:
   struct WorkSize {
-    std::size_t global;     // work-items, rounded up to a multiple of `local`; kernels check their bounds
-    std::size_t local = 0;  // 0: the device's default
+    std::size_t global;     // number of work-items, rounded up to a multiple of `local`; kernels check their bounds
+    std::size_t local = 0;  // 0 for the device's default
   };
 
   bool is_built() const { return kernel_ != nullptr; }
@@ -122,17 +123,18 @@ struct ProgramChoice {
 /// A device and how to use it.
 struct DeviceChoice {
   std::string selector;         // as for Device::open()
-  bool as_accelerator = false;  // divides work as for a GPU, on any device; results keep the same bytes (LaunchShape)
+  bool as_accelerator = false;  // true to divide work as for a GPU, on any device; results keep the same bytes
+                                // (LaunchShape)
 };
 
 class Device {
  public:
-  /// Opens a device. `selector`: empty for the first GPU, or the first CPU if there is none; a number of `multum
-  /// devices`; or part of a device's or platform's name. "4090" counts as part of a name if no device has this number.
-  /// Throws Error(kEnvironment), listing the devices, if none matches.
+  /// Opens a device. `selector` is empty, a number of `multum devices`, or part of a device's or platform's name. If it
+  /// is empty, opens the first GPU, or the first CPU if there is none. "4090" counts as part of a name if no device has
+  /// this number. If none matches, throws Error(kEnvironment), which lists the devices.
   static Device open(const std::string& selector);
   static Device open(const DeviceChoice& choice);
-  /// Opens the device at its first use, and throws at that time like open(). A driver needs 80 MiB and tens of
+  /// Opens the device when it is first used, and throws at that time like open(). A driver needs 80 MiB and tens of
   /// milliseconds, and a program that rejects its input needs no device.
   static Device when_needed(const DeviceChoice& choice);
   bool is_open() const { return state_ != nullptr; }
@@ -150,27 +152,28 @@ class Device {
   /// Copies to or from the beginning of the buffer, after earlier launches.
   void write(DeviceBuffer& buffer, const void* data, std::size_t byte_count);
   void read(const DeviceBuffer& buffer, void* data, std::size_t byte_count);
-  /// Writes without waiting: `data` must stay unchanged until the queue has finished.
+  /// Writes without waiting, so `data` must stay unchanged until the queue has finished.
   void queue_write(DeviceBuffer& buffer, const void* data, std::size_t byte_count);
   /// Waits for earlier launches, then calls `body` with pointers to the ranges' bytes, without a copy on CPUs.
   using Bytes = std::vector<unsigned char*>;
   using WithBytes = std::function<void(const Bytes& bytes)>;
   void read_ranges(const std::vector<BufferRange>& ranges, const WithBytes& body);
-  /// Maps the ranges for writing; later launches see the bytes that `body` writes. Bytes that `body` does not write
-  /// are undefined afterwards. A `body` must not call either function.
+  /// Maps the ranges for writing; later launches see the bytes that `body` writes. Bytes that `body` does not write are
+  /// undefined afterwards. A `body` must call neither read_ranges() nor write_ranges().
   void write_ranges(const std::vector<BufferRange>& ranges, const WithBytes& body);
-  /// Moves bytes to a lower place in the same buffer. Source and target of a move may overlap; different moves may not.
+  /// Moves bytes to a lower place in the same buffer. Source and target of one move may overlap, but two moves may not.
   void move_down(const std::vector<BufferMove>& moves);
   void fill_zero(DeviceBuffer& buffer);
 
-  /// Starts to build these programs in parallel, in this order, except for cached ones; kernel() waits for the program
+  /// Starts to build these programs in parallel, in this order, except for cached ones. kernel() waits for the program
   /// that it needs. Does nothing without a cache folder (program_cache.h).
   void prepare(const std::vector<ProgramChoice>& programs);
-  /// Returns a kernel of kernels/FILE.cl, built with the variant's options or loaded from the program cache.
+  /// Returns a kernel of kernels/FILE.cl. Its program is built with the variant's options or loaded from the program
+  /// cache.
   Kernel kernel(const std::string& file, const std::string& kernel_name, const KernelVariant& variant);
 
-  /// Edits the sources of programs that are built from here on; an empty list ends the edits. Existing kernels stay
-  /// unchanged. Shows what a guard prevents (host/lab/selftest); never used for a bake.
+  /// Edits the sources of programs that are built from now on. An empty list ends the edits. Existing kernels stay
+  /// unchanged. Edits show what a guard prevents (host/lab/selftest). They are never used for a bake.
   void edit_kernels(std::vector<SourceEdit> edits);
   bool kernels_are_edited() const;
 
@@ -179,8 +182,8 @@ class Device {
   /// Sends queued launches to the device.
   void flush();
 
-  /// Number of launches by kernel name, and of programs built or loaded from the cache, since the device was opened.
-  /// host/formats/opencl/device_counts.h counts them for one job.
+  /// Number of launches by kernel name, and number of programs built or loaded from the cache, since the device was
+  /// opened. host/formats/opencl/device_counts.h counts them for one job.
   const std::map<std::string, std::uint64_t>& launch_counts() const;
   std::uint64_t launch_total() const;
   int program_count() const;

@@ -60,7 +60,7 @@ class DeviceState {
   std::map<std::string, double> launch_seconds;
   TransferCounts transfers;
   std::shared_ptr<BufferBytes> buffer_bytes = std::make_shared<BufferBytes>();
-  std::array<StagingBuffer, 2> staging;  // the host fills one while the device copies the other
+  std::array<StagingBuffer, 2> staging;  // while the device copies one, the host fills the other
   std::size_t next_staging = 0;
   int unprepared_count = 0;
   bool told_of_building = false;
@@ -70,7 +70,7 @@ class DeviceState {
 /// Returns the staging buffers to the queue that mapped them.
 void release_staging(DeviceState& state);
 
-/// Waits for all launches, and adds up their times. If it throws, no times are left.
+/// Waits for all launches, and adds up their times. If it throws, no times are kept.
 void collect_times(DeviceState& state);
 
 /// Returns the key of kernels/FILE.cl, with its current edits, in state.programs.

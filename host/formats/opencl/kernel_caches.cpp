@@ -22,7 +22,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Folder that is removed by the process that made it, not by a child made by fork().
+// A folder that is removed by the process that made it, not by a child of fork().
 class PrivateFolder {
  public:
   explicit PrivateFolder(const std::string& above) : path_(above + "/multum-cache-XXXXXX"), owner_(::getpid()) {
@@ -41,8 +41,8 @@ class PrivateFolder {
   const pid_t owner_;
 };
 
-// Returns why no folder can be made inside `folder`; empty if one can. Tries to make a folder, because permissions
-// do not decide this (root, a read-only or full disk).
+// Returns why no folder can be made inside `folder`, or an empty text if one can. Tries to make a folder, because
+// permissions do not tell this (root, a read-only or full disk).
 std::string why_not_writable(const std::string& folder) {
   std::error_code error;
   fs::create_directories(folder, error);
@@ -81,7 +81,7 @@ class KernelCaches {
     const std::string why = why_not_writable(folder);
     if (why.empty()) return "";
     const std::string place = folder;
-    std::string said = "cannot keep compiled kernels here: " + why;
+    std::string said = "cannot store compiled kernels here: " + why;
     try {
       if (private_ == nullptr) private_ = std::make_unique<PrivateFolder>(fs::temp_directory_path().string());
       folder = private_->path() + "/" + name;

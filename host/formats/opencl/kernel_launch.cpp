@@ -22,8 +22,8 @@ void Kernel::set_bytes(int index, const void* bytes, std::size_t byte_count) {
 
 void Kernel::enqueue(const WorkSize& size) {
   if (size.global == 0) return;
-  // Local sizes are explicit: PoCL compiles a kernel once per size, and leaves a thread idle when it chooses the size
-  // itself. Teams need their size, so LaunchShape allows them only on devices with room for them.
+  // Local sizes are explicit, because PoCL compiles a kernel once per size, and leaves a thread idle when it chooses
+  // the size itself. Teams need their size, so LaunchShape allows them only on devices with room for them.
   const std::size_t wanted = size.local != 0 ? size.local : device_->shape.local_size;
   const std::size_t local = std::min(wanted, static_cast<std::size_t>(std::max(1, device_->info.work_group_max)));
   const std::size_t global = (size.global + local - 1) / local * local;
@@ -33,7 +33,7 @@ void Kernel::enqueue(const WorkSize& size) {
            "kernel " + name_);
   ++device_->launch_counts[name_];
   if (!device_->times_launches) return;
-  constexpr std::size_t kTimedMax = 4096;  // because unread events need memory in the driver
+  constexpr std::size_t kTimedMax = 4096;  // limited, because unread events need memory in the driver
   device_->timed.emplace_back(name_, std::move(event));
   if (device_->timed.size() >= kTimedMax) collect_times(*device_);
 }

@@ -13,7 +13,8 @@
 //   copies                   none: buffers are mapped          at most 32 MiB each, while the host makes the next
 //   rows fitted at once      as many as caches hold            an eighth of the device's memory: few, large launches
 //
-// Measured on an NVIDIA H100 (docs/evidence/GPU.md) and on PoCL with two cores (docs/evidence/BENCHMARKS.md).
+// The choices were measured on an NVIDIA H100 (docs/evidence/GPU.md) and on PoCL with two cores
+// (docs/evidence/BENCHMARKS.md).
 #pragma once
 
 #include <cstddef>
@@ -25,22 +26,23 @@ namespace multum {
 
 struct LaunchShape {
   int vector_width;                   // vector width of the kernels' fast variant
-  std::size_t local_size;             // default of launches
+  std::size_t local_size;             // default local size of launches
   std::size_t team_texels_max;        // largest number of texels that teams fit at once; 0 for no teams
   int pack_parts;                     // number of work-items that arrange the samples of one group of texels
   bool atomic_cells;                  // true if all chunks of a texel share one table of cells
   int strip_texels;                   // texels per work-item in the pyramid's kernels (texture inference)
-  std::size_t strip_local_size;       // of these
-  std::size_t staging_bytes;          // bytes of one copy; 0 if nothing is copied
+  std::size_t strip_local_size;       // local size of the pyramid's kernels
+  std::size_t staging_bytes;          // number of bytes of one copy; 0 if nothing is copied
   std::uint64_t window_bytes_max;     // limit for rows fitted at once; 0 if --memory is the limit
-  std::uint64_t window_bytes_useful;  // more is not faster; 0: chosen by cache size (host/bakes/movmf/bake_plan.h)
+  std::uint64_t window_bytes_useful;  // more bytes are not faster; if 0, the cache size decides
+                                      // (host/bakes/movmf/bake_plan.h)
 
   bool has_teams() const { return team_texels_max > 0; }
   /// Returns whether teams fit this many texels at once, with at most `sample_capacity` samples each.
   bool fits_by_teams(std::size_t texels, int sample_capacity) const;
 
   static LaunchShape of(const DeviceInfo& info);
-  /// Returns the shape of an accelerator, to try it on this device, even a CPU (`multum bake --scalar`).
+  /// Returns the shape of an accelerator, to try it on this device, which may be a CPU (`multum bake --scalar`).
   static LaunchShape of_accelerator(const DeviceInfo& info);
 };
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Sets environment variables so that PoCL compiles kernels as these need it. Variables set by the user stay unchanged.
+// Sets environment variables so that PoCL compiles kernels as this project needs. Variables set by the user stay
+// unchanged.
 #pragma once
 
 #include <string>
@@ -19,7 +20,7 @@ void ask_pocl_for_usual_threads();
 
 /// Returns whether PoCL of this CL_PLATFORM_VERSION can abort when it joins work-items by loops, which is its default.
 /// With LLVM 18 and later, it can end the program ("Instruction Combining did not reach a fixpoint", pocl issue 1608).
-/// This was seen on processors without AVX-512, but not with it.
+/// This happened only on processors without AVX-512.
 [[nodiscard]] bool pocl_loops_may_abort(const std::string& platform_version, bool has_avx512);
 
 /// Makes PoCL of this CL_PLATFORM_VERSION join work-items by continuations if its loops may abort. Call it before

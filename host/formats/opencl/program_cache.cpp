@@ -35,7 +35,7 @@ cl::Program build_from_source(const DeviceState& state, const cl::Context& conte
   check_cl(status, file + ".cl: clCreateProgramWithSource");
   status = program.build(state.device, options.c_str());
   if (status == CL_SUCCESS) return program;
-  // At a signal, LLVM (PoCL's compiler) deletes the files that it is writing.
+  // When the program gets a signal, LLVM (PoCL's compiler) deletes the files that it is writing.
   if (is_interrupted()) throw Cancelled();
   throw Error(ErrorCode::kEnvironment,
               fmt::format("{}.cl does not build on {} with {}: {}\n{}", file, state.info.name, options,
@@ -79,7 +79,7 @@ std::string read_binary(const std::string& path) {
   return {};
 }
 
-// If a binary cannot be kept, the next run must build it again, but this run must not fail.
+// If a binary cannot be stored, the next run must build it again, but this run must not fail.
 void save_binary(const std::string& bytes, const std::string& path) {
   if (bytes.empty()) return;
   try {
@@ -92,7 +92,7 @@ void save_binary(const std::string& bytes, const std::string& path) {
 
 struct Source {
   std::string text;
-  std::string path;  // of the binary
+  std::string path;  // path of the binary
 };
 
 Source source_of(const DeviceState& state, const std::string& file, const std::string& options) {
@@ -115,7 +115,7 @@ Source source_of(const DeviceState& state, const std::string& file, const std::s
 void tell_of_building(DeviceState& state) {
   if (state.told_of_building) return;
   state.told_of_building = true;
-  log_info("compiling kernels for " + state.info.name + ", once; they are kept in " + g_cache_folder);
+  log_info("compiling kernels for " + state.info.name + "; later runs load them from " + g_cache_folder);
 }
 
 std::string build_binary(const DeviceState& state, const cl::Context& context, const std::string& file,
@@ -150,8 +150,8 @@ void prepare_program(DeviceState& state, const std::string& file, const std::str
   std::error_code ignored;
   if (std::filesystem::exists(source.path, ignored)) return;  // load_program() reads it, or builds it again
   tell_of_building(state);
-  // Every thread has its own context. PoCL builds only one program at a time per context, and reads its function
-  // library once per context, which takes half as long as building a small program. The state outlives its builds,
+  // Every thread has its own context. PoCL builds only one program at a time per context. It reads its function library
+  // once per context, which takes half as long as building a small program. The state exists longer than its builds,
   // which read only its constant members.
   state.builds.add(key, [&state, file, source, options](cl::Context& context) {
     if (context() == nullptr) context = make_context(state.device);
@@ -170,7 +170,7 @@ cl::Program load_program(DeviceState& state, const std::string& file, const std:
       return *program;
     }
     ++state.unprepared_count;
-    log_verbose("program cache: " + file + " is being built; its caller waits");
+    log_verbose("program cache: " + file + " is being built while its caller waits");
     tell_of_building(state);
     // Loads even a new program from its binary, so that the first run behaves like later runs.
     const std::string bytes = build_binary(state, state.context, file, source, options);

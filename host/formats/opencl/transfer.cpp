@@ -34,7 +34,7 @@ void release(DeviceState& state, StagingBuffer& staging) {
   staging = StagingBuffer();
 }
 
-// Returns the next of the two buffers, free to be written, with at least `byte_count` bytes.
+// Returns the next of the two buffers, with at least `byte_count` bytes. It can be written at once.
 StagingBuffer& next_staging(DeviceState& state, std::size_t byte_count) {
   StagingBuffer& staging = state.staging[state.next_staging];
   state.next_staging = (state.next_staging + 1) % state.staging.size();
@@ -60,9 +60,9 @@ Device::Bytes places_in(unsigned char* bytes, const std::vector<BufferRange>& ra
   return places;
 }
 
-// Maps ranges of CPUs' buffers for the host during its lifetime; ignores empty ranges. Ranges are mapped together, so
-// the host waits only once for earlier launches; later launches wait in the queue. After writing, call unmap(): if
-// unmapping fails, the device may not see the bytes.
+// Maps ranges of CPUs' buffers for the host during the object's lifetime. Ignores empty ranges. Ranges are mapped
+// together, so the host waits only once for earlier launches; later launches wait in the queue. After writing, call
+// unmap(): if unmapping fails, the device may not see the bytes.
 class MappedRanges {
  public:
   explicit MappedRanges(const DeviceState& state) : queue_(state.queue) {}
@@ -187,7 +187,7 @@ void Device::move_down(const std::vector<BufferMove>& moves) {
       std::memmove(bytes[i], bytes[i] + (moves[i].from.begin - moves[i].to), moves[i].from.count);
     return mapped.unmap();
   }
-  // Copies one piece after another; each piece is too short to overlap its target.
+  // Copies one piece after another. Each piece is too short to overlap its target.
   for (const auto& [from, to] : moves) {
     const cl::Buffer& memory = *from.buffer->memory_;
     const std::size_t distance = from.begin - to;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Provides blue noise for renderers that sample at random. Errors of neighbouring pixels then differ, so that a
-// denoiser, or the eye, removes them. The build makes the noise (void_and_cluster); common/blue_noise.glsl describes
-// how to read it.
+// denoiser, or the eye, removes them. The noise is made when the project is built (void_and_cluster);
+// common/blue_noise.glsl describes how to read it.
 #pragma once
 
 #include <cstdint>

@@ -12,7 +12,7 @@ namespace multum {
 namespace {
 
 constexpr double kSigma = 1.5;           // width, in texels, of the Gaussian by which Ulichney finds voids and clusters
-constexpr std::size_t kFirstShare = 10;  // the first pattern has a tenth of all texels
+constexpr std::size_t kFirstShare = 10;  // a tenth of all texels are in the first pattern
 
 /// A binary pattern on a torus, with the sum of its points' Gaussians at each texel.
 class Pattern {

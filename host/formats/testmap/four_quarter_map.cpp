@@ -97,7 +97,7 @@ std::array<float, 3> unit_normal(const std::array<std::uint16_t, 3>& code) {
   return {static_cast<float>(n[0] / length), static_cast<float>(n[1] / length), static_cast<float>(n[2] / length)};
 }
 
-// Makes rows of the map: the PNG's codes of the normals and linear colours, three per texel each.
+// Makes rows of the map: the PNG's codes of the normals, and linear colours. Each has three values per texel.
 struct FourQuarterRows {
   std::vector<std::uint16_t> normal_codes;
   std::vector<float> colours;
@@ -110,7 +110,7 @@ class FourQuarterGenerator {
     MULTUM_CHECK(size >= 16 && size % 2 == 0);
   }
 
-  // Makes the next rows; the noise quarter is made from the top.
+  // Makes the next rows. The noise quarter is made from the top.
   FourQuarterRows rows(int row_begin, int row_end) {
     std::vector<NoiseSlopes> noise;
     const int noise_begin = first_noise_row();
@@ -197,7 +197,7 @@ FourQuarterMap make_four_quarter_map(int size, std::uint64_t seed, std::optional
     }
   }
   map.normals.report.format = "generated, rounded to 16 bits";
-  map.normals.report.encoding = "normal map, unsigned, green up (OpenGL), as asked for";
+  map.normals.report.encoding = "normal map, unsigned, green up (OpenGL), as requested";
   map.normals.report.encoding_reason = "every four-quarter map is generated with this encoding";
   return map;
 }
@@ -220,7 +220,8 @@ void write_four_quarter_map(int size, std::uint64_t seed, const std::string& pre
         codes[i] = rounded_16_bit(srgb_from_linear(static_cast<double>(rows.colours[i])));
       albedo.write_rows(row_count, codes.data());
     };
-    for_each_item(2, 2, [&](int item) { item == 0 ? write_normals() : write_albedo(); });  // compression is slow
+    for_each_item(2, 2, [&](int item) { item == 0 ? write_normals() : write_albedo(); });  // in parallel, because
+                                                                                           // compression is slow
   }
   normals.finish();
   albedo.finish();

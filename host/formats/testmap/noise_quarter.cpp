@@ -24,7 +24,7 @@ std::vector<double> gaussian_weights() {
 
 int wrapped(int index, int count) { return ((index % count) + count) % count; }
 
-// Box and Muller 1958. Both numbers of a pair are used, in row order, so a pair may span two rows.
+// Uses the method of Box and Muller (1958). Both numbers of a pair are used, in row order, so a pair may span two rows.
 std::vector<double> white_noise_row(int size, int row, std::uint64_t seed) {
   const std::uint64_t begin = static_cast<std::uint64_t>(row) * static_cast<std::uint64_t>(size);
   const std::uint64_t end = begin + static_cast<std::uint64_t>(size);

@@ -2,7 +2,7 @@
 // The noise quarter of the four-quarter map, row by row: white noise filtered by a Gaussian of 0.8 texels, periodic.
 // Slopes are central differences, scaled to rms 0.45, then by 0.4 .. 1.6 from left to right. SplitMix64 and Box-Muller
 // are implemented here, so that a seed gives the same map with every standard library. Only the last bits of log, sin
-// and cos can differ, and rounding to 16 bits hides these differences except for ties.
+// and cos can differ. Rounding to 16 bits hides these differences, except for ties.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,7 @@
 
 namespace multum {
 
-/// Slopes of one row; rows grow downwards, and so does y.
+/// Slopes of one row. Rows grow downwards, and so does y.
 struct NoiseSlopes {
   std::vector<double> x;
   std::vector<double> y;
@@ -52,7 +52,7 @@ class NoiseQuarter {
   Row differences_x(int row);
 
   int size_;
-  std::vector<double> weights_;     // of the Gaussian
+  std::vector<double> weights_;     // weights of the Gaussian
   RecentRows filtered_along_rows_;  // white noise filtered along rows
   RecentRows filtered_;
   double scale_ = 1.0;

@@ -10,12 +10,13 @@
 
 namespace multum {
 
-/// Pairs of names and values, in the order in which help shows them. Use constants at namespace scope: tables that are
-/// initialized at the start of a program use these lists, so a list must not need its own initialization.
+/// Pairs of names and values, in the order in which help shows them. Tables use these lists when a program starts, so a
+/// list must not need its own initialization: make it a constant at namespace scope.
 template <typename Value>
 using Choices = std::initializer_list<std::pair<const char*, Value>>;
 
-/// Returns the names in Choices, or in another list of pairs of names and values.
+/// Returns the value of a name in Choices, or in another list of pairs of names and values. Returns nullopt for an
+/// unknown name.
 template <typename List>
 auto find_choice(const List& choices, const std::string& name)
     -> std::optional<typename List::value_type::second_type> {
@@ -24,6 +25,7 @@ auto find_choice(const List& choices, const std::string& name)
   return std::nullopt;
 }
 
+/// Returns the names in such a list.
 template <typename List>
 std::vector<std::string> choice_names(const List& choices) {
   std::vector<std::string> names;

@@ -17,7 +17,7 @@
 namespace multum {
 namespace {
 
-// Rewrites "/proc/PID/fd/N/rows" as "/maps/.multum-partial-a.exr/rows", while N is open.
+// Rewrites "/proc/PID/fd/N/rows" as "/maps/.multum-partial-a.exr/rows" while N is open.
 std::string with_names(std::string message) {
   const std::string own = "/proc/" + std::to_string(::getpid()) + "/fd/";
   for (std::size_t at = message.find(own); at != std::string::npos; at = message.find(own, at + 1)) {
@@ -46,9 +46,10 @@ int exit_code(ErrorCode code) {
 }
 
 int run_guarded(const char* program, int (*body)(int, char**), int argc, char** argv) {
-  // If the signal is ignored, a write beyond the file size limit (ulimit -f) fails with EFBIG, like a write to a full
-  // disk with ENOSPC. The signal would end the program in the middle of its work. Other programs that this program
-  // starts get the default action back (spawn_process()); this project's programs run this line themselves.
+  // The signal would end the program in the middle of its work. If it is ignored, a write beyond the file size limit
+  // (ulimit -f) fails with EFBIG, as a write to a full disk fails with ENOSPC. When this program starts another
+  // program, the other program gets the default action back (spawn_process()). This project's programs run this line
+  // themselves.
   std::signal(SIGXFSZ, SIG_IGN);
   begin_whole_lines();
   try {
@@ -74,7 +75,7 @@ void refuse_file(const std::string& path, const std::string& what) {
 }
 
 void fail_by_errno(const std::string& subject, const std::string& what) {
-  const int number = errno;  // because the calls below can change errno
+  const int number = errno;  // saved, because the calls below can change errno
   throw Error(errno_code(number), subject + ": " + what + ": " + errno_text(number));
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The three kinds of trouble, never mixed (docs/contributing/ARCHITECTURE.md, "Errors"):
+// The three kinds of trouble, which are never mixed (docs/contributing/ARCHITECTURE.md, "Errors"):
 //   programmer error      MULTUM_CHECK / MULTUM_DCHECK stop the program;
 //   bad input or machine  throw Error{code, message}: which file, what was found, what was expected;
 //   numerical trouble     is clamped by a documented rule and counted in the report, never thrown.
@@ -14,14 +14,14 @@ namespace multum {
 enum class ErrorCode {
   kUsage,         // the command line or a setting is wrong
   kInput,         // a given file cannot be used because it is missing, damaged or of the wrong kind
-  kEnvironment,   // device, driver, disk, memory: the machine cannot do the work at present
+  kEnvironment,   // the machine cannot do the work at present (device, driver, disk, memory)
   kVerification,  // a check of a finished file failed
 };
 
 class Error : public std::runtime_error {
  public:
-  /// In the message, paths through a descriptor of this process (those of working folders, for example) are replaced by
-  /// the names of the open files.
+  /// In the message, a path through a descriptor of this process (such as the path of a working folder) is replaced by
+  /// the name of the open file.
   Error(ErrorCode code, const std::string& message);
   ErrorCode code() const { return code_; }
 
@@ -35,10 +35,11 @@ class Cancelled : public std::exception {
   const char* what() const noexcept override { return "cancelled"; }
 };
 
-/// Returns the exit code of a program that ends with this error: usage 2, input 3, environment 4, verification 5.
+/// Returns the exit code of a program that ends with this error: 2 for usage, 3 for input, 4 for the environment, 5 for
+/// verification.
 int exit_code(ErrorCode code);
 
-/// Runs `body`, maps every exception to a message on stderr ("PROGRAM: message") and an exit code (Cancelled: 130).
+/// Runs `body`. Maps every exception to a message on stderr ("PROGRAM: message") and an exit code (130 for Cancelled).
 /// Exceptions are caught only here, in the daemon's jobs and at the C boundary.
 int run_guarded(const char* program, int (*body)(int, char**), int argc, char** argv);
 
@@ -54,7 +55,7 @@ int run_guarded(const char* program, int (*body)(int, char**), int argc, char** 
 
 }  // namespace multum
 
-/// Stops the program when `condition` is false, also in release builds: a programming error, never bad input.
+/// Stops the program if `condition` is false, also in release builds. Only for programming errors, never for bad input.
 #define MULTUM_CHECK(condition) \
   ((condition) ? static_cast<void>(0) : ::multum::check_failed(#condition, __FILE__, __LINE__))
 

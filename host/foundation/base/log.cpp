@@ -31,9 +31,7 @@ void log_named_warning(const std::string& marked) {
   log_line(LogKind::kWarning, warning, g_level != LogLevel::kQuiet);
 }
 void log_info(const std::string& message) { log_line(LogKind::kInfo, message, g_level != LogLevel::kQuiet); }
-void log_verbose(const std::string& message) {
-  log_line(LogKind::kVerbose, message, g_level == LogLevel::kVerbose);
-}
+void log_verbose(const std::string& message) { log_line(LogKind::kVerbose, message, g_level == LogLevel::kVerbose); }
 
 LogReceivers& log_receivers() {
   static thread_local LogReceivers receivers;

@@ -8,7 +8,7 @@
 namespace multum {
 namespace {
 
-// Levenshtein distance: the smallest number of letters to insert, remove or replace.
+// The Levenshtein distance: the smallest number of letters to insert, remove or replace.
 std::size_t edit_distance(const std::string& a, const std::string& b) {
   std::vector<std::size_t> row(b.size() + 1);
   std::iota(row.begin(), row.end(), std::size_t{0});
@@ -29,7 +29,7 @@ std::string nearest_name(const std::string& name, const std::vector<std::string>
   std::string nearest;
   std::size_t least = std::max<std::size_t>(2, name.size() / 2);  // distances above this value mean another word
   for (const std::string& candidate : known) {
-    // The distance is at least the difference in length; without this test, a name of several megabytes would take
+    // The distance is at least the difference in length. Without this test, a name of several megabytes would take
     // minutes.
     const auto [shorter, longer] = std::minmax({name.size(), candidate.size()});
     if (longer - shorter > least) continue;

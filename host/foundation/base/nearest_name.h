@@ -7,8 +7,8 @@
 
 namespace multum {
 
-/// Returns the name in `known` with the smallest edit distance to `name`, for "did you mean"; empty if all distances
-/// exceed both 2 letters and half the length of `name`.
+/// Returns the name in `known` with the smallest edit distance to `name`, for "did you mean". Returns an empty text if
+/// all distances exceed both 2 letters and half the length of `name`.
 std::string nearest_name(const std::string& name, const std::vector<std::string>& known);
 
 }  // namespace multum

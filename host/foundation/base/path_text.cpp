@@ -8,7 +8,7 @@
 namespace multum {
 namespace {
 
-// U+EF80 to U+EFBF are EE BE 80 to EE BE BF, U+EFC0 to U+EFFF are EE BF 80 to EE BF BF.
+// In UTF-8, U+EF80 to U+EFBF are EE BE 80 to EE BE BF, and U+EFC0 to U+EFFF are EE BF 80 to EE BF BF.
 constexpr std::size_t kEscapeBytes = 3;
 
 bool is_escape(std::string_view character) {
@@ -27,7 +27,7 @@ char escaped_byte(std::string_view escape) {
   return static_cast<char>((escape[1] == '\xbe' ? 0x80 : 0xc0) | low);
 }
 
-// Returns the character at `at`, or a byte that is not part of a character, with `is_character` false.
+// Returns the character at `at`. If there is none, returns one byte, with `is_character` false.
 std::string_view next_piece(std::string_view text, std::size_t at, bool& is_character) {
   const std::size_t length = character_length(text, at);
   is_character = length > 0;

@@ -23,11 +23,11 @@ std::vector<std::string> texts_of_paths(const std::vector<std::string>& paths);
 std::string path_of_text(std::string_view text);
 std::vector<std::string> paths_of_texts(const std::vector<std::string>& texts);
 
-/// Returns a valid UTF-8 text for a message that quotes paths, some of which may already be texts; UTF-8 stays
+/// Returns a valid UTF-8 text for a message that quotes paths. Some of the paths may already be texts. UTF-8 stays
 /// unchanged.
 std::string text_of_message(std::string_view message);
 
-/// Returns whether text_of_path() leaves the path unchanged. False for every path that is not UTF-8.
+/// Returns whether text_of_path() leaves the path unchanged, which is never true for a path that is not UTF-8.
 bool is_own_text(std::string_view path);
 
 }  // namespace multum

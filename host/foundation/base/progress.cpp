@@ -47,7 +47,7 @@ void Progress::report() {
 
 namespace {
 
-// The signal handler writes it and any thread reads it, so only lock-free atomics are allowed.
+// The signal handler writes these variables and any thread reads them, so only lock-free atomics are allowed.
 std::atomic<int> g_interrupted{0};
 std::atomic<int> g_interrupted_at{0};  // time of the signal, in seconds of a steady clock
 static_assert(std::atomic<int>::is_always_lock_free);
@@ -59,9 +59,8 @@ int steady_seconds() {
 }
 
 // The first signal tells the program to stop. A later signal ends a program that does not react, but only after a
-// delay, because some senders (timeout of coreutils, agents of farms) signal a process and then its group. On an
-// overloaded machine, seconds can pass between the two signals. A user who presses Ctrl-C again does not wait that
-// long.
+// delay. Some senders (timeout of coreutils, agents of farms) signal a process and then its group, and on an overloaded
+// machine, seconds can pass between these two signals. The delay is shorter for a user who presses Ctrl-C again.
 void on_interrupt(int signal) {
   if (g_interrupted == 0) {
     g_interrupted_at = steady_seconds();
@@ -122,7 +121,7 @@ class TerminalBar {
     }
     shown_ = false;
   }
-  // Estimates from the pace so far; returns nothing for short work and at the beginning.
+  // Estimates the remaining time from the pace so far. Returns nothing for short work and at the beginning.
   std::string time_left(double fraction, std::chrono::steady_clock::time_point now) const {
     const double spent = std::chrono::duration<double>(now - start_).count();
     if (spent < 5.0 || fraction < 0.02 || fraction >= 1.0) return "";

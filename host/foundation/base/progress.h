@@ -18,18 +18,18 @@ struct ProgressEvent {
 
 class Progress {
  public:
-  using Callback = std::function<bool(const ProgressEvent&)>;  // false: cancel
+  using Callback = std::function<bool(const ProgressEvent&)>;  // returns false to cancel
 
   explicit Progress(Callback callback) : callback_(std::move(callback)) {}
 
-  /// Declares the whole work. Called once by the outermost long call. If several calls follow each other, each starts
-  /// at 0.
+  /// Declares the amount of work. The outermost long call calls this function once. If several calls follow each other,
+  /// each starts at 0.
   void start(std::uint64_t units_total);
   /// Names the next stage. Throws Cancelled if the callback returns false.
   void stage(const std::string& name);
   /// Counts finished units. Throws Cancelled if the callback returns false.
   void advance(std::uint64_t units);
-  /// Counts the remaining work as done. Never throws Cancelled: a result that is in place cannot be cancelled.
+  /// Counts the remaining work as done. Never throws Cancelled, because a finished result cannot be cancelled.
   void finish();
 
  private:
@@ -38,7 +38,7 @@ class Progress {
   ProgressEvent event_{"", 0, 0};
 };
 
-// The calls above for an optional Progress; null means no listener.
+// The functions above for an optional Progress. They do nothing if it is null.
 inline void progress_start(Progress* p, std::uint64_t units) {
   if (p != nullptr) p->start(units);
 }
@@ -52,8 +52,8 @@ inline void progress_finish(Progress* p) {
   if (p != nullptr) p->finish();
 }
 
-/// Returns a Progress for a part of a longer call that counts its own units. The result only passes cancellation on.
-/// `progress` must outlive it.
+/// Returns a Progress for a part of a longer call. The longer call counts its own units, so the result only passes
+/// cancellation on. `progress` must outlive it.
 inline Progress cancel_only(Progress* progress) {
   return Progress([progress](const ProgressEvent&) {
     progress_advance(progress, 0);

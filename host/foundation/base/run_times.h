@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Times runs for comparison. Runs alternate, so that other load on the machine affects all of them, and the result is
-// the minimum of several rounds, because other load only adds time. Processor time covers all threads of this process.
+// Times runs for comparison. Runs alternate, so that other load on the machine affects all of them. The result is the
+// minimum of several rounds, because other load only adds time. Processor time covers all threads of this process.
 //
 // Elapsed time shows how long a user of this machine waits. Work shows the cost of settings. Other programs hardly
 // change it, so work can rank settings on a busy machine.
@@ -18,7 +18,8 @@ namespace multum {
 struct RunTime {
   double processor_seconds = 0.0;
   double elapsed_seconds = 0.0;
-  double device_seconds = 0.0;  // kernels on devices other than this machine's processors, by the device's timer
+  double device_seconds = 0.0;  // time of kernels on other devices than this machine's processors, by the device's
+                                // timer
 
   double work_seconds() const { return processor_seconds + device_seconds; }
 };
@@ -27,7 +28,8 @@ RunTime operator+(const RunTime& a, const RunTime& b);
 /// Processor seconds of this process so far, in all its threads.
 double processor_seconds();
 
-/// Returns the seconds that a device has worked, measured with its own timer. Empty if only processors work.
+/// Returns the seconds that a device has worked, measured with its own timer. Empty if there is no such device and only
+/// processors work.
 using DeviceSeconds = std::function<double()>;
 
 /// Times the work since its construction.
@@ -45,8 +47,8 @@ class RunClock {
 
 constexpr int kTimedRounds = 3;
 
-/// Runs all of `runs` once per round, `rounds` (at least 1) times. Work of a first run only, such as compiling kernels,
-/// must be finished before. Progress: one unit per run; may cancel between two runs.
+/// Runs all of `runs` once per round, for `rounds` (at least 1) rounds. Work that only a first run does, such as
+/// compiling kernels, must be finished before. Progress counts one unit per run, and may cancel between two runs.
 std::vector<RunTime> time_in_turns(const std::vector<std::function<void()>>& runs, int rounds, Progress* progress,
                                    const DeviceSeconds& device_seconds = {});
 

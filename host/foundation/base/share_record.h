@@ -17,7 +17,7 @@ struct ShareName {
   int index = 1, count = 1;
 
   std::string path() const;
-  /// Returns advice such as ": --shard 3/8 makes it again".
+  /// Returns advice that names the share, such as ": --shard 3/8 makes it again".
   std::string remedy() const;
 };
 
@@ -25,8 +25,8 @@ struct ShareName {
 /// Error(kEnvironment).
 void write_share_record(const ShareName& share, const std::string& key, const nlohmann::json& content);
 
-/// Reads a record. Throws Error(kEnvironment) that names the file, its fault and the option that makes it, if the
-/// record is missing or damaged, or belongs to another share or key.
+/// Reads a record. If the record is missing or damaged, or belongs to another share or key, throws Error(kEnvironment),
+/// which names the file, its fault and the option that makes it.
 nlohmann::json read_share_record(const ShareName& share, const std::string& key);
 
 }  // namespace multum

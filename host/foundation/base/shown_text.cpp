@@ -20,7 +20,7 @@ constexpr char kHexDigits[] = "0123456789abcdef";
 
 std::uint32_t byte_at(std::string_view text, std::size_t i) { return static_cast<unsigned char>(text[i]); }
 
-// Returns the length that the first byte of a character announces; 0 if it is not a first byte.
+// Returns the length of a character according to its first byte; 0 if it is not a first byte.
 std::size_t announced_length(std::uint32_t first) {
   if (first < 0x80) return 1;
   if (first >= 0xc2 && first <= 0xdf) return 2;
@@ -76,7 +76,7 @@ void write_shown(std::FILE* stream, std::string_view text) {
   const std::string shown = isatty(fileno(stream)) != 0 ? shown_text(text) : "";
   if (!shown.empty()) text = shown;
   const StreamTurn turn;
-  std::fwrite(text.data(), 1, text.size(), stream);  // the stream stores a failure until it is flushed
+  std::fwrite(text.data(), 1, text.size(), stream);  // the stream remembers a failure until it is flushed
 }
 
 void print_shown(std::FILE* stream, const char* format, ...) {
@@ -100,7 +100,7 @@ std::string escaped_json(std::string_view json) {
       escaped += json[at];
       continue;
     }
-    if (is_c1) ++at;  // U+0080 to U+009F are C2 80 to C2 9F
+    if (is_c1) ++at;  // in UTF-8, U+0080 to U+009F are C2 80 to C2 9F
     escaped += "\\u00";
     escaped += kHexDigits[byte_at(json, at) >> 4];
     escaped += kHexDigits[byte_at(json, at) & 15];

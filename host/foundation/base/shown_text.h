@@ -12,24 +12,26 @@
 namespace multum {
 
 /// Escapes control characters (C0, DEL, and C1, which in UTF-8 is C2 80 to C2 9F), except for tab and newline. Also
-/// escapes bytes that are not UTF-8. Each byte becomes \x and two digits.
+/// escapes bytes that are not UTF-8. Each such byte becomes \x and two digits.
 std::string shown_text(std::string_view text);
 
-/// Writes text unchanged; to a terminal, writes shown_text() of it.
+/// Writes shown_text() of the text if the stream is a terminal; otherwise writes the text unchanged.
 void write_shown(std::FILE* stream, std::string_view text);
 /// Writes the output of printf() in the same way.
 [[gnu::format(printf, 2, 3)]] void print_shown(std::FILE* stream, const char* format, ...);
 
-/// Writes DEL and C1 in valid JSON, which holds them only in strings, as \u escapes. JSON parsers read the same value.
+/// Writes DEL and C1 characters in valid JSON, where only strings can hold them, as \u escapes. JSON parsers read the
+/// same value.
 std::string escaped_json(std::string_view json);
 
-/// Returns the length of the UTF-8 character (RFC 3629) at `begin`, which is within the text; 0 if none begins there.
+/// Returns the length of the UTF-8 character (RFC 3629) that begins at `begin`, a position within the text. Returns 0
+/// if none begins there.
 std::size_t character_length(std::string_view text, std::size_t begin);
 
 /// Returns whether the whole text is UTF-8.
 bool is_utf8(std::string_view text);
-/// Returns whether the text holds a control character: C0 including tab and newline, DEL, or C1. Bytes that are not
-/// UTF-8 do not count.
+/// Returns whether the text holds a control character: C0 (including tab and newline), DEL, or C1. Ignores bytes that
+/// are not UTF-8.
 bool holds_control(std::string_view text);
 
 /// Returns the length of `text` without an incomplete UTF-8 character at its end.

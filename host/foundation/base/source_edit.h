@@ -12,11 +12,11 @@ namespace multum {
 struct SourceEdit {
   std::string file;         // name of the kernel or shader without folder and suffix
   std::string text;         // text to replace; occurs at least once in the file
-  std::string replacement;  // for every occurrence
+  std::string replacement;  // replaces every occurrence
 };
 
-/// Returns `source`, the text of `file`, with the edits for this file. Throws std::logic_error, which names the file,
-/// if the text of an edit does not occur, because the source was changed without the test.
+/// Returns `source`, the text of `file`, with the edits for this file. If the text of an edit does not occur, the
+/// source was changed without the test. In this case, throws std::logic_error, which names the file.
 std::string edited_source(std::string_view source, const std::string& file, const std::vector<SourceEdit>& edits);
 
 }  // namespace multum

@@ -13,8 +13,8 @@ namespace multum {
 /// -f)".
 std::string errno_text(int number);
 
-/// Returns the error code for a value of errno: kUsage for a name that is too long for the file system, because another
-/// attempt cannot help; otherwise kEnvironment.
+/// Returns the error code for a value of errno. The code is kUsage for a name that is too long for the file system,
+/// because another attempt cannot help; otherwise kEnvironment.
 ErrorCode errno_code(int number);
 
 /// Called in a catch block: returns the exception as an Error, for loops that continue with the next file. Returns an

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Compiles loops once for every width of vector registers; the program uses the widest that the machine has. All widths
-// give the same bits, because such a loop computes each element independently, and no multiplication is contracted with
-// an addition (-ffp-contract=off, for every target).
+// Compiles loops once for every width of vector registers. The program uses the widest registers of the machine. All
+// widths give the same bits, because such a loop computes each element independently, and no multiplication is
+// contracted with an addition (-ffp-contract=off, for every target).
 #pragma once
 
 #include <cstddef>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Workaround "ISA-L leaves vector registers in use": ISA-L 2.30's AVX functions return without VZEROUPPER. Afterwards
-// every SSE instruction of the thread waits to preserve the unneeded upper halves: rounding after a checksum took twice
-// as long. Call it after such functions.
+// Workaround "ISA-L leaves vector registers in use": ISA-L 2.30's AVX functions return without VZEROUPPER. Afterwards,
+// every SSE instruction of the thread waits, because it preserves the unneeded upper halves of the registers. Rounding
+// after a checksum took twice as long. Call this function after such functions.
 #pragma once
 
 namespace multum {

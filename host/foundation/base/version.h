@@ -6,7 +6,7 @@
 
 namespace multum {
 
-/// "multum 0.1.0", the name of this program in files that it writes.
+/// The name of this program in files that it writes, "multum 0.1.0".
 const std::string& software_version();
 
 }  // namespace multum

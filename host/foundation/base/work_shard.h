@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Divides a list of work among several processes. The number of a share determines its work, so the processes do not
-// communicate.
+// Divides a list of work among several processes. A process finds its work from the number of its share, so the
+// processes do not communicate.
 #pragma once
 
 #include <cstddef>
@@ -9,8 +9,8 @@
 
 namespace multum {
 
-/// Shares `first` to `last` of `count`, from 1. Pieces are assigned to shares in turn, so that neighbours, which often
-/// have the same size, belong to different shares.
+/// Shares `first` to `last` of `count`, counted from 1. Pieces are assigned to shares in turn, so that neighbouring
+/// pieces, which often have the same size, belong to different shares.
 struct WorkShard {
   int first = 1, last = 1, count = 1;
 
@@ -22,7 +22,7 @@ struct WorkShard {
   }
 };
 
-/// Parses "3/8", or "3-5/8" for shares 3, 4 and 5. Throws Error(kUsage) that names `option`.
+/// Parses "3/8", or "3-5/8" for shares 3, 4 and 5. Throws Error(kUsage), which names `option`.
 WorkShard parse_work_shard(const std::string& option, const std::string& text);
 
 /// Largest number of shares in one merge.

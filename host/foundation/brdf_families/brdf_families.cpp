@@ -44,7 +44,7 @@ double torrance_sparrow_density(float width, double e) {
   return kappa / (2.0 * std::numbers::pi * -std::expm1(-2.0 * kappa)) * std::exp(-kappa * e);
 }
 
-// Cook and Torrance 1982, with f as for Torrance-Sparrow and V of V-shaped grooves.
+// Cook and Torrance 1982. f is the same as for Torrance-Sparrow, and V is the shadowing of V-shaped grooves.
 constexpr BrdfMember kCookTorranceMembers[] = {kSigma, kF0};
 constexpr Text kCookTorranceFlags[] = {"MULTUM_TORRANCE_SPARROW", "MULTUM_COOK_TORRANCE", "MULTUM_VISIBILITY"},
                kCookTorranceFiles[] = {"torrance_sparrow.glsl", "cook_torrance.glsl"};
@@ -65,8 +65,8 @@ double smith_visibility(float width, double n_l, double n_v, double, double) {
   return 0.5 / std::max(n_l * std::sqrt(n_v * n_v * (1.0 - x) + x) + n_v * std::sqrt(n_l * n_l * (1.0 - x) + x), 1e-6);
 }
 
-// Sheen of cloth: Estevez and Kulla 2017, "Production Friendly Microfacet Sheen BRDF", with alpha = roughness^2 and the
-// V of Ashikhmin and Premoze 2007, as in KHR_materials_sheen, Filament and three.js. f is 0 at the normal.
+// Sheen of cloth: Estevez and Kulla 2017, "Production Friendly Microfacet Sheen BRDF", with alpha = roughness^2. V is
+// that of Ashikhmin and Premoze 2007, as in KHR_materials_sheen, Filament and three.js. f is 0 at the normal.
 constexpr BrdfMember kCharlieMembers[] = {kRoughness};
 constexpr Text kCharlieFlags[] = {"MULTUM_CHARLIE", "MULTUM_VISIBILITY"}, kCharlieFiles[] = {"charlie.glsl"};
 
@@ -76,14 +76,14 @@ double charlie_density(float width, double e) {
   return e < 1.0 ? (1.0 + power) / std::numbers::pi * std::pow(e * (2.0 - e), power) : 0.0;
 }
 
-// Near the horizon f is about exp(-t^2 / (2 alpha)), t = n.h.
+// Near the horizon, f is about exp(-t^2 / (2 alpha)), where t = n.h.
 double charlie_exponent(float width) { return 1.0 / alpha_of(width); }
 
 double sheen_visibility(float, double n_l, double n_v, double, double) {
   return 0.25 / std::max(n_l + n_v - n_l * n_v, 1e-6);
 }
 
-// f(n.h) and F(v.h) are read from a file, V = 1.
+// f(n.h) and F(v.h) are read from a file, and V is 1.
 constexpr Text kMeasuredFlags[] = {"MULTUM_MEASURED"}, kMeasuredFiles[] = {"measured.glsl", "terms.glsl"};
 
 constexpr Text kLambertFlags[] = {"MULTUM_LAMBERT"};
@@ -124,7 +124,7 @@ constexpr BrdfFamily kFamilies[] = {
      .name = "ggx",
      .members = kGgxMembers,
      .specular = 1.0f,
-     .is_normalised = false,  // its projection is normalised
+     .is_normalised = false,  // it is normalised by projected area
      .density = ggx_of_roughness,
      .visibility = smith_visibility,
      .shader_flags = kGgxFlags,
@@ -135,7 +135,7 @@ constexpr BrdfFamily kFamilies[] = {
      .specular = 1.0f,  // glTF's sheenColorFactor
      .sum_from = 0.6,
      .lights_alone = true,
-     .is_normalised = false,  // its projection is normalised
+     .is_normalised = false,  // it is normalised by projected area
      .density = charlie_density,
      .exponent = charlie_exponent,
      .visibility = sheen_visibility,

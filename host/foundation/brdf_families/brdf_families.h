@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// The table of BRDFs: each row holds everything that text forms, scenes, reports, help texts, the schema of jobs,
+// The table of BRDFs. Each row holds everything that text forms, scenes, reports, help texts, the schema of jobs,
 // references, fits and shaders need to know about a family. A new family needs a row here and its shader
 // (runtime_gl/shaders/brdf). This layer is below all code that reads it, so it holds only numbers and texts. The
 // values, fits and measurements of a BRDF are in host/formats/brdf. A BRDF times the cosine is
 //   k_d / pi (1 - F) max(n.l, 0) + k_s F f(n.h) V max(n.l, 0),
-// with f the density of facets, F a function of v.h only, and V shadowing and masking over 4 n.l n.v.
+// where f is the density of facets, F a function of v.h only, and V shadowing and masking over 4 n.l n.v.
 #pragma once
 
 #include <span>
@@ -14,28 +14,28 @@ namespace multum {
 
 enum class BrdfKind { kLambert, kBlinnPhong, kTorranceSparrow, kCookTorrance, kGgx, kCharlie, kMeasured };
 
-/// The field of struct Brdf that stores a member (kBrdfNumbers of host/formats/brdf/brdf.h); families share fields.
+/// The field of struct Brdf that stores a member (kBrdfNumbers of host/formats/brdf/brdf.h). Families share fields.
 enum class BrdfField { kExponent, kSigma, kRoughness, kF0 };
 
 struct BrdfMember {
   BrdfField field;
   std::string_view key;     // key in scenes and reports: "roughness"
-  std::string_view symbol;  // in text forms: "ROUGHNESS"
+  std::string_view symbol;  // placeholder in text forms: "ROUGHNESS"
   double low, high;
-  std::string_view unit = {};  // "radians"; empty: a number
+  std::string_view unit = {};  // such as "radians"; empty for a number without a unit
 };
 
 /// The approximation of f by vMF lobes around h.
 enum class BrdfFit {
   kNone,       // no highlight
-  kEqualMean,  // one vMF of mean cosine (s + 1) / (s + 2) for the exponent s
+  kEqualMean,  // one vMF with mean cosine (s + 1) / (s + 2), where s is the exponent
   kOne,        // one vMF, whose kappa is the exponent
   kSum,        // a fitted sum (host/formats/brdf/vmf_terms.h)
 };
 
 struct BrdfFamily {
   BrdfKind kind;
-  std::string_view name;  // "ggx"
+  std::string_view name;  // name, such as "ggx"
   /// The width of f, and F0 if F is Schlick's term. The width has no default; F0 has the default of struct Brdf. Empty
   /// if the family is only a name or a file.
   std::span<const BrdfMember> members = {};
@@ -47,9 +47,9 @@ struct BrdfFamily {
   bool is_normalised = true;  // true if the integral of f over the sphere is 1
   /// f per solid angle as a function of e = 1 - n.h, 0..2. Null if there is no density, or if it comes from a file.
   double (*density)(float width, double e) = nullptr;
-  /// The exponent of the Blinn-Phong lobe of equal width. If null, the lobe with the same peak is used.
+  /// Returns the exponent of the Blinn-Phong lobe of equal width. If null, the lobe with the same peak is used.
   double (*exponent)(float width) = nullptr;
-  /// V at cosines of at least 0, with the shader's bounds at grazing angles. Null means 1.
+  /// V at cosines of at least 0, with the shader's limits at grazing angles. Null if V is 1.
   double (*visibility)(float width, double n_l, double n_v, double n_h, double v_h) = nullptr;
   std::span<const std::string_view> shader_flags = {}, shader_files = {};  // files of runtime_gl/shaders/brdf
   bool shader_takes_terms = false;  // true for the sum of terms.glsl, with one shader term per term of the fit

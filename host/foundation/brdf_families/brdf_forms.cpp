@@ -45,7 +45,7 @@ std::string expected_brdf() {
     }
     text += ", ";
   }
-  return text + "or a measured BRDF's file (F0 0..1, grey or r,g,b)";
+  return text + "or the file of a measured BRDF (F0 0..1, grey or r,g,b)";
 }
 
 std::string range_text(const BrdfMember& member) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Describes the text forms of the table of BRDFs, in words and as a pattern.
+// Describes the text forms of BRDFs in the table, in words and as a pattern.
 #pragma once
 
 #include <string>
@@ -9,8 +9,9 @@
 
 namespace multum {
 
-/// Returns "lambert, blinn-phong:S, ..., cook-torrance:SIGMA and ggx:ROUGHNESS" for the families with a text form;
-/// `last` is the word before the last one, "" for a comma. `with_f0`: "ggx:ROUGHNESS[,F0]".
+/// Returns "lambert, blinn-phong:S, ..., cook-torrance:SIGMA and ggx:ROUGHNESS" for the families with a text form.
+/// `last` is the word before the last form; if it is "", a comma is used. With `with_f0`, the form of GGX is
+/// "ggx:ROUGHNESS[,F0]".
 std::string brdf_forms(std::string_view last, bool with_f0 = false);
 
 /// Returns the forms with ranges, and the file form, for messages about a rejected text.

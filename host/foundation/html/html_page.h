@@ -10,16 +10,16 @@
 
 namespace multum {
 
-/// The parts of one page; style and helpers (templates/page.js) are common to all pages. Texts must not hold
+/// The parts of one page. Style and helpers (templates/page.js) are common to all pages. Texts must not hold
 /// "</script".
 struct PageTemplate {
   std::string_view body;    // HTML after the title
   std::string_view style;   // CSS
-  std::string_view script;  // JavaScript; runs after `data` is parsed and its "title" shown
+  std::string_view script;  // JavaScript that runs after `data` is parsed and its "title" is shown
 };
 
-/// `data` may hold untrusted text: the page stores the text as data, and the page's script inserts the text as text
-/// nodes.
+/// Returns the page. `data` may hold untrusted text: the page stores it as data, and the page's script inserts it only
+/// as text nodes.
 std::string html_page(const PageTemplate& page, const nlohmann::ordered_json& data);
 
 /// Returns JSON that is safe within a script element: it can neither end nor change the element.

@@ -7,8 +7,8 @@
 
 namespace multum {
 
-/// Returns a module's text without its imports, and with its exports as plain declarations. Joined modules must come
-/// after the modules that they import, and no two modules may have the same name at top level.
+/// Returns a module's text without its imports, and with its exports as plain declarations. In the joined script, a
+/// module must come after the modules that it imports, and no two modules may declare the same name at top level.
 std::string plain_script(std::string_view module_text);
 
 /// Stops the program if a script's text would end its <script> element.

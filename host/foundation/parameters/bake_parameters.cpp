@@ -27,8 +27,8 @@ Rows source_rows() {
   Rows rows = {
       {.name = "bumpformat",
        .kind = Kind::kChoice,
-       .help = "set the kind of map; auto: detect it from statistics; packed16 to mapbox: heights whose bytes are in "
-               "red, green and blue",
+       .help = "set the kind of map; auto detects it from statistics; packed16 to mapbox are heights whose bytes are "
+               "in red, green and blue",
        .default_text = "auto",
        .choices = choice_names(kBumpFormats),
        .hashed_as = "bump_format",
@@ -65,13 +65,13 @@ Rows source_rows() {
        .hashed_as = "height_scale",
        .surfaces = kEverywhere},
       {.name = "dequantize",
-       .help = "replace 8-bit heights by the smoothest heights that round to them: terraces become slopes; steps of "
+       .help = "replace 8-bit heights by the smoothest heights that round to them, so terraces become slopes; steps of "
                "two or more codes stay",
        .hashed_as = "dequantize",
        .surfaces = kEverywhere},
       {.name = "normal_scale",
        .kind = Kind::kNumber,
-       .help = "multiply x and y of a normal map, like normalTexture.scale in glTF",
+       .help = "multiply x and y of a normal map by this, like normalTexture.scale in glTF",
        .low = -kUnbounded,
        .high = kUnbounded,
        .default_text = "1",
@@ -102,7 +102,7 @@ Rows source_rows() {
 Rows material_rows() {
   return {{.name = "albedo",
            .kind = Kind::kFile,
-           .help = "bake the colours of this map of the same size, per lobe or averaged",
+           .help = "bake colours from this map of the same size, per lobe or averaged",
            .hashed_as = "albedo",
            .surfaces = kEverywhere},
           {.name = "roughness",
@@ -186,8 +186,8 @@ Rows fit_rows() {
        .chosen_by_target = true,
        .surfaces = kJob},
       {.name = "reference",
-       .help = "fit every normal at every level with 30 iterations and no early stop: slower; the defaults are "
-               "compared with this fit",
+       .help = "fit every normal at every level with 30 iterations and no early stop; this slow fit is the reference "
+               "for the defaults",
        .hashed_as = "settled_change",
        .chosen_by_target = true,
        .surfaces = kJob},
@@ -226,7 +226,8 @@ Rows fit_rows() {
        .surfaces = kJob},
       {.name = "order",
        .kind = Kind::kChoice,
-       .help = "fit texels in four colours in parallel (colour), or row by row as in the paper (scanline)",
+       .help = "fit texels in parallel in four groups without neighbours (colour), or row by row as in the paper "
+               "(scanline)",
        .default_text = "colour",
        .choices = choice_names(kFitOrders),
        .hashed_as = "order",
@@ -245,17 +246,18 @@ Rows fit_rows() {
        .surfaces = kJob},
       {.name = "farthest_start",
        .help = "start from the normals that are farthest apart (Hochbaum and Shmoys), as in Han et al. 2007; for "
-               "comparison: usually a worse fit",
+               "comparison, because the fit is usually worse",
        .hashed_as = "farthest_start",
        .surfaces = kJob},
       {.name = "unaligned",
-       .help = "fit every texel independently, for comparison; texture filters then mix lobes that do not match",
+       .help = "fit every texel independently for comparison; texture filters then mix lobes that do not match",
        .hashed_as = "aligned_start",
        .chosen_by_target = true,
        .surfaces = kJob},
       {.name = "align",
        .kind = Kind::kNumber,
-       .help = "set the weight of the prior that aligns lobes with those of parent and neighbours; 0: no prior",
+       .help = "set the weight of the prior that aligns lobes with the lobes of parent and neighbours; 0 turns the "
+               "prior off",
        .low = 0,
        .high = 10,
        .default_text = "0.1",
@@ -272,7 +274,7 @@ Rows fit_rows() {
       // These parameters are hashed and checked, but users cannot set them.
       {.name = "iterations_coarse",
        .kind = Kind::kInteger,
-       .help = "maximum EM iterations for texels that cover more than 1024 normals; --iterations also sets it",
+       .help = "maximum EM iterations for texels that cover more than 1024 normals; --iterations replaces it",
        .low = 1,
        .high = 1000,
        .default_text = "30",
@@ -286,7 +288,8 @@ Rows fit_rows() {
        .hashed_as = "iterations_top"},
       {.name = "convergence_tolerance",
        .kind = Kind::kNumber,
-       .help = "relative change of kappa, weight and direction below which a texel has converged; 0: never",
+       .help = "relative change of kappa, weight and direction below which a texel has converged; with 0, no texel "
+               "converges",
        .low = 0,
        .high = 0.1,
        .default_text = "0.01",
@@ -319,7 +322,7 @@ Rows fit_rows() {
 Rows target_rows() {
   return {{.name = "target_error",
            .kind = Kind::kNumber,
-           .help = "choose the cheapest settings within this relative L1 error of pixels (0.1: 10 %); if none "
+           .help = "choose the cheapest settings within this relative L1 error of pixels (0.1 means 10 %); if none "
                    "reach it, write nothing and exit with code 5",
            .high = 2,
            .low_excluded = true,
@@ -340,11 +343,11 @@ Rows target_rows() {
            .default_text = "blinn-phong:100",
            .surfaces = kJob},
           {.name = "best_effort",
-           .help = "write the best settings found even if they miss the target; the exit code stays 5",
+           .help = "bake with the best settings found even if they miss the target; the exit code stays 5",
            .surfaces = kJob},
           {.name = "error_max",
            .kind = Kind::kNumber,
-           .help = "fail if the relative L1 error of the worst level and BRDF is above this (0.1: 10 %)",
+           .help = "fail if the relative L1 error of the worst level and BRDF is above this (0.1 means 10 %)",
            .high = kUnbounded,
            .low_excluded = true,
            .surfaces = kInManifest}};
@@ -360,12 +363,12 @@ Rows run_rows() {
       {.name = "no_measure", .help = "skip measuring the error of the output", .surfaces = kOnCommandLine | kInService},
       {.name = "report",
        .kind = Kind::kText,
-       .help = "write times, counts and errors as JSON; for several maps: a folder or a name with <UDIM>",
+       .help = "write times, counts and errors as JSON; for several maps, to a folder or to a name with <UDIM>",
        .unit = "FILE",
        .surfaces = kOnCommandLine},
       {.name = "scalar",
-       .help =
-           "run the kernels as on a GPU (scalar, with teams of work-items and copies): the same result, slower on CPUs",
+       .help = "run the kernels as on a GPU (scalar, with teams of work-items and copies); the result is the same, but "
+               "CPUs are slower",
        .surfaces = kOnCommandLine},
       {.name = "scratch",
        .kind = Kind::kText,
@@ -376,7 +379,7 @@ Rows run_rows() {
       {.name = "resume", .help = "resume an interrupted bake of the same output", .surfaces = kOnCommandLine},
       {.name = "region",
        .kind = Kind::kText,
-       .help = "fit only this edited part again and keep the rest of --onto; auto: find the part that changed",
+       .help = "fit only this edited part again and keep the rest of --onto; auto finds the changed part",
        .unit = "X,Y,W,H|auto",
        .surfaces = kOnCommandLine},
       {.name = "onto",
@@ -394,7 +397,7 @@ Rows run_rows() {
 const ParameterTable& bake_parameters() {
   static const ParameterTable table = [] {
     Rows rows = {input_parameter(
-        "input", "normal map or height field: PNG, TIFF, EXR, JPEG or WebP, up to 32768 texels per side",
+        "input", "normal map or height field (PNG, TIFF, EXR, JPEG or WebP, up to 32768 texels per side)",
         kInManifest | kInService)};
     add(rows, material_rows(), kMaterialGroup);
     // The order in help texts is: representation, fit, storage.

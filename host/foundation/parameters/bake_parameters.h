@@ -16,8 +16,8 @@ inline constexpr const char kRunGroup[] = "Running the bake";
 
 const ParameterTable& bake_parameters();
 
-/// The parameters of jobs of type scene. Parameters of the maps are in scene.toml: the rows of bake_parameters() with
-/// kInScene.
+/// The parameters of jobs of type scene. Parameters of the maps are in scene.toml: they are the rows of
+/// bake_parameters() with kInScene.
 const ParameterTable& scene_parameters();
 
 }  // namespace multum

@@ -26,18 +26,17 @@ Parameter channel_parameter(const char* name, const char* help) {
 }
 
 Rows export_rows() {
-  Parameter roughness = channel_parameter(
-      "roughness",
-      "read the perceptual roughness of the surface (0 to 1) from this map of the same size: its only "
-      "channel, or green");
+  Parameter roughness = channel_parameter("roughness",
+                                          "read the perceptual roughness of the surface (0 to 1) from the only "
+                                          "channel, or green, of this map of the same size");
   Parameter gloss =
       channel_parameter("gloss", "read the gloss of the surface from this map of the same size; roughness = 1 - gloss");
   roughness.excludes = {"gloss", "base_roughness"};
   gloss.excludes = {"roughness", "base_roughness"};
   Parameter occlusion =
-      channel_parameter("occlusion", "also average this occlusion map of the same size: its only channel, or red");
+      channel_parameter("occlusion", "also average the only channel, or red, of this occlusion map of the same size");
   Parameter metalness =
-      channel_parameter("metalness", "also average this metalness map of the same size: its only channel, or blue");
+      channel_parameter("metalness", "also average the only channel, or blue, of this metalness map of the same size");
   occlusion.excludes = metalness.excludes = {"roughness_alone"};
   Parameter roughness_alone = {.name = "roughness_alone",
                                .help =
@@ -48,8 +47,8 @@ Rows export_rows() {
                                .surfaces = kExportJob};
   Parameter smoothness = {.name = "smoothness",
                           .help =
-                              "for Unity, write smoothness (1 - roughness): the texture mask instead of orm, "
-                              "or, with --roughness-alone, the texture smoothness",
+                              "for Unity, write smoothness (1 - roughness) in the texture mask instead of orm; with "
+                              "--roughness-alone, in the texture smoothness",
                           .group = kStorageGroup,
                           .surfaces = kExportJob};
   Parameter write_green = {.name = "write_green",
@@ -157,7 +156,7 @@ Rows export_run_rows() {
        .help = "export unchanged maps of a manifest again; without a manifest, files are always written again",
        .surfaces = kOnCommandLine},
       {.name = "resume",
-       .help = "keep fitted rows, and continue a stopped export of the same map with the same settings",
+       .help = "keep fitted rows, and continue an interrupted export of the same map with the same settings",
        .surfaces = kOnCommandLine},
       {.name = "scratch",
        .kind = Kind::kText,

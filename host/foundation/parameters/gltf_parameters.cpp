@@ -19,8 +19,8 @@ std::vector<Parameter> gltf_rows() {
   anisotropy.excludes = {"lobes"};
   return {{.name = "format",
            .kind = Kind::kChoice,
-           .help = "store new textures as uastc (KHR_texture_basisu), rgba8 (KTX2 without that extension) or png (only "
-                   "level 0); auto chooses for each texture",
+           .help = "store new textures as uastc (KHR_texture_basisu), rgba8 (KTX2, not allowed by this extension) or "
+                   "png (only level 0); auto chooses for each texture",
            .default_text = "auto",
            .choices = choice_names(kGltfTextureFormats),
            .group = kStorageGroup,
@@ -30,9 +30,8 @@ std::vector<Parameter> gltf_rows() {
                    "KHR_texture_basisu, which is then not required",
            .group = kStorageGroup,
            .surfaces = kOnCommandLine},
-          form_parameter(
-              "the cheapest of these forms and the old textures within 0.2 points of the lowest error in pictures",
-              "auto", kOnCommandLine),
+          form_parameter("the cheapest textures, new or old, within 0.2 points of the lowest error in pictures", "auto",
+                         kOnCommandLine),
           engine_parameter(kOnCommandLine),
           uastc_effort_parameter(kOnCommandLine),
           encoder_parameter(kOnCommandLine),

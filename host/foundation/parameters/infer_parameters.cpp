@@ -46,7 +46,7 @@ const ParameterTable& infer_parameters() {
                  .default_text = "auto",
                  .choices = choice_names(kContextBackends),
                  .surfaces = kJob},
-                {.name = "force", .help = "infer textures again that already exist", .surfaces = kOnCommandLine},
+                {.name = "force", .help = "infer existing textures again", .surfaces = kOnCommandLine},
                 absolute_geometry_parameter(),
                 device_parameter(kJob)});
   return table;

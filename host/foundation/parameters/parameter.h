@@ -15,13 +15,13 @@ namespace multum {
 
 enum class ParameterKind {
   kFlag,     // true or false; on a command line, an option without a value
-  kInteger,  // in [low, high]
-  kNumber,   // in [low, high], finite
+  kInteger,  // an integer in [low, high]
+  kNumber,   // a finite number in [low, high]
   kChoice,   // one of `choices`
-  kText,     // any text; the service refuses control characters
-  kBrdf,     // such as "blinn-phong:100"; except in the service, also the file of a measured BRDF
+  kText,     // any text; the service rejects control characters
+  kBrdf,     // a BRDF, such as "blinn-phong:100"; except in the service, also the file of a measured BRDF
   kFile,     // path of a file to read, or FILE:CHANNEL if `unit` says so
-  kBytes,    // in [low, high]; on a command line also with a unit, such as 800M
+  kBytes,    // a size in [low, high]; a command line may add a unit, as in 800M
 };
 
 /// Bits for the places where a parameter may be given.
@@ -42,19 +42,21 @@ constexpr double kUnbounded = std::numeric_limits<float>::max();
 struct Parameter {
   std::string name;  // snake case: the key in files and JSON; "--first-level" on a command line
   ParameterKind kind = ParameterKind::kFlag;
-  std::string help;  // the effect, verb first, without range and default
+  std::string help;  // describes the effect; begins with a verb, without range and default
   double low = 0.0, high = 0.0;
   bool low_excluded = false, zero_excluded = false;
-  // "texels" or "ms"; for strings, files and long lists of choices the form of a value, "FILE[:CHANNEL]"; empty: none.
+  // "texels" or "ms". For strings, files and long lists of choices, the form of a value, such as "FILE[:CHANNEL]". May
+  // be empty.
   std::string unit = {};
-  std::string default_text = {};          // as written on a command line; empty: no default
+  std::string default_text = {};          // as written on a command line; empty if there is no default
   std::vector<std::string> choices = {};  // in the order of help texts
   std::string group = {};                 // heading in help texts
-  std::string hashed_as = {};     // key of multum:settings (docs/reference/file_format.md); empty: changes no content
+  std::string hashed_as = {};     // key of multum:settings (docs/reference/file_format.md); empty if it changes no
+                                  // content
   std::string short_option = {};  // "-d"
   std::vector<std::string> excludes = {};  // names of parameters that cannot be given together with this one
   ParameterScope scope = ParameterScope::kAll;
-  bool chosen_by_target = false;  // target_error and budget_ms choose it
+  bool chosen_by_target = false;  // true if target_error and budget_ms choose the value
   bool is_repeatable = false;     // may be repeated on a command line; ";" joins the values
   unsigned surfaces = 0;
 
@@ -72,7 +74,7 @@ struct Parameter {
 /// Returns the option for a parameter name: "--first-level" for "first_level".
 std::string option_of(const std::string& name);
 
-/// bool for kFlag, int64 for kInteger and kBytes, double for kNumber, string for all other kinds.
+/// The value's type is bool for kFlag, int64 for kInteger and kBytes, double for kNumber, and string for other kinds.
 using ParameterValue = std::variant<bool, std::int64_t, double, std::string>;
 
 /// Describes the legal values: "an integer from 1 to 8", "one of colour, scanline".
@@ -89,8 +91,8 @@ bool is_legal(const Parameter& parameter, const ParameterValue& value);
 /// Returns the bytes of "800M", "2G", "38K" (1024-based) or a plain number; nullopt for any other text.
 std::optional<std::int64_t> parse_size_text(const std::string& text);
 
-/// Parses text of a command line; kBytes accepts a unit, such as 800M or 2G (1024-based). Returns nullopt for text that
-/// is not of the parameter's type. Does not check the range; is_legal() does.
+/// Parses text of a command line. kBytes accepts a unit, such as 800M or 2G (1024-based). Returns nullopt for text that
+/// does not have the parameter's type. Does not check the range; is_legal() does.
 std::optional<ParameterValue> parse_value(const Parameter& parameter, const std::string& text);
 
 /// The parameters of one command.

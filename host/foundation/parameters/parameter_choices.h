@@ -31,17 +31,18 @@ inline constexpr Choices<StorageEncoding> kStorageEncodings = {
 enum class FitOrder { kColour, kScanline };
 inline constexpr Choices<FitOrder> kFitOrders = {{"colour", FitOrder::kColour}, {"scanline", FitOrder::kScanline}};
 
-/// coarse_normals: samples of EM for a texel that covers more than kSamplesUnchunkedMax normals. kBinned uses bins of
-/// normals with similar directions (movmf_binning.cl). kAll uses all normals; every level is then as slow as the
-/// finest.
+/// coarse_normals: the samples that EM uses for a texel that covers more than kSamplesUnchunkedMax normals. kBinned
+/// uses bins of normals with similar directions (movmf_binning.cl). kAll uses all normals; every level is then as slow
+/// as the finest.
 enum class CoarseNormals { kBinned, kAll };
 inline constexpr Choices<CoarseNormals> kCoarseNormals = {{"binned", CoarseNormals::kBinned},
                                                           {"all", CoarseNormals::kAll}};
-/// Names in hashed settings. "condensed" is a former name, which is kept so that the hashes of old files stay the same.
+/// Names in hashed settings. "condensed" stands for kBinned, so that the hashes of old files stay the same.
 inline constexpr Choices<CoarseNormals> kHashedCoarseNormals = {{"condensed", CoarseNormals::kBinned},
                                                                 {"all", CoarseNormals::kAll}};
 
-/// bumpformat: the kinds of maketx --bumpformat, and heights whose bytes are in several channels (HeightCoding).
+/// bumpformat: the kinds of maketx --bumpformat, and heights whose bytes are spread over several channels
+/// (HeightCoding).
 enum class BumpFormat { kAuto, kHeight, kNormal, kPacked16, kPacked24, kTerrarium, kMapbox };
 inline constexpr Choices<BumpFormat> kBumpFormats = {
     {"auto", BumpFormat::kAuto},         {"height", BumpFormat::kHeight},     {"normal", BumpFormat::kNormal},
@@ -56,7 +57,7 @@ inline constexpr Choices<GreenAxis> kGreenAxes = {{"up", GreenAxis::kUp}, {"down
 enum class ZRange { kSigned, kPositive };
 inline constexpr Choices<ZRange> kZRanges = {{"signed", ZRange::kSigned}, {"positive", ZRange::kPositive}};
 
-/// fixnan, like maketx --fixnan: refuse the file, use a flat normal, or use the mean of the 3 x 3 neighbours.
+/// fixnan, like maketx --fixnan: reject the file, use a flat normal, or use the mean of the 3 x 3 neighbours.
 enum class FixNan { kNone, kBlack, kBox3 };
 inline constexpr Choices<FixNan> kFixNans = {
     {"none", FixNan::kNone}, {"black", FixNan::kBlack}, {"box3", FixNan::kBox3}};
@@ -72,7 +73,7 @@ enum class ColourEncoding {
   kAuto,    // as for albedo maps: integers are sRGB unless the file says otherwise, floats are linear
   kSrgb,    // sRGB, whatever the file says
   kLinear,  // linear, whatever the file says
-  kData,    // not colours: may be negative; integers become 0..1; NaN and infinite values are refused
+  kData,    // not colours, so values may be negative; integers become 0..1; NaN and infinite values are rejected
 };
 inline constexpr Choices<ColourEncoding> kColourEncodings = {{"auto", ColourEncoding::kAuto},
                                                              {"srgb", ColourEncoding::kSrgb},
@@ -92,7 +93,7 @@ enum class MaterialTexels {
   kRgba16f,  // unencoded
   kRg8,      // like kRgba8, but only x and y of normals: the shader rebuilds z
   kBlocks,   // compressed: x and y of normals in BC5, a roughness texture in BC4, other textures in BC7
-  kUastc,    // blocks of Basis Universal, only in KTX2
+  kUastc,    // blocks of Basis Universal, only in KTX2 files
 };
 inline constexpr Choices<MaterialTexels> kMaterialTexels = {{"rgba8", MaterialTexels::kRgba8},
                                                             {"rgba16f", MaterialTexels::kRgba16f},
@@ -111,11 +112,11 @@ inline constexpr Choices<LobeTexels> kLobeTexels = {
 
 /// format of `multum gltf`: the image format of new textures.
 enum class GltfTextureFormat {
-  kAuto,   // kUastc if its error is small, else kRgba8 with a PNG for loaders without KHR_texture_basisu
+  kAuto,   // kUastc if its error is small; otherwise kRgba8 with a PNG for loaders without KHR_texture_basisu
   kUastc,  // KHR_texture_basisu
-  kRgba8,  // uncompressed KTX2, without KHR_texture_basisu
-           // (host/delivery/export/engine_support.h lists the loaders that refuse it)
-  kPng,    // only level 0
+  kRgba8,  // uncompressed KTX2, without KHR_texture_basisu (host/delivery/export/engine_support.h lists the loaders
+           // that reject it)
+  kPng,    // PNG, which stores only level 0
 };
 inline constexpr Choices<GltfTextureFormat> kGltfTextureFormats = {{"auto", GltfTextureFormat::kAuto},
                                                                    {"uastc", GltfTextureFormat::kUastc},
@@ -141,8 +142,8 @@ inline constexpr Choices<Engine> kEngines = {{"three", Engine::kThree},         
 /// pyramid of `multum pack`: the images of a chunk.
 enum class PyramidChoice {
   kAdaptive,  // the best of several pyramids and learnt bases
-  kGreedy,    // the search of the paper, only with the first of the tried coders
-  kPlain,     // plain_levels
+  kGreedy,    // the search of the paper, with only the first of the tried coders
+  kPlain,     // the pyramid of plain_levels
   kNone,      // every sample is a separate image
 };
 inline constexpr Choices<PyramidChoice> kPyramidChoices = {{"adaptive", PyramidChoice::kAdaptive},

@@ -23,14 +23,14 @@ class ParameterValues {
   /// Returns whether the parameter has a value; a flag that is false does not count.
   bool is_given(const std::string& name) const;
 
-  /// Throws Error(kUsage) for an illegal value: "--lobes is 9, expected an integer from 1 to 8".
+  /// Sets a value. Throws Error(kUsage) for an illegal value: "--lobes is 9, expected an integer from 1 to 8".
   void set(const std::string& name, ParameterValue value);
   void set(const std::string& name, bool value) { set(name, ParameterValue(value)); }
   void set(const std::string& name, int value) { set(name, ParameterValue(std::int64_t{value})); }
   void set(const std::string& name, const char* value) { set(name, ParameterValue(std::string(value))); }
   void erase(const std::string& name) { values_.erase(table_->at(name).name); }
 
-  /// Return a value of a known type; the parameter must have this kind. An unset parameter returns nullopt.
+  /// Return a value of a known type; the parameter must have this kind. Return nullopt for an unset parameter.
   bool flag(const std::string& name) const;  // false if unset
   std::optional<int> integer(const std::string& name) const;
   std::optional<std::int64_t> bytes(const std::string& name) const;
@@ -39,8 +39,8 @@ class ParameterValues {
   template <typename Value>
   std::optional<Value> choice(const std::string& name, const Choices<Value>& choices) const;
 
-  /// Returns the values as options, in the order of the table: "--ndf vmf --lobes 3". `groups`: use only these groups;
-  /// empty: use all groups.
+  /// Returns the values as options, in the order of the table: "--ndf vmf --lobes 3". Uses only the given `groups`, or
+  /// all groups if none is given.
   std::string options_text(const std::vector<std::string>& groups = {}) const;
 
  private:

@@ -65,8 +65,8 @@ const ParameterTable& mip_parameters() {
   static const ParameterTable table = [] {
     Rows rows = {{.name = "colours",
                   .kind = Kind::kChoice,
-                  .help = "read numbers as srgb, linear or data (not colours; may be negative); auto: integers "
-                          "as sRGB unless the file says otherwise, floats as linear",
+                  .help = "read numbers as srgb, linear or data (not colours; may be negative); auto reads integers as "
+                          "sRGB unless the file says otherwise, and floats as linear",
                   .default_text = "auto",
                   .choices = choice_names(kColourEncodings),
                   .surfaces = kOnCommandLine},
@@ -132,7 +132,7 @@ const ParameterTable& reflectance_parameters() {
                 numbers_parameter("specular", "set the specular factor, grey or red, green, blue", "Y|R,G,B", "0.1"),
                 {.name = "size",
                  .kind = Kind::kInteger,
-                 .help = "set the side of the map",
+                 .help = "set the side of the map in texels",
                  .low = 4,
                  .high = 8192,
                  .unit = "texels",

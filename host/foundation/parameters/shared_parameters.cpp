@@ -23,7 +23,7 @@ std::vector<std::string> compressions() {
 Parameter device_parameter(unsigned surfaces) {
   return {.name = "device",
           .kind = ParameterKind::kText,
-          .help = "use this OpenCL device: its number in `multum devices`, or a part of its name",
+          .help = "use this OpenCL device: its number in `multum devices`, or part of its name",
           .surfaces = surfaces};
 }
 
@@ -41,8 +41,8 @@ Parameter memory_parameter(const std::string& help, double low, const std::strin
 Parameter lobe_anisotropy_parameter(unsigned surfaces) {
   return {.name = "anisotropy",
           .help =
-              "fit lobes that are longer than wide (KHR_materials_anisotropy); only for renderers that turn"
-              " tangents to the normal of the map",
+              "fit lobes that are longer than wide (KHR_materials_anisotropy); only for renderers that align tangents "
+              "with the normal of the map",
           .group = kOneLobeGroup,
           .surfaces = surfaces};
 }
@@ -105,8 +105,8 @@ Parameter engine_parameter(unsigned surfaces) {
   return {.name = "for",
           .kind = ParameterKind::kChoice,
           .help =
-              "draw the pictures of --form auto like this engine: with its texture filter, and with the roughness that "
-              "it adds where normals change between pixels",
+              "draw the pictures of --form auto like this engine: with its texture filter and the roughness that it "
+              "adds where normals change between pixels",
           .default_text = "three",
           .choices = choice_names(kEngines),
           .group = kStorageGroup,
@@ -147,7 +147,7 @@ Parameter compression_parameter(unsigned surfaces) {
 
 Parameter absolute_geometry_parameter() {
   return {.name = "absolute_geometry",
-          .help = "store the absolute path of the scene file instead of its path relative to the output",
+          .help = "store the absolute path of the scene file instead of a path relative to the output",
           .surfaces = kOnCommandLine};
 }
 
@@ -162,7 +162,7 @@ std::vector<Parameter> wrap_parameters(bool with_auto, const std::string& defaul
   const Parameter both = {.name = "wrap",
                           .kind = ParameterKind::kChoice,
                           .help = std::string("continue the map beyond its border in this way") +
-                                  (with_auto ? "; auto: periodic if the map tiles, else clamp" : ""),
+                                  (with_auto ? "; auto chooses periodic if the map tiles, else clamp" : ""),
                           .default_text = default_text,
                           .choices = modes,
                           .hashed_as = "wrap",

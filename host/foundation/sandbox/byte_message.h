@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Encodes messages between processes of one machine as bytes: numbers in the machine's format, and texts after their
-// lengths. A broken file can have corrupted the other process, so the reader checks every length.
+// Encodes messages between processes of one machine as bytes. Numbers have the machine's format, and the length of a
+// text comes before it. A broken file can have corrupted the other process, so the reader checks every length.
 #pragma once
 
 #include <cstdint>

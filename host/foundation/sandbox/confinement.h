@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Blocks access of a process to files that it does not need, with Linux's Landlock. For any path, link or library that
-// the process and its children use later, the system opens only allowed files. Newer kernels also block TCP (6.7), and
-// signals to processes that are not confined with the process (6.12). Landlock needs no privilege and cannot be
-// undone.
+// Blocks a process from files that it does not need, with Linux's Landlock. The system then opens only allowed files,
+// whatever path, link or library the process and its children use. Newer kernels also block TCP (6.7), and signals to
+// processes that are not confined with the process (6.12). Landlock needs no privilege and cannot be undone.
 #pragma once
 
 #include <functional>
@@ -12,7 +11,7 @@
 namespace multum {
 
 struct Confinement {
-  /// Files, or folders with their contents; missing ones are skipped.
+  /// Files, or folders with their contents. Missing ones are skipped.
   std::vector<std::string> readable, writable;
 };
 
@@ -20,8 +19,8 @@ struct Confinement {
 using Variables = std::function<std::string(const char* name)>;
 
 /// Returns a confinement that allows the parts of the machine that every program of this project needs: libraries,
-/// OpenCL and GL drivers and their caches, which are created if missing. The confinement allows few files of /etc, no
-/// homes of other users and no temporary folder.
+/// OpenCL and GL drivers and their caches, which are created if missing. The confinement allows only a few files of
+/// /etc, and neither homes of other users nor temporary folders.
 Confinement system_confinement(const Variables& variable);
 
 /// Returns the entry of `allowed` that contains `path`, which need not exist; "" if there is none. Follows links.

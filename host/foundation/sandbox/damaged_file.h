@@ -26,7 +26,7 @@ auto with_damage_named(const std::string& path, const Body& body) {
     throw NotEnoughMemory(path);
   } catch (const Error&) {
     throw;
-  } catch (const std::system_error& error) {  // for example, no memory for a thread's stack
+  } catch (const std::system_error& error) {  // for example, if there is no memory for a thread's stack
     const bool is_memory =
         error.code() == std::errc::not_enough_memory || error.code() == std::errc::resource_unavailable_try_again;
     if (is_memory) throw NotEnoughMemory(path);

@@ -18,7 +18,7 @@
 namespace multum {
 namespace {
 
-// Throws the error that an answer contains, or std::out_of_range if the answer is cut; otherwise returns.
+// Throws the error that an answer contains, or std::out_of_range if the answer is cut. Otherwise returns.
 void throw_refusal(const AskedFile& file, std::string_view answer) {
   MessageReader in(answer);
   const DecodingAnswer kind{in.number<std::uint8_t>()};
@@ -35,7 +35,7 @@ void throw_refusal(const AskedFile& file, std::string_view answer) {
   if (kind == DecodingAnswer::kNoMemoryHere)
     throw Error(ErrorCode::kEnvironment,
                 fmt::format("{}: not enough memory to decode it: less than its limit of {} bytes is available; use a "
-                            "machine, a container or limits (ulimit -v) that leave more: {}",
+                            "machine, a container or limits (ulimit -v) that allow more: {}",
                             file.path, file.memory_max, errno_text(ENOMEM)));
 }
 
@@ -65,7 +65,7 @@ std::string no_memory() {
 void refuse_as_answered(const AskedFile& file, std::string_view answer) {
   try {
     throw_refusal(file, answer);
-  } catch (const std::out_of_range&) {  // not a refusal either
+  } catch (const std::out_of_range&) {  // the answer is not a valid refusal either
   }
   throw Error(ErrorCode::kInput, fmt::format("{}: decoding returned {} invalid bytes, expected an undamaged "
                                              "file that {} can read",

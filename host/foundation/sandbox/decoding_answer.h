@@ -7,7 +7,7 @@
 //             kClose                                     kDone
 //             any                                        kRefused, error code, message
 //             any                                        kOutOfMemory: decoding needs more than its limit
-//             any                                        kNoMemoryHere: the machine has less than the limit
+//             any                                        kNoMemoryHere: the machine has less memory than the limit
 #pragma once
 
 #include <cstdint>
@@ -30,8 +30,8 @@ struct AskedFile {
   std::uint64_t memory_max;
 };
 
-/// Throws the child's Error, or Error(kInput) if the file needs more memory than its limit, or its decoding ended
-/// without a valid answer; Error(kEnvironment) if this machine has less memory than the limit.
+/// Throws the child's Error. Throws Error(kInput) if the file needs more memory than its limit, or if its decoding
+/// ended without a valid answer. Throws Error(kEnvironment) if this machine has less memory than the limit.
 [[noreturn]] void refuse_as_answered(const AskedFile& file, std::string_view answer);
 
 /// Parses an answer with `read(MessageReader&)` if the request was done; otherwise throws Error like
@@ -44,7 +44,7 @@ auto parse_answer(const AskedFile& file, std::string_view answer, const Read& re
       auto result = read(in);
       if (in.is_at_end()) return result;
     }
-  } catch (const std::out_of_range&) {  // cut
+  } catch (const std::out_of_range&) {  // the answer is cut short
   }
   refuse_as_answered(file, answer);
 }
@@ -54,8 +54,8 @@ auto parse_answer(const AskedFile& file, std::string_view answer, const Read& re
 /// memory (on systems that do not overcommit), or an administrator's own RLIMIT_DATA.
 bool has_allowed_memory();
 
-/// Returns, in the child, the answer of `work`, or its Error as an answer. has_allowed_memory() decides which answer
-/// reports exhausted memory.
+/// Returns, in the child, the answer of `work`, or its Error as an answer. If memory is exhausted, has_allowed_memory()
+/// decides which answer is returned.
 std::string answer_or_refusal(const std::function<std::string()>& work);
 
 }  // namespace multum

@@ -40,7 +40,7 @@ class DecodedFile {
   SharedMemory& memory() { return process_->memory(); }
   AskedFile asked() const { return {path_, library_, limits_.memory_max}; }
 
-  /// Returns the answer parsed by `read(MessageReader&)`. If the child fails in any way, throws Error that names the
+  /// Returns the answer, parsed by `read(MessageReader&)`. If the child fails in any way, throws Error, which names the
   /// file.
   template <typename Read>
   auto ask(const std::string& request, const Read& read, const std::function<void()>& while_waiting = {}) {

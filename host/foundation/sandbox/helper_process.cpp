@@ -50,8 +50,8 @@ int moved_away(int descriptor) {
   return moved;
 }
 
-// The child stays in this process's group, and ends with this process; only this process handles signals that a
-// terminal sends to the group.
+// The child stays in this process's group, and ends with this process. If a terminal sends a signal to the group, only
+// this process handles it.
 pid_t spawn_helper(const std::string& program, int socket, int memory, int last_words) {
   return spawn_process({program}, {.files = {{last_words, STDOUT_FILENO},
                                              {last_words, STDERR_FILENO},
@@ -61,7 +61,7 @@ pid_t spawn_helper(const std::string& program, int socket, int memory, int last_
                                    .blocked_signals = {{SIGINT, SIGTERM, SIGHUP, SIGQUIT}}});
 }
 
-// Returns the bytes that are resident and not shared.
+// Returns the number of bytes that are resident and not shared.
 std::uint64_t own_memory_bytes(pid_t pid) {
   std::FILE* file = std::fopen(fmt::format("/proc/{}/statm", pid).c_str(), "re");
   if (file == nullptr) return 0;
@@ -80,7 +80,7 @@ std::chrono::nanoseconds processor_time(pid_t pid) {
   return std::chrono::seconds(used.tv_sec) + std::chrono::nanoseconds(used.tv_nsec);
 }
 
-// 'R' after "TID (NAME) " (proc(5)): the thread is running, or waits only for a processor.
+// 'R' after "TID (NAME) " (proc(5)) means that the thread is running, or waits only for a processor.
 bool is_thread_ready(const std::string& folder) {
   std::FILE* file = std::fopen((folder + "/stat").c_str(), "re");
   if (file == nullptr) return false;
@@ -92,7 +92,7 @@ bool is_thread_ready(const std::string& folder) {
   return name_end != std::string_view::npos && line.substr(name_end + 2).starts_with('R');
 }
 
-// Returns whether any thread is ready: libraries decode in their own threads, and the first thread waits for these.
+// Returns whether any thread is ready. The first thread may wait, because libraries decode in their own threads.
 bool is_ready_to_run(pid_t pid) {
   std::error_code error;
   std::filesystem::directory_iterator threads(fmt::format("/proc/{}/task", pid), error), end;
@@ -116,8 +116,8 @@ std::string text_of(std::chrono::milliseconds time) {
   return time.count() % 1000 == 0 ? fmt::format("{} s", time.count() / 1000) : fmt::format("{} ms", time.count());
 }
 
-// Returns the most informative line that a program printed before its end: a line about an exception or a sanitizer,
-// else the last line.
+// Returns the most informative line that a program printed before its end. This is a line about an exception or a
+// sanitizer, or the last line if there is none.
 std::string essence(std::string_view said) {
   constexpr std::size_t kLengthMax = 200;
   std::string_view last, chosen;
@@ -175,8 +175,8 @@ int HelperProcess::kill_and_wait() {
   return status;
 }
 
-// The child has closed its end of the socket. Usually the child is ending by itself, and its status tells how it ended.
-// A child that does not end is killed.
+// The child has closed its end of the socket. Usually the child is ending by itself, and its status tells the reason. A
+// child that does not end is killed.
 int HelperProcess::wait_for_end() {
   constexpr int kTries = 200;
   int status = 0;
@@ -199,7 +199,7 @@ void HelperProcess::end(const std::string& why) {
 }
 
 void HelperProcess::reap() {
-  // Exit codes of a program that cannot be loaded (ld.so), and of one that runs out of memory outside a request
+  // Exit codes of a program that cannot be loaded (ld.so), and of a program that runs out of memory outside a request
   // (run_guarded()).
   constexpr int kNotLoaded = 127, kNoMemory = 4;
   const int status = wait_for_end();
@@ -253,8 +253,8 @@ void HelperProcess::send(std::string_view request) {
   }
 }
 
-// Adds the time since the last call, or only the processor time if the child is ready to run. After a long gap, this
-// process was stopped or had no processor, and the child's state during the gap is unknown, so the gap is capped.
+// Adds the time since the last call, or only the processor time if the child is ready to run. A long gap means that
+// this process was stopped or had no processor. The child's state during the gap is unknown, so the gap is capped.
 void HelperProcess::Stopwatch::look(pid_t pid) {
   const auto now = Clock::now();
   const auto ran = processor_time(pid);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Runs a child for work that may end a process: libraries that crash on broken files. Requests and answers are messages
-// over a socket; results are in shared memory; the child's memory and time are limited. A crash, missing answers and
+// over a socket. Results are in shared memory. The child's memory and time are limited. A crash, missing answers and
 // excess memory of the child become exceptions in this process.
 //
 //   this process                        the child (host/foundation/sandbox/helper_service.h)
@@ -22,9 +22,9 @@
 
 namespace multum {
 
-/// Limits of one request. Above the memory limit, the child's allocations fail, or else the child is killed. Above the
-/// time limit, the child is killed; time in which it is ready to run while other programs use the processors does not
-/// count. The processor time of all its threads is limited to time_max per core.
+/// Limits of one request. If the child needs more memory, its allocations fail or it is killed. If it needs more time,
+/// it is killed. Time in which it waits because other programs use the processors does not count. The processor time of
+/// all its threads is limited to time_max per core.
 struct HelperLimits {
   std::uint64_t memory_max;  // writable bytes in total, without the shared memory
   std::chrono::milliseconds time_max;
@@ -34,9 +34,9 @@ struct HelperLimits {
 class HelperEnded : public std::runtime_error {
  public:
   HelperEnded(const std::string& how, bool lacked_memory) : std::runtime_error(how), lacked_memory_(lacked_memory) {}
-  /// Returns whether the machine, and not the request, is the likely cause. True if the child could not be loaded, if
-  /// the system killed it (as when memory runs out), or if it died with less memory than HelperLimits allow, because of
-  /// a limit of this process (ulimit -v, -d).
+  /// Returns whether the machine, and not the request, is the likely cause. True if the child could not be loaded, or
+  /// if the system killed it (as when memory runs out). Also true if it died with less memory than HelperLimits allow,
+  /// because of a limit of this process (ulimit -v, -d).
   bool lacked_memory() const { return lacked_memory_; }
 
  private:
@@ -58,7 +58,7 @@ class HelperProcess {
   SharedMemory& memory() { return memory_; }
 
   /// Returns the child's answer. Calls `while_waiting` a few times per second; if this function throws, the child is
-  /// killed. Throws HelperEnded if the child has ended, in this call and in later ones.
+  /// killed. Throws HelperEnded if the child has ended during this call or before it.
   std::string ask(std::string_view request, const HelperLimits& limits, const std::function<void()>& while_waiting);
 
  private:

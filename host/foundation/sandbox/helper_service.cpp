@@ -16,7 +16,7 @@
 namespace multum {
 namespace {
 
-// Ends the child with its parent, also within a library call that never returns.
+// Ends the child together with its parent, even during a library call that never returns.
 void end_with_asker() {
   for (;;) {
     pollfd waited = {kHelperSocket, POLLRDHUP, 0};

@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// glibc 2.36 has no openat2(). Names with links fail, because links were resolved during the check of the path.
+// glibc 2.36 has no openat2(). Names with links fail here, because links were resolved when the path was checked.
 int open_below(int root, const std::string& relative, int flags) {
   open_how how{};
   how.flags = static_cast<std::uint64_t>(flags | O_CLOEXEC | O_NOFOLLOW);
@@ -35,10 +35,10 @@ bool is_below(const std::string& path, const std::string& folder) {
   return path.starts_with(folder) && path.size() > folder.size() && path[folder.size()] == '/';
 }
 
-// Resolves a name that does not exist: resolves its existing beginning, and links whose targets are missing. Otherwise
-// a link in a root would reveal which files exist outside.
+// Resolves a name that does not exist: its existing beginning, and links whose targets are missing. Otherwise a link in
+// a root would reveal which files exist outside.
 fs::path place_of(const fs::path& path) {
-  constexpr int kLinksMax = 40;  // the system's own limit
+  constexpr int kLinksMax = 40;  // as many as the system allows
   fs::path place = "/", rest = path;
   std::error_code error;
   for (int links = 0; !rest.empty();) {
@@ -108,7 +108,7 @@ OpenFile PathRoots::open_beneath(const std::string& canonical, int flags) const 
   const std::string relative = canonical == root ? "." : canonical.substr(root.size() + 1);
   OpenFile file(open_below(descriptor, relative, flags));
   if (!file.is_open() && (errno == ELOOP || errno == EXDEV))
-    throw Error(ErrorCode::kUsage, fmt::format("{}: has become a link, or is reached through one", canonical));
+    throw Error(ErrorCode::kUsage, fmt::format("{}: has become a link, or is reached through a link", canonical));
   if (!file.is_open() && (errno == ENOENT || errno == ENOTDIR))
     throw Error(ErrorCode::kUsage, fmt::format("{}: no longer exists", canonical));
   if (!file.is_open()) fail_by_errno(canonical, "cannot be opened");
@@ -158,7 +158,7 @@ std::string PathRoots::output(const std::string& path) const {
   const fs::path named = fs::path(path).lexically_normal();
   const std::string name = named.filename().string();
   if (name.empty() || name == ".." || name.starts_with(".multum-"))
-    throw Error(ErrorCode::kUsage, fmt::format("{}: is not a name for a result", path));
+    throw Error(ErrorCode::kUsage, fmt::format("{}: is not a valid name for a result", path));
   check_name_length(path, name);
   std::error_code error;
   const fs::path folder = fs::canonical(named.parent_path(), error);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Confines reading and writing to files below some folders, whatever names or links lead to them, and even if a name
-// changes after its check. A file is opened only beneath its root's descriptor, by a name without links (openat2).
+// Confines reading and writing to files below some folders, regardless of names and links, and even if a name changes
+// after its check. A file is opened only beneath its root's descriptor, by a name without links (openat2).
 #pragma once
 
 #include <memory>
@@ -11,26 +11,27 @@
 
 namespace multum {
 
-/// Opens a name below an open folder without following any link. Not open, with errno, on failure.
+/// Opens a name below an open folder without following any link. On failure, the result is not open, and errno gives
+/// the reason.
 OpenFile open_beneath_folder(const OpenFile& folder, const std::string& relative, int flags);
 
 class PathRoots {
  public:
-  /// Throws Error(kUsage) for a root that is not a folder; Error(kEnvironment) if the system has no openat2 (Linux
-  /// before 5.6).
+  /// Throws Error(kUsage) for a root that is not a folder. Throws Error(kEnvironment) if the system has no openat2
+  /// (Linux before 5.6).
   explicit PathRoots(const std::vector<std::string>& roots);
 
   /// Returns the file's path without links or dots. Throws Error(kUsage) if the path is not absolute, missing, not a
-  /// file, or outside the roots; reveals nothing about files outside.
+  /// file, or outside the roots. The message reveals nothing about files outside.
   std::string input(const std::string& path) const;
-  /// Like input(), for a result to be written: its folder must exist; the path itself may be a file, a folder or
-  /// missing, but not a link.
+  /// Like input(), except that the path is for a result. Its folder must exist. The path itself may be a file, a folder
+  /// or missing, but not a link.
   std::string output(const std::string& path) const;
   bool is_inside(const std::string& canonical) const;
   const std::vector<std::string>& roots() const { return roots_; }
 
-  /// Opens a path returned by input() for reading. Throws Error(kUsage) if the path is no longer a file below its root:
-  /// the file was removed or replaced by a link, or the root is another folder.
+  /// Opens a path returned by input() for reading. Throws Error(kUsage) if the path does not name a file below its root
+  /// any more, because the file was removed or replaced by a link, or the root is another folder.
   OpenFile open_input(const std::string& canonical) const;
   /// Opens the folder of a path returned by output(). Throws like open_input().
   OpenFile open_folder_of(const std::string& canonical) const;

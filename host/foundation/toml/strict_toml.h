@@ -19,14 +19,14 @@
 
 namespace multum {
 
-/// Parses the file. Throws Error(kInput) if it cannot be read, exceeds a limit or is not TOML; `expected` is, for
+/// Parses the file. Throws Error(kInput) if it cannot be read, exceeds a limit or is not TOML. `expected` is, for
 /// example, "a job as PAGE describes it". Never reads more bytes than the limit, even from a pipe or a device.
 toml::table parse_toml(const std::string& path, const std::string& expected, const TomlLimits& limits = {});
 
 struct NumberRange {
   double low = 0.0, high = 0.0;
   bool low_open = false, high_open = false;  // true if the end itself is outside the range
-  std::string text;                          // "a number above 0"
+  std::string text;                          // description, such as "a number above 0"
 };
 
 inline const NumberRange kAboveZero = {0.0, std::numeric_limits<double>::infinity(), true, true, "a number above 0"};
@@ -36,8 +36,8 @@ inline const NumberRange kFromZero = {0.0, std::numeric_limits<double>::infinity
 /// One table of a file; `file` and `table` outlive it.
 class StrictTable {
  public:
-  /// Messages prefix keys with `name` (for example "texture": "texture.wrap"); it is empty for the top table. Keys that
-  /// are not in `keys` are rejected at once, and the message names the nearest known key. `whole` names the file's
+  /// Messages prefix keys with `name`: for "texture", they say "texture.wrap". `name` is empty for the top table. Keys
+  /// that are not in `keys` are rejected at once, and the message names the nearest known key. `whole` names the file's
   /// contents.
   StrictTable(const std::string& file, const toml::table& table, std::string name, const std::vector<std::string>& keys,
               std::string whole = "the job");
@@ -46,9 +46,9 @@ class StrictTable {
   /// Returns the existing keys in alphabetical order, for tables whose keys are names.
   std::vector<std::string> keys() const;
 
-  /// Returns the key's value, or `fallback` if the key is missing; without a fallback, the key is required.
+  /// Returns the key's value, or `fallback` if the key is missing. Without a fallback, the key is required.
   std::string text(const std::string& key, const std::optional<std::string>& fallback = {}) const;
-  /// Returns the path that the text encodes (host/foundation/base/path_text.h): TOML is UTF-8, but file names may not
+  /// Returns the path that the text encodes (host/foundation/base/path_text.h). TOML is UTF-8, but file names may not
   /// be.
   std::string path(const std::string& key, const std::optional<std::string>& fallback = {}) const;
   bool boolean(const std::string& key, bool fallback) const;
@@ -58,18 +58,18 @@ class StrictTable {
   template <typename List>
   auto choice(const std::string& key, const List& choices) const
       -> std::optional<typename List::value_type::second_type>;
-  /// Returns one number, or a list of at most `count_max`; empty if the key is missing.
+  /// Returns one number, or a list of at most `count_max` numbers; empty if the key is missing.
   std::vector<double> numbers(const std::string& key, const NumberRange& range, std::size_t count_max) const;
   std::vector<std::string> texts(const std::string& key, bool is_required) const;
   std::vector<int> integers(const std::string& key) const;
-  /// Reads four rows of four finite numbers, for column vectors.
+  /// Reads four rows of four finite numbers: a matrix for column vectors.
   glm::dmat4 matrix(const std::string& key) const;
-  /// Returns the table of this key; an empty one if it is missing.
+  /// Returns the table of this key, or an empty table if the key is missing.
   const toml::table& table(const std::string& key) const;
-  /// Returns the tables of [[key]]; at least one is required, unless the key may be missing.
+  /// Returns the tables of [[key]]. At least one is required, unless the key may be missing.
   std::vector<const toml::table*> tables(const std::string& key, bool is_required = true) const;
 
-  /// Throws Error(kInput): "FILE:LINE: KEY is WHAT"; `key` may be empty, for the table itself.
+  /// Throws Error(kInput): "FILE:LINE: KEY is WHAT". For the table itself, `key` is empty.
   [[noreturn]] void refuse(const std::string& key, const std::string& what) const;
 
  private:

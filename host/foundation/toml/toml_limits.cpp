@@ -78,8 +78,8 @@ class TomlScan {
     in_key_ = true;
   }
 
-  // Handles '.' and '=' of a key. In values, these characters have no meaning; values that begin with one are also
-  // handled here.
+  // Handles '.' and '=' of a key. In values, these characters have no meaning. Values that begin with one of them are
+  // also handled here.
   void separate(char c) {
     ++at_;
     if (in_key_ && c == '.' && ++dots_ > limits_.dot_max) refuse("dots in keys and headers", limits_.dot_max);
@@ -116,7 +116,7 @@ class TomlScan {
     in_key_ = c == '{';
   }
 
-  // Begins [name] or [[name]], whose table gets the keys that follow.
+  // Begins [name] or [[name]]. The keys that follow belong to this table.
   void begin_header() {
     is_array_of_tables_ = text_.substr(at_, 2) == "[[";
     at_ += is_array_of_tables_ ? 2 : 1;
@@ -179,7 +179,7 @@ class TomlScan {
   bool is_array_of_tables_ = false;
   std::size_t header_begin_ = 0;
   int header_parts_ = 0;
-  int depth_ = 0;  // depth: parts of the header, parts of each open level's key, and brackets
+  int depth_ = 0;  // parts of the header, plus parts of each open level's key, plus brackets
   std::size_t items_ = 0, dots_ = 0;
   std::set<std::string_view> array_names_;
 };

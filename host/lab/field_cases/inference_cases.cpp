@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Tests texture inference: the products and sums of conjugate gradient, the interpolation of the pyramid, and whole
 // solutions. The solved systems are singular, empty, weakly regularised or of high contrast (Hakura et al. 2000,
-// section 3.2; the rows are in docs/contributing/ALGORITHMS.md).
+// section 3.2). docs/contributing/ALGORITHMS.md lists the rows of the system.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -34,7 +34,7 @@ std::vector<Colour4> colours_of_great_contrast(std::size_t count, std::uint64_t 
   return list;
 }
 
-// Makes rows of 0 to 21 entries; the first and the last row are empty. Weights are denormal, or have a magnitude from
+// Makes rows of 0 to 21 entries. The first and the last row are empty. Weights are denormal, or have a magnitude from
 // 1e-6 to 1.
 SparseRows uneven_rows(std::uint32_t column_count) {
   SplitMix64 random(8);
@@ -67,7 +67,7 @@ void empty_and_uneven_rows(Device& device, WorstError& worst) {
         sum += product;
         magnitude += std::abs(product);
       }
-      // Devices may treat denormal numbers as 0.
+      // Devices are allowed to treat denormal numbers as 0.
       worst.add(static_cast<double>(found[r][c]), sum, magnitude + 1e-30, fmt::format("row {}", r));
     }
 }
@@ -266,7 +266,7 @@ void singular_systems(Device& device, WorstError& worst) {
   }
 }
 
-// Tests a regularisation so weak that texels that no pixel reads have a denormal diagonal entry, whose inverse is
+// Tests a very weak regularisation. Texels that no pixel reads then have a denormal diagonal entry, whose inverse is
 // infinite.
 void denormal_diagonals(Device& device, WorstError& worst) {
   const FilterMatrix matrix = reference::random_matrix(32, 32, WrapMode::kClamp, 40, 3);
@@ -275,7 +275,7 @@ void denormal_diagonals(Device& device, WorstError& worst) {
                        fmt::format("eps {}", weight), worst);
 }
 
-// Tests a picture of one colour that shows only the left half of a texture. The right half must get this colour too.
+// Tests a picture of one colour that shows only the left half of a texture. The right half must also get this colour.
 void unseen_texels(Device& device, WorstError& worst) {
   const FilterMatrix matrix = reference::random_matrix(32, 16, WrapMode::kClamp, 3000, 7);
   const MipLayout layout = matrix.layout();
@@ -334,40 +334,42 @@ void contrast_in_pixels(Device& device, WorstError& worst) {
 std::vector<NumericalCase> product_cases() {
   return {
       {{"empty-and-uneven-rows", "filter_matrix_spmv", "a row without entries keeps the old value of the output",
-        "each sum begins at 0, and blocks of 8 entries are padded with entries of weight 0", 1e-6,
-        "of the sum of magnitudes", "21 products are added as a tree"},
+        "each sum begins at 0, and incomplete blocks of 8 entries are padded with entries of weight 0", 1e-6,
+        "of the sum of magnitudes", "21 products are added in pairs, so each of them is rounded only a few times"},
        empty_and_uneven_rows,
        {},
        {},
        {{"filter_matrix_spmv", "float4 sum = (float4)(0.0f);", "float4 sum = y[row];"}}},
       {{"constant-textures", "pyramid_residual",
-        "for equal a and b, rounding of (1 - t) a + t b gives a constant texture a slope",
-        "the kernel computes a + t (b - a) instead", kNothingWrong, "relative error", "the result must be exactly 0"},
+        "even if the texels a and b are equal, rounding changes (1 - t) a + t b, so a constant texture gets a slope",
+        "the kernel computes a + t (b - a), which is exact if a and b are equal", kNothingWrong, "relative error",
+        "the result must be exactly 0"},
        constant_textures,
        {{"pyramidal_regularization", "typedef struct MultumGather {",
          "#define mix(a, b, t) ((1.0f - (t)) * (a) + (t) * (b))\ntypedef struct MultumGather {"}}},
       {{"odd-pyramids-of-great-contrast", "pyramid_residual, pyramid_gradient",
         "weights of one quarter are correct only for sizes that are powers of two",
         "tables give the weights of each column and each row", 2e-6, "absolute error of values up to 1",
-        "sums of up to 9 x 9 products are rounded"},
+        "each result is a sum of up to 9 x 9 rounded products"},
        odd_pyramids,
        {{"pyramidal_regularization", "gathered -= entries[v].weight * of_row;", "gathered -= 0.25f * of_row;"}}},
       {{"parts-beyond-2-to-31", "curvature_product",
         "the product of the texel count and the part count overflows, so parts contain wrong texels or no texels",
         "integers have 64 bits", 1e-6, "of the sum of magnitudes",
-        "each part rounds 16 additions, and parts are added in double precision"},
+        "each part rounds only 16 additions, and the parts are added in double precision"},
        products_of_many_parts,
        {{"conjugate_gradient", "(((long)texel_count * part) / part_count)", "((texel_count * part) / part_count)"}}},
       {{"parts-without-texels", "advance_residual", "a part without texels keeps the old value of the output",
-        "sums begin at 0", 1e-5, "relative error", "the difference between 1000 q and r is squared"},
+        "sums begin at 0", 1e-5, "relative error", "the residual r - 1000 q is rounded and then squared"},
        parts_without_texels,
        {},
        {},
        {{"conjugate_gradient", "float4 product = (float4)(0.0f), norm = (float4)(0.0f);",
          "float4 product = parts[part], norm = (float4)(0.0f);"}}},
-      {{"steps-along-the-old-direction", "advance_direction", "the step uses the direction of the next iteration",
+      {{"steps-along-the-old-direction", "advance_direction",
+        "the step along the direction uses the direction of the next iteration by mistake",
         "the old direction is read before it is overwritten", 2e-7, "of the sum of magnitudes",
-        "two products and their sum are rounded"},
+        "only two products and their sum are rounded"},
        steps_along_the_old_direction,
        {},
        {},
@@ -386,12 +388,13 @@ std::vector<NumericalCase> inference_cases() {
                        const std::vector<SourceEdit>& mutation) {
     cases.push_back({{name, "conjugate_gradient", without, guard, bound, unit, reason}, run, edits, {}, mutation});
   };
-  // The host computes the inverses, so this kernel edit replaces each inverse of 0 by infinity, as if the host had no
+  // The host computes the inverses, so this kernel edit replaces each inverse of 0 with infinity, as if the host had no
   // guard.
   const std::string infinite = "select(inverse_diagonal[i], (float4)(INFINITY), inverse_diagonal[i] == 0.0f)";
   add("singular-systems", "texels that no pixel reads have a diagonal entry of 0, whose inverse is infinite",
-      "the inverse is set to 0, so unseen texels keep their start values", 1e-2, "absolute error of pixels",
-      "the solver uses single precision and a gradient tolerance of 1e-6", singular_systems, {},
+      "the inverse is set to 0, so texels that no pixel reads keep their start values", 1e-2,
+      "absolute error of pixels", "the solver uses single precision and a gradient tolerance of 1e-6", singular_systems,
+      {},
       {{"conjugate_gradient", "p[i] = inverse_diagonal[i] * r[i] + beta * direction;",
         "p[i] = " + infinite + " * r[i] + beta * direction;"}});
   add("denormal-diagonals", "the inverse of a denormal diagonal entry is infinite, and its product with 0 is NaN",
@@ -400,15 +403,19 @@ std::vector<NumericalCase> inference_cases() {
       {{"conjugate_gradient", "product += inverse_diagonal[i] * square;", "product += " + infinite + " * square;"}});
   add("unseen-texels", "texels that no pixel reads keep their start values, or become infinite or NaN",
       "pyramidal regularisation fills unseen texels from the coarser level", 2e-3, "absolute error",
-      "the coarse levels have a condition number of about 1e3", unseen_texels,
-      {{"pyramidal_regularization", "sum[texel] += weight * gathered;", ""}}, {});
-  add("regularisation-to-0", "the smallest eigenvalues come from the regularisation, so steps leave the allowed range",
-      "the gradient decides when Newton steps stop, and bounds limit the steps", 2e-3, "absolute error",
-      "the coarse levels have a condition number of about 1e3", vanishing_regularisation,
+      "the systems of the coarse levels have a condition number of about 1e3, which multiplies the solver's error",
+      unseen_texels, {{"pyramidal_regularization", "sum[texel] += weight * gathered;", ""}}, {});
+  add("regularisation-to-0",
+      "only the tiny regularisation determines the smallest eigenvalues, so steps become too long and leave the "
+      "allowed range",
+      "Newton steps stop when the gradient is small, and bounds limit the steps", 2e-3, "absolute error",
+      "the systems of the coarse levels have a condition number of about 1e3, which multiplies the solver's error",
+      vanishing_regularisation,
       {{"conjugate_gradient", "is_free[i] * (q[i] + diagonal[i] * p[i])", "(q[i] + diagonal[i] * p[i])"}}, {});
   add("contrast-of-1e6", "rounding errors of bright texels exceed the values of dark texels",
-      "sums of parts are in double precision, and bounds hold exactly", 1e-2, "absolute error of values up to 1",
-      "rows of weight 1e-6 have an equally small effect", contrast_in_pixels, {},
+      "partial sums are added in double precision, and values never leave their bounds", 1e-2,
+      "absolute error of values up to 1", "pixels of weight 1e-6 have an equally small effect on the result",
+      contrast_in_pixels, {},
       {{"conjugate_gradient", "step[i] += alpha * direction;", "step[i] += rint(32.0f * alpha * direction) / 32.0f;"}});
   return cases;
 }

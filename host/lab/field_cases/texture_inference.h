@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Computes the objective of texture inference in double for one colour.
+// Computes the objective of texture inference in double precision for one colour.
 // host/fields/inference/solver/texture_inference.h defines the objective.
 #pragma once
 
@@ -19,15 +19,16 @@ struct InferenceProblem {
 /// Returns f(x).
 double objective(const InferenceProblem& problem, const std::vector<double>& texels);
 
-/// One entry of the bilinear interpolation of level l + 1 at the texels of level l: fine texel, coarse texel and
-/// weight.
+/// An entry of the matrix that interpolates level l + 1 bilinearly at the texels of level l: the fine texel, the coarse
+/// texel and the weight.
 struct InterpolationEntry {
   int fine, coarse;
   double weight;
 };
 std::vector<InterpolationEntry> interpolation(const FilterMatrix& matrix);
 
-/// Makes a filter matrix of `rows` random trilinear footprints on two levels each, as for a picture of `rows` pixels.
+/// Makes a filter matrix of `rows` random trilinear footprints, as for a picture of `rows` pixels. Each footprint
+/// covers two levels.
 FilterMatrix random_matrix(int texture_width, int texture_height, WrapMode wrap, int rows, unsigned seed);
 
 }  // namespace multum::reference

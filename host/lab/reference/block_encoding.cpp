@@ -17,17 +17,17 @@ constexpr double kNone = std::numeric_limits<double>::infinity();
 
 double square(double x) { return x * x; }
 
-// Texels of a line, `channels` values each.
+// The texels of a line, with `channels` values each.
 struct LineTexels {
   int channels;
   std::vector<std::array<double, 3>> texels;
 };
 
 struct LineFormat {
-  int bits;         // of a code
-  bool has_p;       // one more bit below it
-  int p;            // its value
-  int index_count;  // 4, 8, 16
+  int bits;         // number of bits of a code
+  bool has_p;       // whether one more bit follows the code
+  int p;            // value of this bit
+  int index_count;  // number of indices: 4, 8 or 16
 };
 
 int decoded(int code, const LineFormat& format) {
@@ -37,9 +37,9 @@ int decoded(int code, const LineFormat& format) {
   return wide;
 }
 
-using Codes = std::array<int, 6>;  // channel by channel, both ends
+using Codes = std::array<int, 6>;  // codes of both ends, channel by channel
 
-// Each texel takes the best of all indices.
+// Chooses the best index for each texel.
 double error_of(const LineTexels& line, const LineFormat& format, const Codes& codes) {
   std::array<std::array<int, 3>, 16> palette{};
   for (int i = 0; i < format.index_count; ++i) {
@@ -63,8 +63,8 @@ double error_of(const LineTexels& line, const LineFormat& format, const Codes& c
   return sum;
 }
 
-// Starts with ends that are two of the texels, with random changes, and descends in steps of one code or of both codes
-// of a channel.
+// Starts with two of the texels as ends, with random changes. Then descends in steps of one code, or of both codes of a
+// channel.
 double line_error(const LineTexels& line, const LineFormat& format, int start_count, std::mt19937& random) {
   if (line.texels.empty()) return 0.0;
   const int top = (1 << format.bits) - 1;
@@ -105,7 +105,7 @@ LineTexels texels_of(const BlockColours& colours, unsigned mask) {
   return line;
 }
 
-// One channel separately, and the two others together.
+// Codes one channel separately, and the other two channels together.
 double separate_error(const BlockColours& colours, std::size_t alone, const LineFormat& pair, const LineFormat& one,
                       std::mt19937& random) {
   LineTexels two{2, {}}, single{1, {}};

@@ -1,23 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
-// Computes least errors of blocks of 4 x 4 texels, in double, to test kernels/block_encoding.cl. BC4 tries all ends;
-// BC7's modes are searched from many starts, which is too slow for an encoder.
+// Computes the lowest possible errors of blocks of 4 x 4 texels in double, to test kernels/block_encoding.cl. For BC4,
+// all ends are tried. For the modes of BC7, a search has many starts, which is too slow for an encoder.
 #pragma once
 
 #include <array>
 
 namespace multum::reference {
 
-/// Values of a block, 0 to 255, row by row.
+/// The values of a block, from 0 to 255, row by row.
 using BlockValues = std::array<double, 16>;
 
-/// The least sum of squared differences of a BC4 block.
+/// Returns the least sum of squared differences that a BC4 block can have.
 double least_scalar_error(const BlockValues& values);
 
-/// Red, green and blue.
+/// The red, green and blue values of a block.
 using BlockColours = std::array<BlockValues, 3>;
 
-/// The least sum of squared differences of red, green and blue that a search finds for a BC7 block of modes 1, 4, 5
-/// and 6 with alpha 255. Takes hundreds of milliseconds.
+/// Returns the least sum of squared differences of red, green and blue that a search finds for a BC7 block of modes 1,
+/// 4, 5 and 6 with alpha 255. The search takes hundreds of milliseconds.
 double colour_error_by_search(const BlockColours& colours);
 
 }  // namespace multum::reference

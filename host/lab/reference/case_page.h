@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Generates docs/contributing/STABILITY.md: every numerical case with the result without its guard, the guard, the
-// bound and the worst error found.
+// Generates docs/contributing/STABILITY.md, which lists every numerical case with the result without its guard, the
+// guard, the bound, and the worst error found.
 #pragma once
 
 #include <string>
@@ -13,7 +13,7 @@ namespace multum {
 /// Returns Markdown with one table per formula, in the order of the runs' cases.
 std::string stability_page(const std::vector<NumericalRun>& runs);
 
-/// Names of the cases on a page, in its order.
+/// Lists the names of the cases on a page, in the order of the page.
 std::vector<std::string> cases_of_page(const std::string& page);
 
 }  // namespace multum

@@ -28,7 +28,7 @@ double parsed_error(const nlohmann::json& json) {
 
 std::string case_table(const NumericalRun& run) {
   std::size_t width = 4;
-  bool has_naive = false;  // and mutations
+  bool has_naive = false;  // whether a case has an error without its guard, or with a bug
   for (const NumericalVerdict& v : run.verdicts) {
     width = std::max(width, v.text.name.size());
     has_naive = has_naive || v.without_guard || v.mutated;

@@ -9,13 +9,14 @@
 
 namespace multum {
 
-/// One line per case: name, worst error, bound, errors without the guard and with a bug if those were tested, verdict.
+/// Writes one line per case: name, worst error, bound, verdict. If errors without the guard and with a bug were
+/// measured, the line also contains these errors.
 std::string case_table(const NumericalRun& run);
 
-/// Errors that are not finite become the texts "NaN" and "inf".
+/// Writes the cases as JSON. Errors that are not finite become the texts "NaN" and "inf".
 std::string case_json(const NumericalRun& run);
 
-/// Parses the output of case_json(). Throws Error(kInput) naming `path` for any other text.
+/// Parses the output of case_json(). Throws Error(kInput) that names `path` for any other text.
 NumericalRun parse_case_json(const std::string& text, const std::string& path);
 
 }  // namespace multum

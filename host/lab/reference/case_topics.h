@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lists the numerical dangers of a bake or a picture, and the named cases that test them;
-// docs/contributing/STABILITY.md begins with the list. A danger without a test first gets a case and then its line
+// Lists the numerical dangers of a bake or a picture, and the named cases that test them.
+// docs/contributing/STABILITY.md begins with this list. If a danger has no test, add a case before you add the danger
 // here.
 #pragma once
 
@@ -12,7 +12,7 @@ namespace multum {
 struct CaseTopic {
   std::string danger;
   std::vector<std::string>
-      cases;  // names in host/lab/selftest and tests/gl; "HardCaseTest.X": a whole bake, tests/hard_cases
+      cases;  // names in host/lab/selftest and tests/gl; "HardCaseTest.X" is a whole bake in tests/hard_cases
 };
 
 const std::vector<CaseTopic>& case_topics();

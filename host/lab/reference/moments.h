@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Computes moments of a texel by their definition, in double, and their shading by Toksvig's rule and by LEAN, to test
-// kernels/moments.cl, kernels/device/moment_shading.clh and moment_shading.glsl.
+// Computes moments of a texel by their definition, in double precision, and their shading by Toksvig's rule and by
+// LEAN, to test kernels/moments.cl, kernels/device/moment_shading.clh and moment_shading.glsl.
 #pragma once
 
 #include <glm/vec3.hpp>
@@ -18,15 +18,15 @@ struct TexelMoments {
   double variance_t() const { return tt - t * t; }
 };
 
-/// Moments of texel (x, y) of a level `width` by `height`. Every finest texel is weighted by its area within the
-/// texel. `albedo` may be null.
+/// Returns the moments of texel (x, y) of a level of `width` x `height` texels. Every finest texel is weighted by its
+/// area within the texel. `albedo` may be null.
 TexelMoments moments_of_texel(const NormalMap& map, const ColourMap* albedo, int width, int height, int x, int y);
 
-/// Normalised Blinn-Phong at the unit half vector, without a cosine; Toksvig's rule reduces its exponent.
+/// Returns normalised Blinn-Phong at the unit half vector, without a cosine. Toksvig's rule reduces its exponent.
 double toksvig(const glm::dvec3& mean_normal, const glm::dvec3& half_vector, double s);
 
-/// Gaussian density of slopes with covariance Sigma + I/s at the half vector's slope; per solid angle if
-/// `with_jacobian`.
+/// Returns the Gaussian density of slopes with covariance Sigma + I/s at the half vector's slope. If `with_jacobian` is
+/// true, the density is per solid angle.
 double lean(const TexelMoments& m, const glm::dvec3& half_vector, double s, bool with_jacobian);
 
 }  // namespace multum::reference

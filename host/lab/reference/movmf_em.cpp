@@ -51,7 +51,7 @@ std::vector<Moments> fit(const std::vector<Sample>& samples, std::vector<Lobe>& 
   for (const Sample& s : samples) total_weight += s.weight;
   std::vector<Moments> moments(lobes.size());
   for (int iteration = 0; iteration < options.iterations; ++iteration) {
-    // E-step, equation 15.
+    // This is the E-step, equation 15.
     std::vector<double> share(lobes.size(), 0.0), gap(lobes.size(), 0.0);
     std::vector<glm::dvec3> sum(lobes.size(), glm::dvec3(0.0));
     for (const Sample& s : samples) {
@@ -68,7 +68,7 @@ std::vector<Moments> fit(const std::vector<Sample>& samples, std::vector<Lobe>& 
         sum[j] += z * s.normal;
       }
     }
-    // Moments, which are stored.
+    // These moments are stored.
     for (std::size_t j = 0; j < lobes.size(); ++j) {
       const double a = share[j] / total_weight;
       const glm::dvec3 r = share[j] > 0.0 ? sum[j] / share[j] : glm::dvec3(0.0);
@@ -77,7 +77,7 @@ std::vector<Moments> fit(const std::vector<Sample>& samples, std::vector<Lobe>& 
       moments[j] = {alignment_vectors ? r : lobes[j].mu * length, std::clamp(1.0 - length, 0.0, 1.0), a};
     }
     if (iteration + 1 == options.iterations) break;
-    // M-step, equation 16, with the prior.
+    // This is the M-step, equation 16, with the prior.
     for (std::size_t j = 0; j < lobes.size(); ++j) {
       const glm::dvec3 v = moments[j].r + (options.prior.empty() ? glm::dvec3(0.0) : options.prior[j]);
       if (glm::length(v) > 1e-6) lobes[j].mu = glm::normalize(v);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Runs spherical EM in double, in the simplest form: the reference of kernels/movmf_em_*.cl. Han et al. 2007, section
-// 7, Algorithm 1, equations 15-16, with the corrections in docs/contributing/ALGORITHMS.md. No bake uses it.
+// Runs spherical EM in double, in the simplest form, as the reference of kernels/movmf_em_*.cl. Follows Han et al.
+// 2007, section 7, Algorithm 1, equations 15-16, with the corrections in docs/contributing/ALGORITHMS.md. No bake uses
+// it.
 #pragma once
 
 #include <vector>
@@ -10,18 +11,18 @@
 namespace multum::reference {
 
 struct Sample {
-  glm::dvec3 normal;  // may be shorter than 1
+  glm::dvec3 normal;  // normal, which may be shorter than 1
   double weight = 1.0;
 };
 
 struct Lobe {
-  glm::dvec3 mu;  // unit
+  glm::dvec3 mu;  // unit vector
   double kappa;
   double amplitude;
 };
 
 struct Moments {
-  glm::dvec3 r;   // mean vector of the lobe's normals; without normals, its last direction
+  glm::dvec3 r;   // mean vector of the lobe's normals; the lobe's last direction if it has no normals
   double spread;  // 1 - |r|
   double amplitude;
 };
@@ -30,7 +31,7 @@ struct EmOptions {
   int iterations;
   double kappa_cap;
   double kappa_cap_slope;
-  std::vector<glm::dvec3> prior;  // per lobe: C sum_k a_k mu_k; empty: none
+  std::vector<glm::dvec3> prior;  // the sum C sum_k a_k mu_k of each lobe; empty if there is no prior
   double copies = 1.0;            // factor for log densities when a sample is divided among lobes
 };
 
@@ -38,10 +39,10 @@ struct EmOptions {
 double mean_length(double kappa);
 double kappa_of_mean_length(double r);
 
-/// log of the von Mises-Fisher density at cosine t.
+/// Returns the logarithm of the von Mises-Fisher density at cosine t.
 double log_vmf(double t, double kappa);
 
-/// Runs EM and returns the moments of the last E-step; `lobes` receives the parameters of that E-step.
+/// Runs EM and returns the moments of the last E-step. `lobes` receives the parameters of that E-step.
 std::vector<Moments> fit(const std::vector<Sample>& samples, std::vector<Lobe>& lobes, const EmOptions& options);
 
 }  // namespace multum::reference

@@ -28,15 +28,15 @@ struct RefinedLobe {
   double length() const { return 1.0 - spread; }
 };
 
-// Samples or lobes that the refined lobes approximate.
+// The samples or lobes that the refined lobes approximate.
 struct Shown {
   glm::dvec3 direction;
   double length, weight;
 };
 
-// A vMF with mean cosine A, without the factor 1/(2 pi): peak exp(-kappa u).
+// A vMF with mean cosine A, without the factor 1/(2 pi). At the gap u, its value is peak exp(-kappa u).
 struct Product {
-  double kappa, value;     // at the gap u
+  double kappa, value;     // kappa, and the value at the gap u
   double by_gap, by_mean;  // derivatives with respect to -u and to A
 };
 
@@ -95,7 +95,7 @@ void add_shown(const std::vector<RefinedLobe>& lobes, double share, std::vector<
   for (const RefinedLobe& lobe : lobes) shown.push_back({lobe.mu, lobe.length(), share * lobe.amplitude});
 }
 
-// Sum of squares, without the squares of the approximated samples, which are constant.
+// Returns the sum of squares, without the squares of the approximated samples, which are constant.
 double squares_of(const std::vector<RefinedLobe>& lobes, const std::vector<Shown>& shown) {
   double energy = 0.0;
   for (std::size_t brdf = 0; brdf < MULTUM_REFINE_BRDFS; ++brdf) {
@@ -112,7 +112,8 @@ double squares_of(const std::vector<RefinedLobe>& lobes, const std::vector<Shown
   return energy;
 }
 
-// Half of the derivative of the squares: lobes times lobes minus lobes times the approximated samples.
+// Returns half of the derivative of the squares: the products of lobes with lobes, minus the products of lobes with
+// samples.
 Vector gradient_of(const std::vector<RefinedLobe>& lobes, const std::vector<Shown>& shown) {
   Vector gradient(4 * lobes.size(), 0.0);
   const auto add = [&](std::size_t j, std::size_t brdf, const glm::dvec3& other, double other_length, double factor) {
@@ -133,7 +134,7 @@ Vector gradient_of(const std::vector<RefinedLobe>& lobes, const std::vector<Show
   return gradient;
 }
 
-// Products of the derivatives of lobes j and k; v = 1/kappa for the sum of the spreads: V = exp(-u/v)/v.
+// Computes products of the derivatives of lobes j and k. With v = 1/kappa for the sum of the spreads, V = exp(-u/v)/v.
 void add_block(const std::vector<RefinedLobe>& lobes, std::size_t j, std::size_t k, Matrix& matrix) {
   const RefinedLobe &one = lobes[j], &other = lobes[k];
   const double gap = j == k ? 0.0 : std::max(1.0 - glm::dot(one.mu, other.mu), 0.0);
@@ -174,14 +175,14 @@ Matrix matrix_of(const std::vector<RefinedLobe>& lobes) {
   return matrix;
 }
 
-// Derivatives of (a r, a) with respect to a lobe's four parameters.
+// Returns the derivatives of (a r, a) with respect to a lobe's four parameters.
 std::array<glm::dvec4, 4> moment_rows(const RefinedLobe& lobe) {
   const double turned = lobe.amplitude * lobe.length();
   return {glm::dvec4(lobe.length() * lobe.mu, 1.0), glm::dvec4(turned * lobe.e, 0.0), glm::dvec4(turned * lobe.f, 0.0),
           glm::dvec4(-lobe.amplitude * lobe.widening * lobe.mu, 0.0)};
 }
 
-// Mixes half of one lobe and half of another; the fourth parameter of the result is its spread.
+// Mixes one half of each of two lobes. The fourth parameter of the result is its spread.
 RefinedLobe pooled(const RefinedLobe& one, const RefinedLobe& other) {
   const double amplitude = 0.5 * (one.amplitude + other.amplitude);
   const glm::dvec3 sum = 0.5 * (one.amplitude * one.length() * one.mu + other.amplitude * other.length() * other.mu);
@@ -190,7 +191,8 @@ RefinedLobe pooled(const RefinedLobe& one, const RefinedLobe& other) {
   return lobe;
 }
 
-// Derivatives of the parameters of mixed lobes with respect to those of the lobes, through (a r, a).
+// Returns the derivatives of the parameters of mixed lobes with respect to the parameters of the lobes, through (a r,
+// a).
 Matrix by_lobes(const std::vector<RefinedLobe>& mixed, const std::vector<RefinedLobe>& lobes) {
   Matrix by(4 * lobes.size(), Vector(4 * lobes.size(), 0.0));
   for (std::size_t j = 0; j < lobes.size(); ++j) {
@@ -199,7 +201,8 @@ Matrix by_lobes(const std::vector<RefinedLobe>& mixed, const std::vector<Refined
     const double long_enough = std::max(m.length(), static_cast<double>(MULTUM_REFINE_LENGTH_MIN));
     for (std::size_t p = 0; p < 4; ++p) {
       const double grown = 0.5 * rows[p].w;
-      const glm::dvec3 moved = (0.5 * glm::dvec3(rows[p]) - grown * m.length() * m.mu) / m.amplitude;  // of r
+      const glm::dvec3 moved =
+          (0.5 * glm::dvec3(rows[p]) - grown * m.length() * m.mu) / m.amplitude;  // derivative of r
       const double values[4] = {grown, glm::dot(m.e, moved) / long_enough, glm::dot(m.f, moved) / long_enough,
                                 -glm::dot(m.mu, moved)};
       for (std::size_t q = 0; q < 4; ++q) by[4 * j + q][4 * j + p] = values[q];
@@ -235,7 +238,7 @@ void add_midway(const std::vector<RefinedLobe>& lobes, const std::vector<Refined
     }
 }
 
-// Raises the diagonal, then adds the constraints: the sum of amplitudes and the mean normal are constant.
+// Raises the diagonal. Then adds the constraints that the sum of amplitudes and the mean normal are constant.
 void add_moments(const std::vector<RefinedLobe>& lobes, const glm::dvec3& mean, System& system) {
   std::vector<glm::dvec4> rows;
   glm::dvec4 off(-mean, -1.0);
@@ -299,7 +302,7 @@ System system_of(const RefinedTexel& texel, const std::vector<RefinedLobe>& lobe
   return system;
 }
 
-// Sum of the highlights' relative L1 errors over some half vectors.
+// Returns the sum of the highlights' relative L1 errors over some half vectors.
 double seen_error(const std::vector<Sample>& samples, const std::vector<RefinedLobe>& lobes) {
   double total = 0.0, sum = 0.0;
   for (const Sample& sample : samples) total += sample.weight;

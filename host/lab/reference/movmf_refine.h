@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Refines lobes in double, in the simplest form: the reference of kernels/movmf_refine.cl, which defines the minimised
-// function and the method. No bake uses it.
+// Refines lobes in double, in the simplest form, as the reference of kernels/movmf_refine.cl. The kernel defines the
+// minimised function and the method. No bake uses this code.
 #pragma once
 
 #include <vector>
@@ -18,17 +18,17 @@ struct MeanLobe {
 struct RefinedTexel {
   std::vector<Sample> samples;
   std::vector<MeanLobe> lobes;                // results of EM
-  std::vector<std::vector<MeanLobe>> beside;  // lobes of up to four neighbouring texels, as many each
+  std::vector<std::vector<MeanLobe>> beside;  // lobes of up to four neighbouring texels, with as many lobes each
 };
 
 /// Runs `steps` steps on the lobes of a texel and returns them.
 std::vector<MeanLobe> refine(const RefinedTexel& texel, int steps);
 
-/// The minimised function for some lobes of the texel, without constant squares.
+/// Returns the minimised function for some lobes of the texel, without constant squares.
 double refined_energy(const RefinedTexel& texel, const std::vector<MeanLobe>& lobes);
 
-/// Error for comparing refined lobes with EM's: the sum of the relative L1 errors of the highlights, >= 0, over the
-/// half vectors of kernels/shared/movmf_refine.h.
+/// Returns the error by which refined lobes are compared with EM's lobes: the sum of the relative L1 errors of the
+/// highlights over the half vectors of kernels/shared/movmf_refine.h. The error is at least 0.
 double seen_error(const RefinedTexel& texel, const std::vector<MeanLobe>& lobes);
 
 }  // namespace multum::reference

@@ -15,7 +15,7 @@ namespace {
 constexpr float kSnormSteps = 32767.0f;
 constexpr double kSpreadZero = 5e-7;
 
-// The two grid neighbours of a value: at or below it and at or above it in magnitude.
+// Returns the two grid neighbours of a value, one at or below the value in magnitude, and one at or above it.
 struct Bracket {
   float inner;
   float outer;
@@ -34,7 +34,7 @@ Bracket bracket_half(double value) {
   const auto rounded = static_cast<double>(static_cast<float>(nearest));
   if (rounded == value) return {static_cast<float>(nearest), static_cast<float>(nearest)};
   half other = nearest;
-  // Halfs of one sign have the order of their bit patterns.
+  // Half floats of one sign have the same order as their bit patterns.
   const bool nearest_is_inner = std::abs(rounded) < std::abs(value);
   const auto bits = nearest.bits();
   other.setBits(static_cast<unsigned short>(nearest_is_inner ? bits + 1 : bits - 1));
@@ -42,7 +42,7 @@ Bracket bracket_half(double value) {
   return {static_cast<float>(other), static_cast<float>(nearest)};
 }
 
-// Steps 2 and 3 for one lobe whose amplitude has been rounded to `a`.
+// Performs steps 2 and 3 for one lobe, whose amplitude has been rounded to `a`.
 template <typename BracketOf>
 glm::vec4 round_lobe(const glm::dvec3& r, float a, const BracketOf& bracket_of) {
   if (a <= 0.0f) return glm::vec4(0.0f);
@@ -60,8 +60,8 @@ glm::vec4 round_lobe(const glm::dvec3& r, float a, const BracketOf& bracket_of) 
                               (corner & 4u) != 0 ? z.outer : z.inner);
     const double projection = glm::dot(glm::dvec3(candidate), direction);
     if (single_direction && projection < wanted) continue;
-    // For single directions, minimises the rotation. For other lobes, minimises the error of the projection; the
-    // rotation is at most one step either way.
+    // For single directions, minimises the rotation. For other lobes, minimises the error of the projection. In
+    // both cases, the rotation is at most one step.
     const double cost = single_direction ? glm::length(glm::dvec3(candidate) - target) : std::abs(projection - wanted);
     if (cost < best_cost) {
       best_cost = cost;
@@ -71,7 +71,8 @@ glm::vec4 round_lobe(const glm::dvec3& r, float a, const BracketOf& bracket_of) 
   return glm::vec4(best, a);
 }
 
-// Step 1, snorm16: whole steps that sum to 32767; the largest remainders are rounded up (ties: the lower lobe).
+// Performs step 1 for snorm16. Amplitudes become whole steps that sum to 32767. The largest remainders are rounded up;
+// if remainders are equal, the lower lobe comes first.
 void round_amplitudes_snorm(std::array<float, kLobeCountMax>& a, int count) {
   double total = 0.0;
   for (int j = 0; j < count; ++j) total += static_cast<double>(a[static_cast<std::size_t>(j)]);

@@ -3,9 +3,11 @@
 // single precision with double precision and states a bound. docs/contributing/STABILITY.md is generated from the
 // cases.
 //
-// The cases cover the project's hard inputs (extreme kappa, dead lobes, sums over 2^28 texels, and so on). Each names
-// the formula's guard for the case. A case can be run with that guard removed or, if no single line is the guard, with
-// a bug added: a mutation.
+// The cases cover the project's hard inputs, such as extreme kappa, dead lobes, and sums over 2^28 texels. Each case
+// names
+// the guard of the formula. A case can be run with its guard removed. If no single line is the guard, the case can be
+// run
+// with a bug, which is called a mutation.
 #pragma once
 
 #include <optional>
@@ -16,21 +18,21 @@
 
 namespace multum {
 
-/// The bound of cases that count faults or require exact results: the error must be 0.
+/// The bound of cases that count faults or require exact results. With this bound, the error must be 0.
 constexpr double kNothingWrong = 1e-30;
 
 /// Texts and bound of a case.
 struct NumericalCaseText {
-  std::string name;           // unique, lower case, words joined by '-'
+  std::string name;           // unique name in lower case, with words joined by '-'
   std::string formula;        // the kernels or shaders tested: "movmf_em_texels", "ggx.glsl, terms.glsl"
-  std::string without_guard;  // result without the guard, in words
-  std::string guard;          // the remedy
+  std::string without_guard;  // the failure without the guard, in words
+  std::string guard;          // the guard, in words
   double bound;               // largest allowed error, > 0
-  std::string unit;           // unit of the error: "relative", "of the peak"
-  std::string bound_reason;   // source of the bound
+  std::string unit;           // unit of the error, such as "relative error" or "of the peak"
+  std::string bound_reason;   // reason for the bound
 };
 
-/// The worst error of a case so far, and its input. NaN counts as worse than any error.
+/// The worst error of a case so far and its input. NaN counts as worse than any error.
 class WorstError {
  public:
   void add(double error, const std::string& input);
@@ -48,44 +50,44 @@ class WorstError {
 
 struct NumericalVerdict {
   NumericalCaseText text;
-  double worst;                         // NaN: a NaN was found
-  std::string worst_input;              // where
+  double worst;                         // worst error; NaN if any result was NaN
+  std::string worst_input;              // input that caused the worst error
   std::optional<double> without_guard;  // the worst error with the guard removed, or of the naive formula in float
   std::optional<double> mutated = {};   // the worst error with a bug
   bool holds() const { return worst <= text.bound; }
-  /// True if removing the guard, or adding a bug, broke the bound in every run; false if neither was tried.
+  /// True if removing the guard, or adding a bug, broke the bound in every run. False if neither was tried.
   bool can_fail() const {
     return (without_guard || mutated) && !(without_guard && *without_guard <= text.bound) &&
            !(mutated && *mutated <= text.bound);
   }
 };
 
-/// The verdicts of one device or one GL.
+/// The verdicts of one device or one GL implementation.
 struct NumericalRun {
   std::string kind;      // "OpenCL" or "GL"
-  std::string device;    // name
-  std::string platform;  // OpenCL's platform, GL's vendor
-  std::string driver;    // version
-  std::string software;  // "multum 0.1.0"
+  std::string device;    // name of the device
+  std::string platform;  // platform of OpenCL, or vendor of GL
+  std::string driver;    // version of the driver
+  std::string software;  // such as "multum 0.1.0"
   std::vector<NumericalVerdict> verdicts;
   bool holds() const;
 };
 
-/// The error that shows least need for the guards: the smaller one; a number is smaller than NaN.
+/// Returns the smaller of two errors, which shows the least need for the guards. Any number is smaller than NaN.
 double least_error(double a, double b);
 
-/// Says why a case's edits are wrong, or returns an empty string. Each edit of `without` must remove one guard, so it
-/// must change more than a number: a guard with a larger or smaller number is a mutation.
+/// Says why a case's edits are wrong, or returns an empty string. Each edit of `without` must remove one guard. An edit
+/// that only changes a number is a mutation.
 std::string fault_of_guards(const std::vector<SourceEdit>& without);
 
-/// The kernels or shaders in a case's `formula`, without additions in brackets, as in "movmf_shade (planar)".
+/// Lists the kernels or shaders in a case's `formula`, without additions in brackets, as in "movmf_shade (planar)".
 std::vector<std::string> split_names(const std::string& formula);
 
-/// Formats an error: "3.1e-07", "NaN", "inf".
+/// Formats an error, such as "3.1e-07", "NaN" or "inf".
 std::string error_text(double error);
 /// Formats an error, or "-" if it was not tested.
 std::string tried_text(const std::optional<double>& error);
-/// Formats a bound; kNothingWrong is "0".
+/// Formats a bound. kNothingWrong becomes "0".
 std::string bound_text(double bound);
 
 }  // namespace multum

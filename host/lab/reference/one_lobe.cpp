@@ -24,7 +24,7 @@ glm::dvec3 normal_at(const NormalMap& map, std::size_t i) {
   return usable({static_cast<double>(map.x[i]), static_cast<double>(map.y[i]), static_cast<double>(map.z[i])});
 }
 
-// The x axis, rotated into the normal's tangent plane, and the y axis perpendicular to both.
+// Returns the x axis, rotated into the normal's tangent plane, and the y axis, which is perpendicular to both.
 struct Frame {
   explicit Frame(const glm::dvec3& normal) : z(normal) {
     x = glm::normalize(glm::dvec3(1.0, 0.0, 0.0) - normal.x * normal);
@@ -69,7 +69,7 @@ glm::dmat2 bounded(glm::dmat2 s, bool is_anisotropic) {
   return s;
 }
 
-// One step of EM, as described at the top of kernels/one_lobe.cl.
+// Runs one step of EM, as described at the top of kernels/one_lobe.cl.
 void em_step(const std::vector<glm::dvec2>& slopes, glm::dvec2& mean, glm::dmat2& scale, bool is_anisotropic) {
   const glm::dmat2 inverse = glm::inverse(scale);
   std::vector<double> weights;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Fits one GGX lobe to the facets that a texel covers, by its definition, in double, to test kernels/one_lobe.cl. Also
-// shades one lobe, for the errors of exports.
+// Fits one GGX lobe to the facets that a texel covers, by definition and in double precision, to test
+// kernels/one_lobe.cl. Also shades one lobe, for the errors of exports.
 #pragma once
 
 #include <vector>
@@ -14,28 +14,29 @@
 namespace multum::reference {
 
 struct OneLobe {
-  glm::dvec3 normal{0.0, 0.0, 1.0};             // unit
-  double alpha_wide = 1.0, alpha_narrow = 1.0;  // along and across the axis
+  glm::dvec3 normal{0.0, 0.0, 1.0};             // unit vector
+  double alpha_wide = 1.0, alpha_narrow = 1.0;  // roughness along and across the axis
   glm::dvec3 axis{1.0, 0.0, 0.0};               // unit vector in the normal's tangent plane; its sign has no meaning
 };
 
-/// A texel of a map, with the settings of its fit.
+/// A texel of a map, and the settings of its fit.
 struct OneLobeTexel {
   const NormalMap* map;
   std::vector<double> base_squared;  // alpha^2 of each finest texel, or one value for all
-  int width, height, x, y;           // size of the level, position of the texel
+  int width, height, x, y;           // size of the level, and position of the texel
   bool is_anisotropic;
-  int iteration_count;  // iterations of EM; 0: the closed form
+  int iteration_count;  // iterations of EM; only the closed form if 0
   double alpha_min;
 };
 
-/// `facets`: slopes of facets of alpha 1, grid * grid of them, one per position of the grid.
+/// Fits the lobe. `facets` contains grid * grid slopes of facets with alpha 1, one per position of the grid.
 OneLobe fit_one_lobe(const OneLobeTexel& texel, const std::vector<glm::vec2>& facets, int grid);
 
-/// -2 times the mean log likelihood of slopes under a t distribution of two degrees of freedom, minus a constant.
+/// Returns -2 times the mean log likelihood of slopes under a t distribution with two degrees of freedom, minus a
+/// constant.
 double t_deviance(const std::vector<glm::dvec2>& slopes, const glm::dvec2& mean, const glm::dmat2& scale);
 
-/// Slopes of the texel's samples in the frame of its mean normal.
+/// Returns the slopes of the texel's samples in the frame of its mean normal.
 std::vector<glm::dvec2> sampled_slopes(const OneLobeTexel& texel, const std::vector<glm::vec2>& facets, int grid);
 
 }  // namespace multum::reference

@@ -10,7 +10,7 @@
 namespace multum::reference {
 namespace {
 
-// The texel for index i of `count`; nullopt beyond a black border. OpenGL 4.5, table 8.20.
+// Returns the texel for index i of `count`, or nullopt beyond a black border (OpenGL 4.5, table 8.20).
 std::optional<int> texel_of(int i, int count, WrapMode mode) {
   if (mode == WrapMode::kBlack && (i < 0 || i >= count)) return std::nullopt;
   if (mode == WrapMode::kClamp) return std::min(std::max(i, 0), count - 1);
@@ -27,7 +27,7 @@ double value_at(const ValuePlane& plane, int x, int y, BorderModes borders) {
                       static_cast<std::size_t>(*column)];
 }
 
-// Equation 8.16 at texture coordinates s and t.
+// Computes equation 8.16 at texture coordinates s and t.
 double bilinear(const ValuePlane& plane, double s, double t, BorderModes borders) {
   const double u = s * plane.width - 0.5, v = t * plane.height - 0.5;
   const int i = static_cast<int>(std::floor(u)), j = static_cast<int>(std::floor(v));
@@ -60,7 +60,7 @@ double filtered_value(const std::vector<ValuePlane>& levels, const PixelRectangl
   const double longer = glm::length(pixel.longer_side), shorter = glm::length(pixel.shorter_side);
   const int taps = std::min(static_cast<int>(std::ceil(longer / shorter)), taps_max);
   const double coarsest = static_cast<double>(levels.size()) - 1.0;
-  // One tap has its own width; several have the shorter side, or 2^-3/4 of a tap's part of the longer side.
+  // A single tap has its own width. Several taps have the shorter side, or 2^-3/4 of a tap's part of the longer side.
   const double width = taps == 1 ? longer : std::max(shorter, longer / taps * std::pow(2.0, -0.75));
   const double lambda = std::min(std::max(std::log2(width) + level_bias, 0.0), coarsest);
   const auto fine = static_cast<std::size_t>(lambda), coarse = std::min(fine + 1, levels.size() - 1);

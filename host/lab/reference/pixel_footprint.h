@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Computes the reference and the model of a pixel, in double and by definition. The reference averages values over the
-// pixel's rectangle at dense points. The model filters them by trilinear taps, as the equations of OpenGL define. Slow;
-// tests host/bakes/accuracy.
+// pixel's rectangle at dense points. The model filters the values by trilinear taps, as the equations of OpenGL define.
+// This code is slow, and tests host/bakes/accuracy.
 #pragma once
 
 #include <functional>
@@ -28,13 +28,13 @@ struct BorderModes {
   WrapMode s = WrapMode::kPeriodic, t = WrapMode::kPeriodic;
 };
 
-/// Mean of the texel values at side_points x side_points points. Beyond a clamped border there is no surface, so such
-/// points do not count; beyond a black border the value is 0.
+/// Returns the mean of the texel values at side_points x side_points points. Points beyond a clamped border do not
+/// count, because the surface ends there. Beyond a black border, the value is 0.
 double rectangle_average(const ValuePlane& finest, const PixelRectangle& pixel, BorderModes borders, int side_points);
 
-/// Filters by N trilinear taps along the longer side. The rectangle is in texels of level 0. N = ceil(longer /
-/// shorter), at most taps_max; lambda = bias + log2(longer) for one tap, bias + max(log2(shorter), log2(longer / N) -
-/// 3/4) for several.
+/// Filters with N trilinear taps along the longer side. The rectangle is in texels of level 0. N = ceil(longer /
+/// shorter), at most taps_max. lambda is bias + log2(longer) for one tap, and bias + max(log2(shorter), log2(longer /
+/// N) - 3/4) for several taps.
 double filtered_value(const std::vector<ValuePlane>& levels, const PixelRectangle& pixel, BorderModes borders,
                       int taps_max, double level_bias);
 

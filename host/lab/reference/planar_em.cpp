@@ -10,13 +10,13 @@
 namespace multum::reference {
 namespace {
 
-// Mean squared distance of a sample from a point, per coordinate.
+// Returns the mean squared distance of a sample from a point, per coordinate.
 double half_distance(const Sample& s, const glm::dvec2& point) {
   const glm::dvec2 d = glm::dvec2(s.normal) - point;
   return 0.5 * (glm::dot(d, d) + s.normal.z);
 }
 
-// Mean and sigma^2 of samples with these shares.
+// Returns the mean and sigma^2 of samples with these shares.
 glm::dvec3 mean_and_variance(const std::vector<Sample>& samples, const std::vector<double>& shares) {
   double total = 0.0, variance = 0.0;
   glm::dvec2 mean(0.0);
@@ -36,7 +36,7 @@ double planar_kappa_cap(const std::vector<Sample>& samples, const EmOptions& opt
   return std::min(options.kappa_cap + options.kappa_cap_slope * kappa, 1e6);
 }
 
-// E-step: the lobes' shares of one sample.
+// Performs the E-step: returns the lobes' shares of one sample.
 std::vector<double> shares_of(const Sample& s, const std::vector<Lobe>& lobes, double copies) {
   std::vector<double> shares;
   for (const Lobe& lobe : lobes)

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Fits mixtures of planar Gaussians in double, in the simplest form: the reference of the EM kernels built with
-// MULTUM_PLANAR and of their shading. Tan et al. 2005, sections 3 and 4.1, with the corrections in
+// Fits mixtures of planar Gaussians in double precision, in the simplest form, as the reference of the EM kernels built
+// with
+// MULTUM_PLANAR and of their shading. Follows Tan et al. 2005, sections 3 and 4.1, with the corrections in
 // docs/contributing/ALGORITHMS.md. No bake uses it.
 //
-// Uses the types of movmf_em.h with other coordinates: a sample is (n_x, n_y, scatter); a lobe's mu is (x, y, 0), its
-// kappa 1/sigma^2; moments are r = (mean x, mean y, sigma^2); a prior is C sum_k a_k (x, y, 1).
+// Uses the types of movmf_em.h with other coordinates. A sample is (n_x, n_y, scatter). A lobe's mu is (x, y, 0), and
+// its kappa is 1/sigma^2. Moments are r = (mean x, mean y, sigma^2). A prior is C sum_k a_k (x, y, 1).
 #pragma once
 
 #include <vector>
@@ -16,21 +17,21 @@
 
 namespace multum::reference {
 
-/// The sample of a finest normal. If a BRDF's width has shortened the normal to c n, scatter is 2 v, at most 1 - |p|^2;
-/// v = (1 - c) / (2 - c) (1 - |p|^2 / 2).
+/// Returns the sample of a finest normal. If a BRDF's width has shortened the normal to c n, scatter is 2 v, but at
+/// most 1 - |p|^2. Here v = (1 - c) / (2 - c) (1 - |p|^2 / 2).
 glm::dvec3 planar_sample(const glm::dvec3& normal, bool shortened);
 
-/// Runs EM and returns the moments of the last E-step; `lobes` receives the parameters of that E-step.
+/// Runs EM and returns the moments of the last E-step. `lobes` receives the parameters of that E-step.
 std::vector<Moments> fit_planar(const std::vector<Sample>& samples, std::vector<Lobe>& lobes, const EmOptions& options);
 
-/// sigma^2 of facets with normalised Blinn-Phong distribution of exponent s, around a normal whose projection has the
-/// square `mean_square`.
+/// Returns the sigma^2 of facets with a normalised Blinn-Phong distribution of exponent s, around a normal whose
+/// projection has the square `mean_square`.
 double facet_variance(double s, double mean_square);
 
-/// Density per solid angle, at the unit vector h, of a filtered lobe (a mu, a (2 sigma^2 + |mu|^2), a) with such
-/// facets.
+/// Returns the density per solid angle, at the unit vector h, of a filtered lobe (a mu, a (2 sigma^2 + |mu|^2), a) with
+/// such facets.
 double gmm_density(const glm::dvec4& lobe, double s, const glm::dvec3& h);
-/// a max(mu . l, 0), with mu lifted to the sphere.
+/// Returns a max(mu . l, 0), where mu is lifted to the sphere.
 double gmm_lambert(const glm::dvec4& lobe, const glm::dvec3& light);
 
 }  // namespace multum::reference

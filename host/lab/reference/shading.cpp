@@ -12,10 +12,10 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-/// Part of integral f(angle of n and w) vMF(n) dn for angles of n and w between f_low and f_reach, in polar
-/// coordinates (angle a, azimuth phi) around w. Both factors are below e^-50 beyond ten of their standard deviations,
-/// so `a` covers only the rest. The azimuth is periodic, so the trapezoid rule converges exponentially once the step
-/// is below the vMF's width.
+/// Computes the part of the integral of f(angle of n and w) vMF(n) dn for which the angle of n and w is between f_low
+/// and f_reach. The polar coordinates around w are the angle a and the azimuth phi. Beyond ten standard deviations,
+/// each factor is below e^-50, so `a` covers only the rest. The azimuth is periodic, so the trapezoid rule converges
+/// exponentially once the step is below the vMF's width.
 double convolve(const std::function<double(double)>& f, double f_low, double f_reach, double kappa, double theta,
                 int rings) {
   const double reach = 10.0 / std::sqrt(kappa);
@@ -24,7 +24,7 @@ double convolve(const std::function<double(double)>& f, double f_low, double f_r
   if (high <= low) return 0.0;
   const int spokes = 64 + static_cast<int>(12.0 * std::sqrt(kappa));
   double sum = 0.0;
-  for (int i = 0; i < rings; ++i) {  // midpoint rule
+  for (int i = 0; i < rings; ++i) {  // this is the midpoint rule
     const double a = low + (high - low) * (i + 0.5) / rings;
     double ring = 0.0;
     for (int k = 0; k < spokes; ++k) {
@@ -114,7 +114,7 @@ Highlight highlight(const std::function<double(double)>& f, double facet_kappa, 
       glm::normalize(glm::cross(middle, std::abs(middle.z) < 0.9 ? glm::dvec3(0, 0, 1) : glm::dvec3(1, 0, 0)));
   const glm::dvec3 across = glm::cross(middle, side);
   Highlight result = {0.0, 0.0};
-  for (int i = 0; i < kCircles; ++i) {  // midpoint rule
+  for (int i = 0; i < kCircles; ++i) {  // this is the midpoint rule
     const double a = reach * (i + 0.5) / kCircles;
     for (int k = 0; k < kSpokes; ++k) {
       const double phi = 2.0 * kPi * (k + 0.5) / kSpokes;
@@ -141,7 +141,7 @@ double convolved_ggx(double alpha, double kappa, double theta) {
 }
 
 double smith_visibility(double alpha, double n_l, double n_v) {
-  // For each direction: G1 = 2 c / (c + sqrt(alpha^2 + (1 - alpha^2) c^2)), Lambda = 1 / G1 - 1.
+  // For each direction, G1 = 2 c / (c + sqrt(alpha^2 + (1 - alpha^2) c^2)), Lambda = 1 / G1 - 1.
   const auto lambda = [alpha](double c) {
     return 0.5 * (std::sqrt(alpha * alpha + (1.0 - alpha * alpha) * c * c) / c - 1.0);
   };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Shades a von Mises-Fisher lobe in double, in the simplest form. No bake uses it.
+// Shades a von Mises-Fisher lobe in double precision, in the simplest form. No bake uses it.
 #pragma once
 
 #include <functional>
@@ -8,45 +8,47 @@
 
 namespace multum::reference {
 
-/// 1 - A(kappa), A = coth kappa - 1/kappa, and its inverse by bisection.
+/// 1 - A(kappa) with A = coth kappa - 1/kappa, and its inverse by bisection.
 double vmf_spread(double kappa);
 double vmf_kappa(double spread);
 
-/// The integral over the sphere of a vMF's density times P_l.
+/// Returns the integral over the sphere of a vMF's density times P_l.
 double zonal_of_vmf(double kappa, int l);
 
-/// vMF density per solid angle at the angle `theta` (radians) from its mean.
+/// Returns the vMF density per solid angle at the angle `theta` (radians) from its mean.
 double vmf_density(double kappa, double theta);
-/// (s + 1) / (2 pi) max(cos theta, 0)^s
+/// Returns (s + 1) / (2 pi) max(cos theta, 0)^s.
 double blinn_phong(double s, double theta);
 
-/// The spherical convolution of any f(angle in radians), 0 below the horizon, with a vMF; `narrow`: the angle within
-/// which f changes most.
+/// Returns the spherical convolution of any f(angle in radians) with a vMF, where f is 0 below the horizon. f changes
+/// most within the angle `narrow`.
 double convolved(const std::function<double(double)>& f, double narrow, double kappa, double theta);
-/// The spherical convolution integral f(n . w) vMF(n; mu, kappa) dn by quadrature; theta is the angle between w and mu.
+/// Returns the spherical convolution integral f(n . w) vMF(n; mu, kappa) dn by quadrature, where theta is the angle
+/// between w and mu.
 double convolved_blinn_phong(double s, double kappa, double theta);
 double convolved_lambert(double kappa, double theta);
-/// convolved() for max(cos, 0), also above kappa 1e4, where the lobe is a normal distribution and quadrature would
-/// need too many points.
+/// Returns convolved() for max(cos, 0). Also works above kappa 1e4, where quadrature would need too many points and the
+/// lobe is treated as a normal distribution.
 double mean_cosine(double kappa, double theta);
 double convolved_vmf(double kappa_f, double kappa, double theta);
 
-/// A highlight over a vMF of normals. With its cosine: integral f(angle of n and h) vMF(n; mu, kappa) max(n . l, 0) dn;
-/// without it, the last factor is omitted. f is 0 or small where a vMF of concentration `facet_kappa` about h is small.
+/// A highlight over a vMF of normals. With its cosine, it is the integral of f(angle of n and h) vMF(n; mu, kappa)
+/// max(n . l, 0) dn. Without its cosine, the last factor is omitted. f is 0 or small where a vMF of concentration
+/// `facet_kappa` around h is small.
 struct Highlight {
   double with_cosine, without_cosine;
 };
 Highlight highlight(const std::function<double(double)>& f, double facet_kappa, double kappa, const glm::dvec3& mu,
                     const glm::dvec3& h, const glm::dvec3& l);
 
-/// GGX and its companion in glTF and in Cook and Torrance 1982: V = G / (4 n.l n.v).
+/// GGX, and the visibility V = G / (4 n.l n.v) that belongs to it in glTF and in Cook and Torrance 1982.
 double ggx(double alpha, double theta);
 double convolved_ggx(double alpha, double kappa, double theta);
 double smith_visibility(double alpha, double n_l, double n_v);
 double groove_visibility(double n_l, double n_v, double n_h, double v_h);
 double schlick(double f0, double v_h);
 
-/// The formula of runtime_gl/shaders/common/movmf_shading.glsl, without the amplitude. `spread` = 1 - |r|.
+/// Computes the formula of runtime_gl/shaders/common/movmf_shading.glsl, without the amplitude. `spread` is 1 - |r|.
 double product_blinn_phong(double s, double spread, double theta);
 
 }  // namespace multum::reference

@@ -9,7 +9,7 @@ namespace multum::reference {
 double sh_basis(int l, int m, const glm::dvec3& n) {
   const auto order = static_cast<unsigned>(std::abs(m));
   const double theta = std::atan2(std::hypot(n.x, n.y), n.z), phi = std::atan2(n.y, n.x);
-  // From the standard library, with the Condon-Shortley phase (-1)^m and without the sqrt(2) of the real basis.
+  // The standard library's functions contain the Condon-Shortley phase (-1)^m, and lack the sqrt(2) of the real basis.
   const double p = std::sph_legendre(static_cast<unsigned>(l), order, theta) * (order % 2 == 0 ? 1.0 : -1.0);
   if (m == 0) return p;
   return std::sqrt(2.0) * p * (m > 0 ? std::cos(m * phi) : std::sin(-m * phi));
@@ -22,7 +22,7 @@ std::vector<double> sh_basis_to(int order, const glm::dvec3& n) {
   return values;
 }
 
-// Midpoint rule in the angle with 20000 points: the integrand is smooth on each side of 90 degrees.
+// Uses the midpoint rule in the angle with 20000 points. The integrand is smooth on each side of 90 degrees.
 std::vector<double> zonal_by_quadrature(int order, const std::function<double(double)>& f) {
   constexpr int kSteps = 20000;
   std::vector<double> sums(static_cast<std::size_t>(order) + 1, 0.0);

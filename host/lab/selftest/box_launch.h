@@ -9,7 +9,7 @@
 
 namespace multum {
 
-/// Returns the nodes of each row: its texels and the sums of their blocks.
+/// Returns the nodes of each row, which are its texels and the sums of their blocks.
 std::vector<std::vector<float>> block_sums(Device& device, const RowBlocks& blocks,
                                            const std::vector<std::vector<float>>& rows);
 

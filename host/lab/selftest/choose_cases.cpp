@@ -134,7 +134,7 @@ void choice_without_normals(Device& device, WorstError& worst) {
           const glm::dvec3& n = row.normals[4 * texel + i];
           expected += 0.25 * glm::dvec4(n, 1.0);
         }
-        if (planar) sum.z = expected.z;  // no moment
+        if (planar) sum.z = expected.z;  // the third value is not a moment
         worst.add(glm::length(sum - expected), fmt::format("texel {}, {}", texel, planar ? "Gaussians" : "lobes"));
       }
     }
@@ -145,14 +145,16 @@ void choice_without_normals(Device& device, WorstError& worst) {
 
 std::vector<NumericalCase> choose_cases() {
   return {{{"choice-of-equal-normals", "movmf_choose",
-            "rounding makes the scatter negative, and its square root is NaN, which is never the lowest cost",
-            "a width too small to change highlights is added under every square root", kNothingWrong,
-            "wrong amplitudes", "every amplitude must be correct"},
+            "rounding makes the scatter of equal normals negative, and the square root of a negative number is NaN, "
+            "which is never chosen as the lowest cost",
+            "a small constant, which does not visibly change highlights, is added under every square root",
+            kNothingWrong, "wrong amplitudes", "every amplitude must be correct"},
            choice_of_equal_normals,
            {{"movmf_choose", "const float e = 0.5f / fit.kappa_cap;", "const float e = 0.0f;"}}},
           {{"choice-without-normals", "movmf_choose, movmf_feature_chosen",
             "computing the mean of a lobe without normals divides 0 by 0", "the lobe keeps the mean of its parent",
-            1e-6, "absolute error of features and of the sum of a and a r", "four additions are rounded"},
+            1e-6, "absolute error of features, and of the sums of a and of a r over the lobes",
+            "only four additions are rounded"},
            choice_without_normals,
            {{"movmf_choose", "if (count[lane] == 0.0f)", "if (false)"}}}};
 }

@@ -20,7 +20,7 @@ glm::dvec3 random_direction(SplitMix64& random, double z_low, double z_high) {
   return {std::sqrt(1.0 - z * z) * std::cos(phi), std::sqrt(1.0 - z * z) * std::sin(phi), z};
 }
 
-// Tests more lobes than directions; all lobes are equal.
+// Tests more lobes than directions, where all lobes are equal.
 void all_normals_equal(Device& device, WorstError& worst) {
   for (const double degrees : {0.0, 30.0, 60.0, 89.0, 90.0})
     for (const int lobes : em_lobe_counts(device, {4, 1, 8})) {
@@ -61,7 +61,7 @@ void sharp_lobes_keep_their_kappa(Device& device, WorstError& worst) {
   }
 }
 
-// Fits one lobe to normals that cancel: r is 0, so the lobe has no direction, and kappa approaches 0.
+// Fits one lobe to normals that cancel. The lobe has r = 0 and thus no direction, and kappa approaches 0.
 void opposite_normals_of_one_lobe(Device& device, WorstError& worst) {
   const std::vector<std::vector<glm::dvec3>> sets = {
       {{1, 0, 0}, {-1, 0, 0}}, {{0, 0, 1}, {0, 0, -1}}, {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}}};
@@ -116,7 +116,7 @@ void few_normals(Device& device, WorstError& worst) {
     }
 }
 
-// Tests lengths below, at and above 1. Mean normals of rough areas are shorter than 1; normals of length 0 or longer
+// Tests lengths below, at and above 1. Mean normals of rough areas are shorter than 1. Normals of length 0 or longer
 // than 1 are errors of the caller.
 void samples_of_any_length(Device& device, WorstError& worst) {
   for (const double length : {0.0, 1e-20, 1e-3, 0.5, 0.999999, 1.000001, 1.5}) {
@@ -187,30 +187,36 @@ std::vector<NumericalCase> sharp_cases() {
   return {
       {{"all-normals-equal-and-all-lobes", "movmf_em_texels, movmf_em_team",
         "the spread is 0 and kappa is infinite, so their product is NaN",
-        "the spread is at least 1e-7, and kappa is at most 500 + 10 kappa_1", 4e-6, "absolute error of a and a r",
-        "256 equal additions round in the same direction, by at most 256 * 2^-25 in total"},
+        "the spread is at least 1e-7, and kappa is at most 500 + 10 kappa_1, where kappa_1 fits all normals of the "
+        "texel",
+        4e-6, "absolute error of the lobe's amplitude a and of the vector a r",
+        "256 equal additions can all round in the same direction, so the error can reach a few 1e-6"},
        all_normals_equal,
        {},
        {},
        {no_floor, no_cap, no_least_share}},
       {{"kappa-to-the-cap", "movmf_em_texels, movmf_em_team",
         "each lobe contains only one direction, so kappa is unbounded",
-        "the spread is at least 1e-7, and kappa is at most 500 + 10 kappa_1", 4e-6, "absolute error of a and a r",
-        "256 equal additions round in the same direction, by at most 256 * 2^-25 in total"},
+        "the spread is at least 1e-7, and kappa is at most 500 + 10 kappa_1, where kappa_1 fits all normals of the "
+        "texel",
+        4e-6, "absolute error of the lobe's amplitude a and of the vector a r",
+        "256 equal additions can all round in the same direction, so the error can reach a few 1e-6"},
        kappa_to_the_cap,
        {},
        {},
        {no_floor, no_cap}},
       {{"kappa-of-sharp-lobes", "movmf_em_texels, movmf_em_team",
-        "|r| is computed from a sum of a thousand normals, so 1 - |r| has no correct digit at kappa 1e5",
-        "the spread is a sum of 1 - n . mu, corrected for the rotation of mu", 3e-7, "absolute error of 1/kappa",
-        "the length of mu in float differs from 1 by at most 6e-8, and 1 - n . mu has an error of at most 1.2e-7"},
+        "|r| comes from a sum of a thousand rounded normals, so 1 - |r| has no correct digit at kappa = 1e5",
+        "the spread is the mean of 1 - n . mu over the normals n, corrected for the rotation of the direction mu", 3e-7,
+        "absolute error of 1/kappa",
+        "the length of mu is rounded by at most 6e-8, and 1 - n . mu has an error of at most 1.2e-7"},
        sharp_lobes_keep_their_kappa,
        {em_edit("const real_v spread = fma(-length, turn, d * inverse);", "const real_v spread = 1.0f - length;")}},
       {{"far-from-every-lobe", "movmf_em_texels, movmf_em_team",
         "every density is 0 in float, so computing shares divides 0 by 0",
         "the kernel computes logarithms of densities and subtracts the largest logarithm", 1e-4,
-        "absolute error of a and a r", "exponents of 1e6 have rounding errors of 6e-8"},
+        "absolute error of the lobe's amplitude a and of the vector a r",
+        "logarithms near 1e6 have relative rounding errors of 6e-8, which change the shares"},
        far_from_every_lobe,
        {em_edit("exp2_in_range_v(MAX_V(e[j] - largest, (real_v)(LOG_SHARE_MIN)))", "exp2(e[j])")}},
   };
@@ -219,25 +225,27 @@ std::vector<NumericalCase> sharp_cases() {
 std::vector<NumericalCase> wide_cases() {
   return {
       {{"opposite-normals-of-one-lobe", "movmf_em_texels, movmf_em_team",
-        "r = 0 has no direction, and normalising r divides by zero", "the lobe keeps its last direction", 4e-6,
-        "absolute error of a and a r", "64 additions are rounded"},
+        "a mean r of length 0 has no direction, and normalising it divides by zero",
+        "the lobe keeps its last direction", 4e-6, "absolute error of the lobe's amplitude a and of the vector a r",
+        "64 additions are rounded, and their errors add up"},
        opposite_normals_of_one_lobe,
        {},
        {},
        {em_edit("sqrt(MAX_V(squared, (real_v)(1e-30f)))", "sqrt(squared)"),
         em_edit("directed ? x * length_inverse : mu_x", "x * length_inverse")}},
       {{"the-equator-and-below", "movmf_em_texels, movmf_em_team",
-        "planar coordinates cannot distinguish the lower hemisphere from the upper hemisphere",
-        "directions are 3D vectors, and their z can be negative", 1e-5, "absolute error of a and a r", kEmBoundReason},
+        "x and y of a normal cannot tell the lower hemisphere from the upper hemisphere",
+        "directions are 3D vectors, and their z can be negative", 1e-5,
+        "absolute error of the lobe's amplitude a and of the vector a r", kEmBoundReason},
        whole_sphere,
        {},
        {},
        {em_edit("fma(-mu_z, z,", "fma(-mu_z, fabs(z),")}},
       {{"lobes-that-die", "movmf_em_texels, movmf_em_team",
-        "the exponent of 2^-1000 wraps around, and the share becomes a large number",
-        "each share is at least 2^-100 times the largest share; a lobe with an amplitude below 1e-7 keeps its "
+        "the exponent of a share such as 2^-1000 wraps around, so a tiny share becomes a large number",
+        "each share is at least 2^-100 times the largest share, and a lobe with an amplitude below 1e-7 keeps its "
         "direction and spread",
-        1e-5, "absolute error of a and a r", kEmBoundReason},
+        1e-5, "absolute error of the lobe's amplitude a and of the vector a r", kEmBoundReason},
        dying_lobes,
        {em_edit("MAX_V(e[j] - largest, (real_v)(LOG_SHARE_MIN))", "(e[j] - largest)")}},
   };
@@ -247,21 +255,22 @@ std::vector<NumericalCase> input_cases() {
   return {
       {{"one-two-three-normals", "movmf_em_texels, movmf_em_team",
         "if there are more lobes than normals, some spreads are 0", "the spread has a minimum, and kappa has a maximum",
-        1e-4, "absolute error of a and a r",
-        "if eight lobes share two normals, each iteration amplifies their differences"},
+        1e-4, "absolute error of the lobe's amplitude a and of the vector a r",
+        "if eight lobes share two normals, each iteration amplifies the small differences between the lobes"},
        few_normals,
        {},
        {},
        {em_edit("MAX_V(m.spread, (real_v)(1e-7f))", "MAX_V(m.spread, (real_v)(1e-1f))")}},
       {{"normals-of-any-length", "movmf_em_texels, movmf_em_team",
-        "if normals are longer than 1, |r| exceeds 1 and the spread is negative",
-        "the spread is clamped to the range 0 to 1", 1e-5, "absolute error of a and a r, or excess of |r| over 1",
-        kEmBoundReason},
+        "if normals are longer than 1, the mean length |r| exceeds 1, so the spread 1 - |r| is negative",
+        "the spread is clamped to the range 0 to 1", 1e-5,
+        "absolute error of the lobe's amplitude a and of the vector a r, or excess of |r| over 1", kEmBoundReason},
        samples_of_any_length,
        {em_edit("m.spread = MIN_V(MAX_V(spread, (real_v)(0.0f)), (real_v)(1.0f));", "m.spread = spread;")}},
       {{"a-bad-texel-stays-alone", "movmf_em_texels, movmf_em_team",
         "a NaN, infinite or huge normal affects neighbouring texels",
-        "lanes share no data and stop separately; readers repair invalid normals (docs/reference/input_maps.md)",
+        "lanes share no data and stop separately, and readers of input maps repair invalid normals "
+        "(docs/reference/input_maps.md)",
         kNothingWrong, "changed texels", "no bit may change"},
        a_bad_texel_stays_alone,
        {},
@@ -269,15 +278,17 @@ std::vector<NumericalCase> input_cases() {
        {em_edit("moving = moving & (change > fit.convergence_tolerance_squared);",
                 "moving = moving & (change > fit.convergence_tolerance_squared); first_sample = samples;")}},
       {{"denormals-and-signed-zeros", "movmf_em_texels, movmf_em_team",
-        "the logarithm of a denormal amplitude is -149 or undefined",
-        "the E-step replaces amplitudes below 1e-6 by 1e-6", 1e-5, "absolute error of a and a r", kEmBoundReason},
+        "the logarithm of a denormal amplitude is either -149 or undefined",
+        "the E-step replaces amplitudes below 1e-6 by 1e-6", 1e-5,
+        "absolute error of the lobe's amplitude a and of the vector a r", kEmBoundReason},
        denormals_and_signed_zeros,
        {},
        {},
        {em_edit("#define AMPLITUDE_MIN 1e-6f", "#define AMPLITUDE_MIN 1e-1f")}},
       {{"weights-from-tiny-to-huge", "movmf_em_texels, movmf_em_team",
         "sums of small weights are divided by a larger minimum, so mean normals become too short",
-        "the divisor is at least 1e-30", 1e-5, "absolute error of a and a r", kEmBoundReason},
+        "the divisor is at least 1e-30", 1e-5, "absolute error of the lobe's amplitude a and of the vector a r",
+        kEmBoundReason},
        huge_and_tiny_weights,
        {},
        {},

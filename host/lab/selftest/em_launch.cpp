@@ -21,7 +21,7 @@ namespace {
 double rounded(double value) { return static_cast<double>(static_cast<float>(value)); }
 glm::dvec3 rounded(const glm::dvec3& v) { return {rounded(v.x), rounded(v.y), rounded(v.z)}; }
 
-// Rounds the inputs that both sides start from.
+// Rounds the inputs from which both the kernel and the reference start.
 EmTexel rounded(EmTexel texel) {
   for (reference::Sample& s : texel.samples) s = {rounded(s.normal), rounded(s.weight)};
   for (reference::Lobe& lobe : texel.lobes)

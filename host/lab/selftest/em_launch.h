@@ -19,17 +19,17 @@ namespace multum {
 
 constexpr std::size_t kGroup = MULTUM_GROUP;
 
-/// Explains the bounds of EM's results.
+/// Explains the bounds of the results of EM.
 constexpr char kEmBoundReason[] =
-    "adding a sample rounds by 6e-8, and EM amplifies differences by a factor of less than 10";
+    "each added sample is rounded by 6e-8, and EM amplifies such differences less than tenfold";
 
 struct EmTexel {
-  std::vector<reference::Sample> samples;  // both sides get them rounded to float
-  std::vector<reference::Lobe> lobes;      // the start, rounded too; 1..8
+  std::vector<reference::Sample> samples;  // samples, which are rounded to float for both sides
+  std::vector<reference::Lobe> lobes;      // 1 to 8 lobes of the start, also rounded to float
 };
 
 struct EmSettings {
-  bool planar = false;  // Gaussians: samples, lobes and results as in host/lab/reference/planar_em.h
+  bool planar = false;  // whether lobes are Gaussians, as in host/lab/reference/planar_em.h
   int iterations = 5;
   float kappa_cap = 500.0f;
   float kappa_cap_slope = 10.0f;
@@ -37,7 +37,7 @@ struct EmSettings {
 };
 
 struct FittedTexel {
-  std::vector<glm::dvec4> lobes;  // (r, a); for Gaussians (mean, sigma^2, a)
+  std::vector<glm::dvec4> lobes;  // (r, a) of each lobe; (mean, sigma^2, a) of each Gaussian
   std::vector<double> kappa;      // kappa of the last E-step
 };
 
@@ -45,13 +45,13 @@ struct FittedTexel {
 /// of work-items per texel.
 enum class EmForm { kFast, kScalar, kTeam };
 
-/// The forms that differ on a device. For edited kernels only the scalar form: one form shows the effect of a guard,
-/// and each form is another program to build.
+/// The forms that differ on a device. Edited kernels run only in the scalar form: one form is enough to show the effect
+/// of a guard, and each form is another program to build.
 std::vector<EmForm> em_forms(const Device& device);
-/// The lobe counts of a case to test on a device; for edited kernels only the first.
+/// The lobe counts of a case to test on a device. Edited kernels run only with the first count.
 std::vector<int> em_lobe_counts(const Device& device, const std::vector<int>& counts);
 
-/// Fits up to 16 adjacent texels, all with as many samples, weights and lobes as the first.
+/// Fits up to 16 adjacent texels. All texels have as many samples, weights and lobes as the first texel.
 std::vector<FittedTexel> fit_texels(Device& device, const std::vector<EmTexel>& texels, const EmSettings& settings,
                                     EmForm form);
 
@@ -72,10 +72,10 @@ std::vector<reference::Lobe> equal_lobes(const std::vector<glm::dvec3>& directio
 /// Makes `count` samples by repeating `normals`.
 std::vector<reference::Sample> repeated(const std::vector<glm::dvec3>& normals, int count);
 
-/// An edit of the kernel.
+/// Returns an edit of the kernel.
 SourceEdit em_edit(const std::string& text, const std::string& replacement);
 
-/// Returns a unit vector, tilted by `degrees` from +z towards an azimuth in radians.
+/// Returns a unit vector that is tilted by `degrees` from +z towards an azimuth in radians.
 glm::dvec3 tilted(double degrees, double azimuth = 0.3);
 
 }  // namespace multum

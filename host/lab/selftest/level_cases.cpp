@@ -101,7 +101,7 @@ int span(int map_size, int level_size) {
   return most;
 }
 
-// Tests the sample weights of all texels of a level. The weights of each texel must add up to `W H / (w h)`; a larger
+// Tests the sample weights of all texels of a level. The weights of each texel must add up to `W H / (w h)`. A larger
 // sum means that finest texels are counted twice.
 void add_coverage(Device& device, int map_width, int map_height, int level_number, WorstError& worst) {
   MultumMovmfFit fit = {};
@@ -310,21 +310,22 @@ void any_normal_gets_a_lobe(Device& device, WorstError& worst) {
 std::vector<NumericalCase> level_cases() {
   return {
       {{"starts-from-degenerate-lobes", "movmf_start",
-        "normalising r = 0 divides by zero, and |r| > 1 gives a negative kappa",
-        "r = 0 is replaced by +z; |r| is at most 1, the spread is at least 1e-6, and amplitudes are at least 0.02",
-        1e-4, "error of mu, C a mu, log2 of the weight (absolute) and kappa (relative)",
-        "the inverse of kappa and its logarithm have errors of 3.3e-5"},
+        "normalising a mean r of length 0 divides by zero, and a mean longer than 1 gives a negative kappa",
+        "a mean r of length 0 is replaced by +z, |r| is at most 1, the spread is at least 1e-6, and amplitudes are at "
+        "least 0.02",
+        1e-4, "absolute error of the direction mu, the prior C a mu and log2 of the weight, or relative error of kappa",
+        "kappa and its logarithm have errors of 3.3e-5"},
        starts_from_degenerate_lobes,
        {{"movmf_start", "const int_v directed = squared > 1e-24f;", "const int_v directed = squared >= 0.0f;"}}},
       {{"strips-and-odd-sizes", "movmf_pack", "a finest texel on a border counts fully in both coarser texels",
         "weights are fractions, so each finest texel counts once per level", 1e-6, "relative error of a texel's weight",
-        "each sample is rounded once"},
+        "the weight of each sample is rounded once"},
        strips_and_odd_sizes,
        {{"movmf_pack", "return (float)max(high - low, 0) / (float)level_size;", "return high > low ? 1.0f : 0.0f;"}}},
       {{"shortened-normals-as-points", "movmf_pack (planar)",
         "a normal of length 0 has no projected point, and its facets are projected outside the unit circle",
         "the divisor is at least 1e-6, and the scatter is at most 1 - |p|^2", 1e-6, "absolute error",
-        "a square root and two quotients are rounded, and 1 - |p|^2 cancels"},
+        "a square root and two quotients are rounded, and the difference 1 - |p|^2 loses digits by cancellation"},
        shortened_normals_as_points,
        {{"movmf_pack", "MAX_V(length, (real)(1e-6f))", "length"}}},
       {{"uneven-cells-side-by-side", "movmf_binned_pack",
@@ -339,13 +340,13 @@ std::vector<NumericalCase> level_cases() {
        a_dead_lobe_takes_nothing,
        {{"movmf_level_zero", "lobe.amplitude > 1e-6f && gap < least", "gap < least"}}},
       {{"directions-of-short-means", "movmf_level_zero",
-        "a wide lobe has a short r, so |r| - n . r = |r| (1 - cos) is small even for distant normals",
-        "cosines are compared, so n . r is divided by |r|", kNothingWrong, "wrong texels",
+        "a wide lobe has a short mean r, so |r| - n . r is small even for normals n far from the lobe",
+        "the kernel compares cosines, so it divides n . r by |r|", kNothingWrong, "wrong texels",
         "every texel must be correct"},
        directions_of_short_means,
        {{"movmf_level_zero", "1.0f - along / max(length, 1e-12f)", "length - along"}}},
       {{"a-lobe-of-no-direction", "movmf_level_zero",
-        "r = 0 is divided by its length, and a lobe with a NaN cosine is never the closest lobe",
+        "a mean r of length 0 is divided by its length, and a lobe whose cosine is NaN is never the closest lobe",
         "the divisor is at least 1e-12, so the cosine is 0", kNothingWrong, "wrong texels",
         "every texel must be correct"},
        a_lobe_of_no_direction,

@@ -101,7 +101,7 @@ MultumFilteredMoments of_slopes(float s, float t, float ss, float tt, float st) 
   return m;
 }
 
-// Returns a half vector with slope (s, t), in the precision of the kernel's input.
+// Returns a half vector with slope (s, t), rounded to the precision of the kernel's input.
 glm::vec4 half_at(double s, double t) { return {glm::vec3(glm::normalize(glm::dvec3(-s, -t, 1.0))), 0.0f}; }
 
 double exact_lean(const MultumFilteredMoments& m, double s, const glm::vec4& h) {
@@ -223,12 +223,13 @@ std::vector<NumericalCase> finest_cases() {
   return {
       {{"slopes-at-the-horizon", "moment_finest",
         "computing a slope at the horizon divides by zero, and the mean slope is infinite",
-        "n_z is at least 0.05, so slopes are at most 20", 5e-7, kUnit, "a division, a square and a sum are rounded"},
+        "the z of the normal counts as at least 0.05, so slopes are at most 20", 5e-7, kUnit,
+        "only a division, a square and a sum are rounded"},
        slopes_at_the_horizon,
        {{"moments", "z > z_min ? z : z_min", "z"}}},
       {{"shortened-normals-to-0", "moment_finest", "computing the slope of a normal of length 0 divides 0 by 0",
-        "n_z is divided by a length of at least 1e-6, and negative variances count as 0", 5e-7, kUnit,
-        "a root, a division, a square and a sum are rounded"},
+        "the z of the normal is divided by a length of at least 1e-6, and negative variances count as 0", 5e-7, kUnit,
+        "only a root, a division, a square and a sum are rounded"},
        shortened_normals,
        {{"moments", "slope_z_min * MAX_V(length, 1e-6f)", "slope_z_min * length"}}},
   };
@@ -243,38 +244,47 @@ std::vector<NumericalCase> moment_cases() {
                        const std::vector<SourceEdit>& mutation = {}) {
     cases.push_back({{name, "moment_shade", without, guard, bound, unit, reason}, run, edits, {}, mutation});
   };
-  add("slope-variance-below-0", "E[s^2] is below the square of E[s], and a negative determinant has no square root",
-      "variances are at least 0", 2e-6, "excess over the peak or shortfall below 0, relative to the peak",
-      "a root, a division and an exponential are rounded", variance_below_0,
+  add("slope-variance-below-0",
+      "rounding makes the mean squared slope smaller than the square of the mean slope, and the negative determinant "
+      "has no square root",
+      "variances are at least 0", 2e-6, "excess over the peak, or negative light, relative to the peak",
+      "only a root, a division and an exponential are rounded", variance_below_0,
       {moment_shade_edit("max(ss - s_mean * s_mean, 0.0f)", "ss - s_mean * s_mean"),
        moment_shade_edit("max(tt - t_mean * t_mean, 0.0f)", "tt - t_mean * t_mean")});
   add("slopes-along-a-line",
-      "computing the determinant of Sigma + I/s as a difference leaves no correct digit at s = 1e5",
-      "1/s (1/s + trace) is added to the determinant of Sigma, which is at least 0", 2e-6, "relative error",
-      "a root, a division and four products are rounded", slopes_along_a_line,
+      "the determinant of the covariance Sigma plus I/s, computed as a difference, has no correct digit at exponent s "
+      "= 1e5",
+      "the determinant of Sigma is kept at or above 0, and the positive term 1/s (1/s + trace) is added to it", 2e-6,
+      "relative error", "only a root, a division and four products are rounded", slopes_along_a_line,
       {moment_shade_edit(
           "base * (base + variance_s + variance_t) + max(variance_s * variance_t - covariance * covariance, "
           "0.0f)",
           "(base + variance_s) * (base + variance_t) - covariance * covariance")});
   add("steep-slopes-under-sharp-highlights",
-      "half floats have steps of 0.25 at 400, but moments at s = 1e5 need steps of 1e-5",
-      "moments are stored in 32 bits; their rounding broadens the highlight by at most 2^-22 s b^2 of its width", 1.0,
-      "of the peak, divided by 2^-22 (s b^2 + sqrt(s) (1 + b)) + 1e-6, where b is the slope",
-      "E[s^2] and E[s]^2 are rounded by 2^-24 b^2 each", steep_and_sharp, {},
+      "half floats near 400 have steps of 0.25, but a highlight of exponent s = 1e5 needs moments in steps of 1e-5",
+      "moments are stored in 32 bits, so their rounding at slope b broadens the highlight by at most 2^-22 s b^2 of "
+      "its width",
+      1.0, "times the allowed error, which is 2^-22 (s b^2 + sqrt(s) (1 + b)) + 1e-6 of the peak at slope b",
+      "the mean squared slope and the square of the mean slope are each rounded by 2^-24 b^2", steep_and_sharp, {},
       {moment_shade_edit("max(ss - s_mean * s_mean, 0.0f)", "max(rint(ss * 4.0f) * 0.25f - s_mean * s_mean, 0.0f)")});
-  add("half-vectors-at-the-horizon", "the slope of a half vector at the horizon is infinity minus infinity",
+  add("half-vectors-at-the-horizon",
+      "the slope of a half vector at the horizon is infinite, and the distance between slopes is infinity minus "
+      "infinity",
       "the result is 0 for half vectors with z up to 1e-4", kNothingWrong,
-      "absolute error where the result must be 0 (NaN is an error everywhere)", "no error is allowed",
+      "deviation of results that must be 0 (NaN is an error everywhere)", "the result must be exact",
       half_vectors_at_the_horizon, {moment_shade_edit("if (half_vector.z <= 1e-4f) return 0.0f;", "")});
   add("mean-normals-of-every-length",
-      "a mean longer than 1 gives a gloss above 1 or below 0, and normalising a mean of length 0 divides 0 by 0",
-      "the length is 1 minus a spread between 0 and 1; for a mean without direction, any direction is used", 1e-5,
-      "of the peak", "mu and h are rounded by 6e-8, and the exponent multiplies the angle", toksvig_of_every_length,
+      "a mean normal longer than 1 gives a gloss above 1 or below 0, and normalising a mean of length 0 divides 0 by 0",
+      "the length is 1 minus a spread between 0 and 1, and a mean of length 0 gets an arbitrary direction", 1e-5,
+      "of the peak",
+      "the mean direction mu and the half vector h are rounded by 6e-8, and the exponent multiplies the error of the "
+      "angle",
+      toksvig_of_every_length,
       {moment_shade_edit("clamp((lobe.w - length) / max(lobe.w, AMPLITUDE_SHADED_MIN), 0.0f, 1.0f)",
                          "((lobe.w - length) / max(lobe.w, AMPLITUDE_SHADED_MIN))")});
-  add("moments-of-no-share", "moments with share 0 are as bright as moments with share 1",
+  add("moments-of-no-share", "without the factor, moments with share 0 are as bright as moments with share 1",
       "shares up to 1e-6 are not used as divisors, and the result is multiplied by the share", 1e-5, "relative error",
-      "the share of 1e-8 and the factor 16/(2 pi) are rounded", no_share,
+      "only the share and the constant factor 16/(2 pi) are rounded", no_share,
       {moment_shade_edit(": m.share * shade_lean(", ": shade_lean(")});
   return cases;
 }

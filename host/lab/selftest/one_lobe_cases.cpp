@@ -112,7 +112,7 @@ NormalMap map_of(const std::function<glm::dvec3(int)>& normal_at) {
   return map;
 }
 
-// Divides errors of alpha by 10: files store square roots of alpha, and alpha is computed from sums of squares.
+// Divides errors of alpha by 10, because files store square roots of alpha, and alpha is computed from sums of squares.
 void add_lobes(Device& device, const NormalMap& map, double alpha, const std::string& input, WorstError& worst) {
   const std::vector<glm::vec2> facets = spiral_facets();
   for (const bool is_anisotropic : {false, true})
@@ -182,29 +182,31 @@ std::vector<NumericalCase> one_lobe_cases() {
   const auto edit = [](const char* text, const char* replacement) { return SourceEdit{"one_lobe", text, replacement}; };
   const auto add = [&](const char* name, const char* without, const char* guard, void (*run)(Device&, WorstError&),
                        const std::vector<SourceEdit>& edits) {
-    cases.push_back({{name, "one_lobe_finest, one_lobe_samples, one_lobe_fit", without, guard, 2e-4,
-                      "absolute error of the normal (relative errors of alpha are divided by ten)",
-                      "each of 5 EM steps sums 64 terms in float, with an error of about 1e-6 of the lobe's width"},
-                     run,
-                     edits,
-                     {},
-                     {}});
+    cases.push_back(
+        {{name, "one_lobe_finest, one_lobe_samples, one_lobe_fit", without, guard, 2e-4,
+          "absolute error of the normal, or a tenth of the relative error of the roughness alpha",
+          "each of 5 EM steps adds 64 terms in float, which causes an error of about 1e-6 of the lobe's width"},
+         run,
+         edits,
+         {},
+         {}});
   };
-  add("mirrors-of-one-normal", "without spread and roughness, the matrix S has no inverse",
-      "variances of at least 1e-8", mirrors,
+  add("mirrors-of-one-normal", "without spread and roughness, the scale matrix S of the slopes has no inverse",
+      "variances are at least 1e-8", mirrors,
       {edit("s.xx = MAX_V(s.xx, (real_v)(SCALE_MIN));", ""), edit("s.yy = MAX_V(s.yy, (real_v)(SCALE_MIN));", "")});
   add("axes-of-round-lobes", "a round lobe has no axis, and computing the axis divides 0 by 0",
-      "round lobes use the x axis", mirrors,
+      "round lobes use the x axis as their axis", mirrors,
       {edit("has_axis ? ax / MAX_V(axis_length, (real_v)(1e-12f)) : (real_v)(1.0f)", "ax / axis_length"),
        edit("has_axis ? ay / MAX_V(axis_length, (real_v)(1e-12f)) : (real_v)(0.0f)", "ay / axis_length")});
-  add("facets-behind-the-mean-normal", "facets behind the horizon have slopes of the wrong sign",
+  add("facets-behind-the-mean-normal", "facets below the horizon have slopes of the wrong sign",
       "slopes are at most 20", facets_behind,
       {edit("MAX_V(fma(hx, mx, fma(hy, my, hz * mz)), least)", "fma(hx, mx, fma(hy, my, hz * mz))")});
   add("normals-of-nothing-in-a-lobe", "one texel without a direction makes every coarser texel NaN",
       "a texel without a direction counts as flat", normals_of_nothing,
       {edit("(square > 1e-12f) & (square < 1e12f)", "(int_v)(-1)")});
-  add("slopes-along-one-line", "the matrix S is singular if all slopes are on one line",
-      "correlations are at most 0.996", slopes_of_a_line, {edit("s.xy = MIN_V(MAX_V(s.xy, -most), most);", "")});
+  add("slopes-along-one-line", "the scale matrix S of the slopes is singular if all slopes are on one line",
+      "the correlation of the slopes in x and y is at most 0.996", slopes_of_a_line,
+      {edit("s.xy = MIN_V(MAX_V(s.xy, -most), most);", "")});
   add("lobes-beyond-alpha-1", "a fitted alpha can exceed 1, but files store roughness only up to 1",
       "alpha is at most 1", lobes_beyond_1,
       {edit("MIN_V(MAX_V(sqrt(2.0f * (middle + radius)), least), (real_v)(1.0f))",

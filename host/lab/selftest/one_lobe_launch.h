@@ -11,7 +11,8 @@
 
 namespace multum {
 
-/// Returns the lobe of the only texel of a map's coarsest level. `lanes` of one_lobe_fit: 1 or 16.
+/// Returns the lobe of the only texel of a map's coarsest level. `lanes` is the number of lanes of one_lobe_fit, 1 or
+/// 16.
 reference::OneLobe launch_one_lobe(Device& device, const reference::OneLobeTexel& texel,
                                    const std::vector<glm::vec2>& facets, int grid, int lanes);
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Tests planar Gaussians (Tan et al. 2005), the lobe kernels built with MULTUM_PLANAR, and the rounding of Gaussians.
-// For these inputs, a Gaussian over (n_x, n_y) fails: small variances near the rim, variances of 0, and lobes without
-// normals.
+// The inputs are those for which a Gaussian over (n_x, n_y) fails: small variances near the rim, variances of 0, and
+// lobes without normals.
 #include <fmt/format.h>
 #include <half.h>
 
@@ -104,8 +104,8 @@ void few_points(Device& device, WorstError& worst) {
     }
 }
 
-// Tests the cap of a texel with three lobes. Two lobes share the points, and the third lobe has no points. The sums
-// are the sums of an E-step, relative to mu.
+// Tests the cap of a texel with three lobes. Two lobes share the points, and the third lobe has no points. The sums are
+// those of an E-step, relative to mu.
 void caps_of_narrow_texels(Device& device, WorstError& worst) {
   constexpr std::size_t kChunks = 64, kSums = 5;
   for (const double degrees : kTilts)
@@ -179,7 +179,7 @@ std::vector<glm::vec4> directions_around(double degrees) {
   return directions;
 }
 
-// Compares the shading with the formula in double, relative to the peak of an upright lobe.
+// Compares the shading with the formula in double precision, relative to the peak of an upright lobe.
 void add_density(Device& device, const glm::vec4& lobe, double s, const std::vector<glm::vec4>& directions,
                  const std::string& input, WorstError& worst) {
   const glm::dvec4 wide(lobe);
@@ -241,11 +241,12 @@ void stored_variance(StorageEncoding encoding, bool naive, WorstError& worst) {
 
 NumericalCase storage_case(StorageEncoding encoding, const std::string& name) {
   return {{"planar-variance-in-" + name, "gmm_quantize",
-           "2 sigma^2 is a difference of rounded numbers near 1, and all digits cancel near the rim",
-           "the third value is rounded last, to match the rounded mean; for a single direction, the third value is "
-           "rounded down",
-           0.251, "error of sigma^2 (relative at the encoding's limit, absolute for single directions)",
-           "half a step of the third value is a quarter of 2 sigma^2 at the limit"},
+           "twice the variance is a difference of two rounded numbers, which are both near 1 at the unit circle, so "
+           "all digits cancel",
+           "the third value, the mean square, is rounded last to match the rounded mean, and for a single direction it "
+           "is rounded down",
+           0.251, "error of the variance (relative at the encoding's limit, absolute for single directions)",
+           "at the encoding's limit, half a rounding step of the third value is a quarter of twice the variance"},
           [=](Device&, WorstError& worst) { stored_variance(encoding, false, worst); },
           {},
           [=](WorstError& worst) { stored_variance(encoding, true, worst); }};
@@ -255,47 +256,55 @@ std::vector<NumericalCase> fit_cases() {
   const SourceEdit no_floor = em_edit("MAX_V(fitted, (real_v)(SPREAD_MIN))", "fitted");
   const SourceEdit no_cap = em_edit("kappa = MIN_V(MAX_V(kappa, (real_v)(KAPPA_MIN)), kappa_max);", "");
   const char* const kFormula = "movmf_em_texels (planar)";
-  const char* const kUnit = "absolute error of a, a mu and a sigma^2";
+  const char* const kUnit = "absolute error of the amplitude a, of a times the mean, and of a times the variance";
   return {
-      {{"planar-variance-at-the-rim", kFormula, "E|p|^2 - |E p|^2 cancels for points near the rim",
-        "the variance is the mean squared distance from the last mean, minus the squared shift of the mean (Steiner)",
-        1e-4, "relative error of sigma^2", "a thousand additions are rounded"},
+      {{"planar-variance-at-the-rim", kFormula,
+        "for points p near the unit circle, the difference E|p|^2 - |E p|^2 loses its digits by cancellation",
+        "the variance is the mean squared distance from the previous mean, minus the squared shift of the mean "
+        "(Steiner's theorem)",
+        1e-4, "relative error of sigma^2", "the errors of a thousand rounded additions add up"},
        variance_at_the_rim,
        {em_edit("const real_v spread = fma(d, inverse, -half_square(m.x - mu_x, m.y - mu_y));",
                 "const real_v spread = (d * inverse + (m.x * mu_x + m.y * mu_y - half_square(mu_x, mu_y))) - "
                 "half_square(m.x, m.y);")}},
       {{"planar-variance-never-negative", kFormula,
-        "rounding makes a difference of equal numbers negative, and the density is undefined",
-        "the variance is at least 0", kNothingWrong, "absolute error of negative values", "no value may be negative"},
+        "rounding makes the variance of equal points negative, so the density is undefined",
+        "the variance is at least 0", kNothingWrong, "deviation below 0", "no result may be negative"},
        variance_never_negative,
        {em_edit("m.spread = MIN_V(MAX_V(spread, (real_v)(0.0f)), (real_v)(1.0f));", "m.spread = spread;")}},
       {{"planar-far-from-every-lobe", kFormula, "every density is 0 in float, so computing shares divides 0 by 0",
         "the kernel computes logarithms of densities and subtracts the largest logarithm", 1e-4, kUnit,
-        "exponents of 1e6 have rounding errors of 6e-8"},
+        "logarithms near 1e6 have relative rounding errors of 6e-8, which change the shares"},
        far_from_every_gaussian,
        {em_edit("exp2_in_range_v(MAX_V(e[j] - largest, (real_v)(LOG_SHARE_MIN)))", "exp2(e[j])")}},
-      {{"planar-lobes-that-die", kFormula, "the exponent of 2^-1000 wraps around, and the share becomes a large number",
-        "each share is at least 2^-100 times the largest share; a lobe with an amplitude below 1e-7 keeps its mean and "
-        "sigma^2",
+      {{"planar-lobes-that-die", kFormula,
+        "the exponent of a share such as 2^-1000 wraps around, so a tiny share becomes a large number",
+        "each share is at least 2^-100 times the largest share, and a lobe with an amplitude below 1e-7 keeps its mean "
+        "and variance",
         1e-5, kUnit, kEmBoundReason},
        dying_gaussians,
        {em_edit("MAX_V(e[j] - largest, (real_v)(LOG_SHARE_MIN))", "(e[j] - largest)")}},
       {{"planar-one-two-three-points", kFormula,
-        "if there are more lobes than points, sigma^2 is 0 and its inverse is infinite",
-        "sigma^2 is at least 1e-7, and its inverse is at most 500 + 10 kappa_1", 1e-4, kUnit,
-        "equal lobes compete, and each iteration amplifies their differences"},
+        "if there are more lobes than points, a variance is 0 and its inverse is infinite",
+        "the variance is at least 1e-7, and its inverse is at most 500 + 10 kappa_1, where kappa_1 fits all normals of "
+        "the texel",
+        1e-4, kUnit,
+        "several equal lobes compete for a point, and each iteration amplifies the small differences between the "
+        "lobes"},
        few_points,
        {},
        {},
        {no_floor, no_cap}},
       {{"planar-caps-of-narrow-texels", "movmf_em_cap", "computing the mean of a lobe without points divides 0 by 0",
-        "the divisor is at least 1e-30, and the variance is at least 1e-6", 2e-4, "relative error of the cap",
-        "the squared distance of 3 degrees has an error of 1.2e-7, relative to the minimum variance"},
+        "the divisor is at least 1e-30, and the variance is at least 1e-6", 2e-4,
+        "relative error of the upper limit of 1/sigma^2",
+        "the squared distance of points 3 degrees apart has a relative error of 1.2e-7, which matters next to a "
+        "variance of only 1e-6"},
        caps_of_narrow_texels,
        {{"movmf_em_mstep", "1.0f / MAX_V(sum_s[j], (real_v)(1e-30f))", "1.0f / sum_s[j]"}}},
       {{"planar-scatter-of-equal-normals", "movmf_bin_means (planar)",
-        "rounding makes E|p|^2 of a cell smaller than the squared mean of the cell", "the variance is at least 0",
-        kNothingWrong, "absolute error of negative values", "no value may be negative"},
+        "for the points p of a cell, rounding makes E|p|^2 smaller than the squared mean", "the variance is at least 0",
+        kNothingWrong, "deviation below 0", "no result may be negative"},
        scatter_of_equal_normals,
        {{"movmf_binning", "MAX_V(mean.z - fma(mean.x, mean.x, mean.y * mean.y), 0.0f)",
          "mean.z - fma(mean.x, mean.x, mean.y * mean.y)"}}},
@@ -306,19 +315,20 @@ std::vector<NumericalCase> fit_cases() {
 
 std::vector<NumericalCase> planar_cases() {
   std::vector<NumericalCase> cases = fit_cases();
-  cases.push_back(
-      {{"planar-filtered-variance-below-0", "movmf_shade (planar)",
-        "after rounding and filtering, the third value is below the squared mean, and the variance is negative",
-        "the lobe's variance is at least 0, so only the facets' variance remains", 2e-3, "of an upright lobe's peak",
-        "a mean near 1 is rounded twice by 6e-8, and the variance is only 1e-4"},
-       filtered_variance_below_0,
-       {shade_edit("max(spread, 0.0f)", "spread")}});
+  cases.push_back({{"planar-filtered-variance-below-0", "movmf_shade (planar)",
+                    "after rounding and filtering, the stored mean square is below the square of the mean, so the "
+                    "variance is negative",
+                    "the lobe's variance is at least 0, so in the worst case only the facets' variance remains", 2e-3,
+                    "of the peak of an upright lobe",
+                    "two roundings of a mean near 1 change a variance of 1e-4 by up to 1.2e-7, which is 0.12 %"},
+                   filtered_variance_below_0,
+                   {shade_edit("max(spread, 0.0f)", "spread")}});
   cases.push_back(
       {{"planar-amplitude-to-0", "movmf_shade (planar)",
         "a lobe without normals is divided by its amplitude, which is 0",
         "lobes with amplitudes up to 1e-6 are ignored", 6e-4,
-        "of an upright lobe's peak (light that must be 0 counts as an error of 1)",
-        "a mean near 1 is rounded twice by 6e-8, and the variance is only 1e-4"},
+        "of the peak of an upright lobe (light that must be 0 counts as an error of 1)",
+        "two roundings of a mean near 1 change a variance of 1e-4 by up to 1.2e-7, which is 0.12 %"},
        vanishing_gaussian,
        {shade_edit("shape.amplitude = lobe.w <= GMM_AMPLITUDE_MIN ? 0.0f : lobe.w;", "shape.amplitude = lobe.w;"),
         shade_edit("if (lobe.w <= GMM_AMPLITUDE_MIN) return 0.0f;", "")}});

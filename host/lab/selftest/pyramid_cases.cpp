@@ -327,15 +327,16 @@ std::vector<NumericalCase> box_cases() {
        features_keep_their_bits,
        {{"mip_box", "if (item >= band.row_count * band.map_width) return;", ""}}},
       {{"blocks-of-32768-texels", "mip_blocks",
-        "adding 32768 equal texels from left to right always rounds in the same direction",
+        "adding 32768 equal texels from left to right rounds each sum in the same direction",
         "texels are added in pairs, then the pairs are added in pairs, and so on, which rounds only 15 times", 1e-6,
-        "of the sum of magnitudes", "15 roundings add up to 15 * 6e-8"},
+        "of the sum of magnitudes", "15 rounding errors of 6e-8 add up to 9e-7"},
        blocks_of_32768,
        {},
        rows_from_left_to_right},
       {{"average-of-2-30-texels", "mip_levels",
         "the sum is rounded 32768 times, by half a unit in the last place each time",
-        "compensated summation adds the rows", 1.2e-7, "relative error", "only the share and the result are rounded"},
+        "compensated summation adds the rows", 1.2e-7, "relative error",
+        "only the share of each row and the result are rounded"},
        average_of_2_30,
        {{"mip_box", "      add_compensated(&sum, &carry, value);\n      continue;",
          "      sum += value;\n      continue;"}}},
@@ -352,20 +353,22 @@ std::vector<NumericalCase> pyramid_cases() {
         {{name, "reflectance_texels", without, guard, bound, "of the brightest texel", reason}, run, edits});
   };
   add("highlights-narrower-than-texels",
-      "1 - n . h has a rounding error of 6e-8, which the exponent s = 1e5 multiplies",
+      "1 - n . h has a rounding error of 6e-8, which the highlight exponent s = 1e5 multiplies",
       "1 - n . h is computed as |n - h|^2 / 2", 2e-5,
-      "n and h are rounded by 6e-8, and |n - h| is only about 0.004 in a highlight of s = 1e5", highlights_of_1e5,
+      "the normal n and the half vector h are rounded by 6e-8, and |n - h| is only about 0.004 in a highlight of "
+      "exponent 1e5",
+      highlights_of_1e5,
       {{"reflectance_pyramid", "return 0.5f * fma(dx, dx, fma(dy, dy, dz * dz));",
         "return 1.0f - fma(dx + w.x, w.x, fma(dy + w.y, w.y, (dz + w.z) * w.z));"}});
   add("thousands-of-normals-a-texel", "49152 additions of similar numbers round in the same direction",
-      "sums are compensated", 5e-7, "only a few roundings per sample remain, for any number of samples",
-      normals_of_a_texel,
+      "sums are compensated", 5e-7,
+      "only a few rounding errors remain per sample, no matter how many samples are added", normals_of_a_texel,
       {{"reflectance_pyramid", "const float total = *sum + value;",
         "*sum = *sum + value;\n  return;\n  const float total = *sum + value;"}});
   add("light-from-behind", "a light darkens surfaces that face away from the light",
-      "light with n . l <= 0 adds nothing", 1e-5,
-      "n and h are rounded by 6e-8, and |n - h| is about 0.2 in a highlight of s = 50", light_from_behind,
-      {{"reflectance_pyramid", "if (cosine <= 0.0f) continue;", ""}});
+      "a light below the surface, with n . l <= 0, adds nothing", 1e-5,
+      "the normal n and the half vector h are rounded by 6e-8, and |n - h| is about 0.2 in a highlight of exponent 50",
+      light_from_behind, {{"reflectance_pyramid", "if (cosine <= 0.0f) continue;", ""}});
   return cases;
 }
 

@@ -15,31 +15,32 @@ namespace multum {
 
 struct NumericalCase {
   NumericalCaseText text;
-  /// Computes an error per input, and updates the worst error. Throws Error(kEnvironment) for errors of the device.
+  /// Computes the error for each input, and updates the worst error. Throws Error(kEnvironment) for errors of the
+  /// device.
   std::function<void(Device& device, WorstError& worst)> run;
-  /// Edits of the kernels' text, each of which removes one guard; each is tested separately. Empty if the guard is not
-  /// one line of a kernel: then `naive` or `mutation` is set.
+  /// Edits of the kernels' text. Each edit removes one guard and is tested separately. If the guard is not one line of
+  /// a kernel, the list is empty, and `naive` or `mutation` is set.
   std::vector<SourceEdit> without;
-  /// The naive formula in float on the host, on the same inputs; may be empty.
+  /// The naive formula in float on the host, with the same inputs. May be empty.
   std::function<void(WorstError& worst)> naive = {};
-  /// Edits that together add a bug to the kernels' text; may be empty.
+  /// Edits that together add a bug to the kernels' text. May be empty.
   std::vector<SourceEdit> mutation = {};
 };
 
-/// Adds a list of cases, once. For parts of the project that not every build has. Call it before the first use of
-/// numerical_cases().
+/// Adds a list of cases, once. Parts of the project that not every build contains use it. Call it before the first use
+/// of numerical_cases().
 void register_numerical_cases(std::vector<NumericalCase> (*list)());
 
-/// All cases, ordered by kernel. Names are unique.
+/// Returns all cases, ordered by kernel. Names are unique.
 const std::vector<NumericalCase>& numerical_cases();
 
 struct SelftestOptions {
-  std::string filter;           // cases whose name or kernel contains this text; empty: all
+  std::string filter;           // runs only cases whose name or kernel contains this text; all cases if empty
   bool without_guards = false;  // also run each case with its guard removed, and with its bug
 };
 
-/// Runs the cases that match the filter, in their order. Throws Error(kUsage) if none matches. Progress: one unit per
-/// case; cancels between cases.
+/// Runs the cases that match the filter, in their order. Throws Error(kUsage) if no case matches. Progress counts one
+/// unit per case. A run can be cancelled between cases.
 NumericalRun run_selftest(Device& device, const SelftestOptions& options, Progress* progress);
 
 /// Runs one case. Restores the kernels before it returns.

@@ -10,13 +10,13 @@
 
 namespace multum {
 
-/// Coefficients of each normal, [normal][l*l + l + m - 1], in the order of sh_project; `shortened`: lengths contain a
-/// BRDF's width.
+/// Returns the coefficients of each normal as [normal][l*l + l + m - 1], in the order of sh_project. If `shortened` is
+/// true, the lengths of normals contain a BRDF's width.
 std::vector<std::vector<float>> project_sh(Device& device, int order, const std::vector<glm::vec3>& normals,
                                            bool shortened = false);
 
 /// Shades the same coefficients with Blinn-Phong of exponent s at each unit half vector or, if s is 0, with Lambert at
-/// lights: [direction]. `share` belongs to stored levels; the normal map contributes nothing.
+/// each light. `share` belongs to stored levels, and the normal map contributes nothing.
 std::vector<double> shade_sh(Device& device, int order, const std::vector<float>& coefficients, float share, float s,
                              const std::vector<glm::vec3>& directions);
 

@@ -76,7 +76,7 @@ glm::vec4 lobe_of(double amplitude, double spread) {
 
 constexpr double kSpreads[] = {0.0, 0x1p-23, 0x1p-20, 0x1p-14, 0x1p-7, 0.125, 0.5, 0.875, 1.0 - 0x1p-20, 1.0};
 
-// Compares the shading with the formula in double, relative to the peak of the lobe.
+// Compares the shading with the formula in double precision, relative to the peak of the lobe.
 void add_blinn_phong(Device& device, const glm::vec4& lobe, double spread, double s,
                      const std::vector<glm::vec4>& directions, WorstError& worst) {
   const double amplitude = static_cast<double>(lobe.w), peak = reference::product_blinn_phong(s, spread, 0.0);
@@ -138,7 +138,7 @@ void vanishing_amplitude(Device& device, WorstError& worst) {
   }
 }
 
-// Tests GGX as a sum of vMFs with positive and negative weights, compared with the same sum in double.
+// Tests GGX as a sum of vMFs with positive and negative weights, compared with the same sum in double precision.
 void terms_of_either_sign(Device& device, WorstError& worst) {
   Highlight ggx;
   ggx.brdf.kind = BrdfKind::kGgx;
@@ -179,27 +179,29 @@ void lambert_of_every_spread(Device& device, WorstError& worst) {
 }
 
 std::vector<NumericalCase> lobe_cases() {
-  const char* kReason = "the inverse of kappa has an error of 2.3e-4, which affects the peak and the exponent";
+  const char* kReason =
+      "kappa is computed with an error of 2.3e-4, which changes both the peak and the exponent of the highlight";
   return {
       {{"exponents-to-1e5", "movmf_shade",
-        "1 - mu . h has a rounding error of 6e-8, which the exponent s = 1e5 multiplies",
-        "1 - mu . h is computed as |mu - h|^2 / 2, and q = 1 - A as a sum of small terms", 6e-4, "of the peak",
-        kReason},
+        "1 - mu . h has a rounding error of 6e-8, which the highlight exponent s = 1e5 multiplies",
+        "1 - mu . h is computed as |mu - h|^2 / 2, and 1 - A as a sum of small terms, where A is the mean cosine", 6e-4,
+        "of the peak", kReason},
        exponents_to_1e5,
        {shade_edit("return 0.5f * fma(dx, dx, fma(dy, dy, dz * dz));",
                    "return 1.0f - fma(dx + w.x, w.x, fma(dy + w.y, w.y, (dz + w.z) * w.z));")}},
-      {{"the-horizon-and-below", "movmf_shade", "the power of a negative cosine lights surfaces that face away",
-        "the result is 0 where 1 - t >= 1", 6e-4, "of the peak", kReason},
+      {{"the-horizon-and-below", "movmf_shade",
+        "the power of a negative cosine is positive, so surfaces that face away are lit",
+        "the result is 0 if the cosine t is 0 or negative", 6e-4, "of the peak", kReason},
        horizon_and_below,
        {shade_edit("return e < 1.0f ?", "return true ?")}},
       {{"longer-than-its-amplitude", "movmf_shade",
-        "rounding makes |a r| larger than a, so the spread and kappa are negative",
+        "rounding makes the vector a r longer than the amplitude a, so the spread and kappa are negative",
         "the spread is clamped to the range 0 to 1", 6e-4, "of the peak", kReason},
        longer_than_one,
        {shade_edit("clamp((lobe.w - length) / max(lobe.w, AMPLITUDE_SHADED_MIN), 0.0f, 1.0f)",
                    "((lobe.w - length) / max(lobe.w, AMPLITUDE_SHADED_MIN))")}},
-      {{"no-direction", "movmf_shade", "normalising r = 0 divides by zero",
-        "any direction is used, because the result does not depend on the direction", 6e-4, "of the peak", kReason},
+      {{"no-direction", "movmf_shade", "normalising a mean r of length 0 divides by zero",
+        "an arbitrary direction is used, because the result does not depend on it", 6e-4, "of the peak", kReason},
        no_mean_direction,
        {shade_edit("const float inverse = length > 1e-12f ? 1.0f / length : 0.0f;",
                    "const float inverse = 1.0f / length;")}},
@@ -217,20 +219,22 @@ std::vector<NumericalCase> shading_cases() {
         "error",
         "lobes with amplitudes up to 1e-6, a thirtieth of the smallest stored amplitude, are ignored", 6e-4,
         "of the peak times the amplitude (light that must be 0 counts as an error of 1)",
-        "the inverse of kappa has an error of 2.3e-4, which affects the peak and the exponent"},
+        "kappa is computed with an error of 2.3e-4, which changes both the peak and the exponent of the highlight"},
        vanishing_amplitude,
        {shade_edit("shape.amplitude = lobe.w <= AMPLITUDE_SHADED_MIN ? 0.0f : lobe.w;", "shape.amplitude = lobe.w;"),
         shade_edit("if (lobe.w <= AMPLITUDE_SHADED_MIN) return 0.0f;", "")}});
   cases.push_back({{"terms-of-either-sign", "movmf_shade",
                     "a sum of positive and negative vMFs can be below 0, and negative light darkens its surroundings",
                     "the sum over the terms of a lobe is at least 0", 6e-4, "of the sum of the terms' peaks",
-                    "the inverse of kappa has an error of 2.3e-4 in every term"},
+                    "the kappa of every term is computed with an error of 2.3e-4"},
                    terms_of_either_sign,
                    {shade_edit("return lobe.w * max(sum, 0.0f);", "return lobe.w * sum;")}});
   cases.push_back(
-      {{"lambert-of-every-spread", "movmf_shade", "max(mu . l, 0), the paper's shortcut, ignores the spread",
-        "the mean of a folded normal distribution is used; this mean is exact at |r| = 1 and r = 0", 2.5e-3,
-        "absolute error", "the model has an error of 0.22 % (tools/lab/fit_shading.py)"},
+      {{"lambert-of-every-spread", "movmf_shade",
+        "the paper's approximation max(mu . l, 0) ignores the spread of the lobe",
+        "the mean of a folded normal distribution is used, which is exact for single directions and for lobes without "
+        "a direction",
+        2.5e-3, "absolute error", "the model of the mean cosine has an error of 0.22 % (tools/lab/fit_shading.py)"},
        lambert_of_every_spread,
        {shade_edit("return 0.5f * (m + sqrt(fma(v, exp2_v(-MULTUM_LOG2E * g), m * m)));", "return max(t, 0.0f);")}});
   return cases;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Tests how the rounding of the file encodings affects the spread of a lobe
-// (host/formats/asset/lobes/movmf_quantize.cpp; docs/reference/file_format.md, "Rounding"). No kernel runs: rounding
-// is the last step in which a kernel's result can lose accuracy.
+// (host/formats/asset/lobes/movmf_quantize.cpp; docs/reference/file_format.md, "Rounding"). No kernel runs, because
+// rounding is the last step in which a kernel's result can lose accuracy.
 #include <fmt/format.h>
 #include <half.h>
 
@@ -109,25 +109,27 @@ void as_the_format_says(StorageEncoding encoding, const Rounding& rounded, Worst
 
 std::vector<NumericalCase> cases_of(StorageEncoding encoding, const std::string& name) {
   const Rounding stored = rounding(encoding, false), naive = rounding(encoding, true);
-  const std::string formula = "movmf_quantize",
-                    lost = "rounding each channel separately changes |r| by up to 1/a steps";
+  const std::string
+      formula = "movmf_quantize",
+      lost = "for a lobe of amplitude a, rounding each channel separately changes |r| by up to 1/a rounding steps";
   return {
       {{name + "-single-directions", formula, lost + ", which blurs a highlight",
-        "the four values are rounded together; for a single direction, r never becomes shorter", 1e-7,
-        "absolute error of 1 - |r|", "the spread must be 0, except for float rounding"},
+        "the four values of a lobe are rounded together, and for a single direction, r never becomes shorter", 1e-7,
+        "absolute error of 1 - |r|", "the spread of a single direction must be 0, except for float rounding"},
        [=](Device&, WorstError& worst) { single_directions(stored, worst); },
        {},
        [=](WorstError& worst) { single_directions(naive, worst); }},
       {{name + "-sharpest-spreads", formula, lost + ", which is more than the spread",
-        "the rounding whose projection on the lobe's direction is closest to a |r| is chosen; lobes above the "
-        "encoding's kappa limit are reported",
+        "the encoder chooses the rounding whose projection on the lobe's direction is closest to a |r|, and reports "
+        "lobes above the encoding's kappa limit",
         0.09, "mean relative error of 1 - |r| over directions",
-        "at the limit, a spread changes by at most a quarter (storage_kappa_max)"},
+        "at the encoding's kappa limit, rounding changes a spread by at most a quarter (storage_kappa_max)"},
        [=](Device&, WorstError& worst) { sharpest_spreads(stored, encoding, worst); },
        {},
        [=](WorstError& worst) { sharpest_spreads(naive, encoding, worst); }},
       {{name + "-as-the-format-says", formula, "the stored texel breaks the rule of docs/reference/file_format.md",
-        "every possible rounding is tried, as the rule requires", kNothingWrong, "wrong texels", "no bit may differ"},
+        "the encoder tries every possible rounding, as the rule requires", kNothingWrong, "wrong texels",
+        "no bit may differ"},
        [=](Device&, WorstError& worst) { as_the_format_says(encoding, stored, worst); },
        {},
        [=](WorstError& worst) { as_the_format_says(encoding, naive, worst); }},

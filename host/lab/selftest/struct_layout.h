@@ -8,7 +8,8 @@
 
 namespace multum {
 
-/// Sizes and offsets in bytes, in the order of probe_layout (kernels/probe_numerics.cl); -1: unknown to the device.
+/// Sizes and offsets in bytes, in the order of probe_layout (kernels/probe_numerics.cl); -1 if the device does not know
+/// the value.
 struct StructLayout {
   std::vector<int> host, device;
 };

@@ -3,9 +3,9 @@
 // normals, so its exact sum is known. Tested sums are chunk sums (movmf_em_chunks.cl, movmf_em_mstep.cl), colour sums
 // (movmf_features.cl) and cell sums (movmf_binning.cl).
 //
-// A float is not sufficient: at 2^24, a sum stops growing, because the increment is less than half a unit in the last
-// place. With 2^16 exact partial sums, each addition loses up to half a unit in the last place of the total. If a
-// pattern repeats, all losses have the same direction.
+// A sum in a single float is not sufficient. At 2^24, it stops growing, because the increment is less than half a
+// unit in the last place. With 2^16 exact partial sums, each addition loses up to half a unit in the last place of
+// the total. If a pattern repeats, all losses have the same direction.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -34,11 +34,11 @@ constexpr int kBandRows = 64;
 constexpr double kTexels = 0x1p28;
 constexpr int kChunks = 1 << 16;  // chunks of 4096 normals each
 
-// Contains 64 rows of normals around a tilt, and their sum in double.
+// Contains 64 rows of normals around a tilt, and their sum in double precision.
 struct Band {
   std::vector<float> planes[3];
   glm::dvec3 sum = glm::dvec3(0.0);
-  double mean_gap = 0.0;  // of 1 - n . mu
+  double mean_gap = 0.0;  // mean of 1 - n . mu
   glm::dvec3 mu;
 };
 
@@ -91,7 +91,7 @@ std::vector<std::vector<glm::vec3>> feature_partials(Device& device, const Featu
   MultumMovmfFit fit = coarsest_fit();
   fit.map_width = map.width, fit.map_height = fit.map_window_rows = map.height;
   fit.width = map.level_width, fit.height = fit.window_rows = map.level_height;
-  // The largest number of columns that a texel can overlap.
+  // Returns the largest number of columns that a texel can overlap.
   fit.sample_columns = (map.width + map.level_width - 1) / map.level_width + 1;
   fit.sample_rows = (map.height + map.level_height - 1) / map.level_height + 1;
   fit.chunk_rows = map.chunk_rows, fit.chunk_count = map.chunk_count;
@@ -120,7 +120,7 @@ std::vector<std::vector<glm::vec3>> feature_partials(Device& device, const Featu
 
 namespace {
 
-// Runs the M-step on the chunks in `partial`; returns (r, a) of each lobe.
+// Runs the M-step on the chunks in `partial`, and returns (r, a) of each lobe.
 std::vector<MultumVmfLobe> lobes_of_chunks(Device& device, const DeviceBuffer& partial, const EmTexel& texel,
                                            const MultumMovmfFit& fit) {
   const std::vector<float> start = packed_start({texel});
@@ -212,7 +212,7 @@ void many_partial_colours(Device& device, WorstError& worst) {
     worst.add(static_cast<double>(colours[c]), sum[c], sum[c], fmt::format("channel {}", c));
 }
 
-// Returns the first lobe's share of a normal; both lobes have the same sharpness and amplitude.
+// Returns the first lobe's share of a normal. Both lobes have the same sharpness and amplitude.
 double share_of_first(const EmTexel& texel, const glm::dvec3& n) {
   const auto exponent = [&](std::size_t j) {
     return texel.lobes[j].kappa * glm::dot(glm::dvec3(glm::vec3(texel.lobes[j].mu)), n);
@@ -408,8 +408,8 @@ void means_of_2_58_by_any_form(Device& device, WorstError& worst) {
   for (const bool by_team : {false, true}) means_of_2_58(device, worst, by_team);
 }
 
-// Tests probes that are all at one position, and probes without a position: a normal straight down maps to the whole
-// rim of the disc.
+// Tests probes that all have the same position, and probes without a position, because a normal straight down maps to
+// the whole rim of the disc.
 void axes_of_no_extent(Device& device, WorstError& worst) {
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
   for (const glm::vec3& n :
@@ -445,35 +445,37 @@ std::vector<NumericalCase> sum_cases() {
   const std::string plain = "*sum = *sum + value;\n  return;", compensated = "const float total = *sum + value;";
   return {
       {{"texels-2-to-28-by-chunks", "movmf_em_partial",
-        "a float sum stops growing at 2^24 and loses 94 % of the total; plain sums of chunks all round in the same "
+        "a float sum stops growing at 2^24 and loses 94 % of the total, and plain sums of chunks all round in the same "
         "direction",
         "the sums of 16 lanes per chunk are added as a tree, and compensated summation adds the chunks", 1e-6,
-        "absolute error of a and r", "each lane has 2048 additions, whose random errors reach 2048 * 2^-25 / 16"},
+        "absolute error of a and r",
+        "each of 16 lanes makes 2048 additions, whose random errors reach 2048 * 2^-25 / 16"},
        texels_2_28_by_chunks,
        {{"movmf_em_mstep", compensated, plain + compensated}}},
       {{"sums-of-65536-partial-sums", "movmf_em_mstep",
         "each addition rounds by half a unit in the last place, always in the same direction",
-        "Neumaier's compensated sum is used", 3e-7, "absolute error of a and r",
-        "only a few roundings remain, for any number of sums"},
+        "the kernel uses Neumaier's compensated summation", 3e-7, "absolute error of a and r",
+        "only a few rounding errors remain, no matter how many sums are added"},
        many_partial_sums,
        {{"movmf_em_mstep", compensated, plain + compensated}}},
       {{"colours-of-65536-partial-sums", "movmf_feature_sum",
         "each addition rounds by half a unit in the last place, always in the same direction",
-        "Neumaier's compensated sum is used", 3e-7, "relative error",
-        "only a few roundings remain, for any number of sums"},
+        "the kernel uses Neumaier's compensated summation", 3e-7, "relative error",
+        "only a few rounding errors remain, no matter how many sums are added"},
        many_partial_colours,
        {{"movmf_features", compensated, plain + compensated}}},
       {{"colours-far-from-every-lobe", "movmf_feature_binned",
         "every density is 0 in float, so computing shares divides 0 by 0",
         "the kernel computes logarithms of densities and subtracts the largest logarithm", 1e-4,
-        "of the channel's total", "exponents of 1e6 have rounding errors of 6e-8"},
+        "of the channel's total", "logarithms near 1e6 have relative rounding errors of 6e-8, which change the shares"},
        colours_far_from_every_lobe,
        {{"movmf_features", "z[j] = exp2_v(z[j] - largest);", "z[j] = exp2(z[j]);"}}},
       {{"colours-of-uneven-chunks", "movmf_feature_partial",
-        "computing shares divides 0 by 0; a finest texel on a border counts fully in both coarser texels",
-        "the kernel uses logarithms and subtracts the largest logarithm; weights are fractions; a chunk without rows "
+        "computing shares divides 0 by 0, or a finest texel on a border counts fully in both coarser texels",
+        "the kernel subtracts the largest logarithm of a density, weights are fractions, and a chunk without rows "
         "gives 0",
-        1e-4, "of the chunk's channel total", "exponents of 1e6 have rounding errors of 6e-8"},
+        1e-4, "of the channel's total over the chunk",
+        "logarithms near 1e6 have relative rounding errors of 6e-8, which change the shares"},
        colours_of_uneven_chunks,
        {{"movmf_features", "z[j] = exp2_v(z[j] - largest);", "z[j] = exp2(z[j]);"}}},
       {{"texels-2-to-28-into-cells", "movmf_bin_cells, movmf_bin_add", "a float sum stops growing at 2^24",
@@ -483,8 +485,8 @@ std::vector<NumericalCase> sum_cases() {
        {},
        floats_stand_still},
       {{"means-of-sums-to-2-to-58", "movmf_bin_means, movmf_bin_team_means", "a 32-bit sum overflows after two normals",
-        "integers have 64 bits", 2e-7, "error of means (absolute) and weights (relative)",
-        "two conversions and a division are rounded"},
+        "integers have 64 bits", 2e-7, "error of means (absolute) and of weights (relative)",
+        "only two conversions and a division are rounded"},
        means_of_2_58_by_any_form,
        {{"movmf_binning", "long4 sum = vload4(cell, chunks);",
          "long4 sum = convert_long4(convert_int4(vload4(cell, chunks)));"},

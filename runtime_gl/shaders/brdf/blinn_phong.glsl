@@ -1,20 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
-// Blinn-Phong for one normal and convolved with a vMF lobe (after common/movmf_shading.glsl).
+// Computes Blinn-Phong for one normal and convolved with a vMF lobe (after common/movmf_shading.glsl).
 //
-// Departures from the paper. Its rule s' = kappa s / (kappa + s) (eq. 20) is kept as
-// multum_movmf_blinn_phong_paper(): its relative L1 error over the hemisphere is 3 % at kappa 50, 22 % at 5, 54-70 % at
-// kappa <= 1. The rule here uses that mean cosines multiply exactly under spherical convolution: the convolved lobe has
+// Departures from the paper. The paper's rule s' = kappa s / (kappa + s) (eq. 20) is kept as
+// multum_movmf_blinn_phong_paper(). The relative L1 error of this rule over the hemisphere is 3 % at kappa 50, 22 % at
+// 5, and 54-70 % at kappa <= 1. The rule here uses an exact property of spherical convolution: the convolved lobe has
 // the mean cosine A = |r| c_f, where c_f is the mean cosine of f. One weight blends two shapes that have this mean
 // cosine. A vMF is accurate for broad lobes. A cosine power is accurate for lobes sharper than f, and exact at |r| = 1.
-// Errors by quadrature (tools/lab/fit_shading.py; tests/agreement, ShadingBounds): at most 7 % from s = 1, 4 % from 2,
-// 2.8 % from 3, 1.8 % from 5, 0.85 % from 20, 0.27 % from 100, at every kappa. The error is largest at kappa 2 to 5.
+// The errors, measured by quadrature (tools/lab/fit_shading.py; tests/agreement, ShadingBounds), are at most 7 % from s
+// = 1, 4 % from 2, 2.8 % from 3, 1.8 % from 5, 0.85 % from 20, 0.27 % from 100, at every kappa. The error is largest at
+// kappa 2 to 5.
 
-// Constant in the fitted weight of the cosine-power shape: w = r^2 / (r^2 + MULTUM_SHAPE_BLEND (1 - |r|) / (1 - c_f)).
+// The constant in the fitted weight of the cosine-power shape: w = r^2 / (r^2 + MULTUM_SHAPE_BLEND (1 - |r|) / (1 -
+// c_f)).
 const float MULTUM_SHAPE_BLEND = 1.4;
 
-// Returns log(1 - e) to full relative precision. If t is rounded and close to 1, log(t) has an error of 6e-8, which s =
-// 1e5 would multiply. log(1 - e) = -2 atanh(y), y = e / (2 - e) = -2 (y + y^3/3 + y^5/5 + ...); at e = 0.1 the omitted
-// terms are 3e-9.
+// Returns log(1 - e) to full relative precision. If t is close to 1, its rounding gives log(t) an error of 6e-8, which
+// an exponent s of 1e5 would multiply. log(1 - e) = -2 atanh(y), y = e / (2 - e) = -2 (y + y^3/3 + y^5/5 + ...); at e =
+// 0.1 the omitted terms are 3e-9.
 float multum_log_one_minus(float e) {
   if (e > 0.1) return log(max(1.0 - e, 1e-30));
   float y = e / (2.0 - e);
@@ -30,7 +32,8 @@ float multum_blinn_phong(float s, float e) {
 // Blinn-Phong of exponent s convolved with the lobe, at the unit half vector h.
 //   c_f = (s + 1) / (s + 2);   1 - A = d + (1 - d) / (s + 2), d = 1 - |r|: a sum of small numbers without cancellation
 //   vMF shape:           kappa = A^-1(A)
-//   cosine-power shape:  s' = (2 A - 1) / (1 - A), for which (s' + 1) / (s' + 2) = A; for A < 1/2 there is none: 0
+//   cosine-power shape:  s' = (2 A - 1) / (1 - A), for which (s' + 1) / (s' + 2) = A; for A < 1/2 there is none, and s'
+//   = 0
 float multum_movmf_blinn_phong(vec4 lobe, vec3 h, float s) {
   if (lobe.w <= MULTUM_AMPLITUDE_MIN) return 0.0;
   float d = multum_movmf_spread(lobe);

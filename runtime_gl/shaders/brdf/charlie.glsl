@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Charlie, the sheen of cloth (Estevez and Kulla 2017, "Production Friendly Microfacet Sheen BRDF", as in
-// KHR_materials_sheen: alpha = roughness^2), for one normal and convolved with a vMF lobe (after movmf_shading.glsl). D
-// is brightest at right angles to n and 0 at n. A sum of vMFs around h cannot approximate a sharp D, and is not needed.
+// Computes Charlie, the sheen of cloth, for one normal and convolved with a vMF lobe (after movmf_shading.glsl).
+// Charlie is from Estevez and Kulla 2017, "Production Friendly Microfacet Sheen BRDF"; alpha = roughness^2, as in
+// KHR_materials_sheen. D is brightest at right angles to n and 0 at n. A sum of vMFs around h cannot approximate a
+// sharp D, but is not needed.
 //
-// V is 1 / (4 (n.l + n.v - n.l n.v)) of Ashikhmin and Premoze 2007. KHR_materials_sheen allows it instead of V of
-// Estevez and Kulla, and Filament and three.js use it, so artists see the same result here as in their engine.
+// V is 1 / (4 (n.l + n.v - n.l n.v)) of Ashikhmin and Premoze 2007. KHR_materials_sheen allows this V instead of the V
+// of Estevez and Kulla. Filament and three.js use it, so artists see the same result here as in their engine.
 
 // Returns (1 + p) / pi (1 - t^2)^p = (2 + 1 / alpha) sin^(1 / alpha) / (2 pi), with p = 1 / (2 alpha), t = n.h,
 // e = 1 - t.
@@ -12,7 +13,7 @@ float multum_charlie(float p, float e) {
   return e < 1.0 ? (1.0 + p) / MULTUM_PI * pow(max(e * (2.0 - e), 0.0), p) : 0.0;
 }
 
-// V, bounded even if both cosines are 0.
+// Returns V, which is bounded even if both cosines are 0.
 float multum_sheen_visibility(float n_l, float n_v) { return 0.25 / max(n_l + n_v - n_l * n_v, 1e-6); }
 
 // Returns the mean and variance of n.h over the lobe's normals, from t = mu.h and the lobe's kappa and spread d.
@@ -25,11 +26,11 @@ vec2 multum_lobe_projection(float d, float kappa, float t) {
 
 // Charlie convolved with the lobe at the unit half vector h, times the amplitude. Extended to both sides of the
 // horizon, D is an even function of n.h, (1 - t^2)^p, whose second zonal coefficient is -p / (2 p + 3) of its integral.
-// The lobe multiplies it by its own coefficient, 1 - w with w = 3 r / kappa; p' is the exponent of the shape with this
-// product. Only normals that face h count. n.h is normally distributed over the lobe and D is about exp(-p (n.h)^2), so
-// their share is Phi(x). Exact for a single normal and for uniform directions. In between, the relative L1 error over
-// the hemisphere of h is at most 9 %, at kappa 3, and 2 % from 40 on (roughness 0.05 to 1, kappa 0.5 to 2000;
-// tests/gl/charlie_test).
+// The convolution multiplies this coefficient by the lobe's own one, 1 - w with w = 3 r / kappa. p' is the exponent of
+// the shape that has this product. Only normals that face h count. n.h is approximately normally distributed over the
+// lobe and D is about exp(-p (n.h)^2), so the share of these normals is Phi(x). The result is exact for a single normal
+// and for uniform directions. In between, the relative L1 error over the hemisphere of h is at most 9 %, at kappa 3,
+// and at most 2 % from kappa 40 on (roughness 0.05 to 1, kappa 0.5 to 2000; tests/gl/charlie_test).
 float multum_movmf_charlie(vec4 lobe, vec3 h, float p) {
   if (lobe.w <= MULTUM_AMPLITUDE_MIN) return 0.0;
   float d = multum_movmf_spread(lobe), r = 1.0 - d;
@@ -45,8 +46,8 @@ float multum_movmf_charlie(vec4 lobe, vec3 h, float p) {
   return lobe.w * scale * pow(clamp(e * (2.0 - e), 1e-30, 1.0), wide) * share;
 }
 
-// Returns a value that replaces the facets' kappa in the highlight's cosine. D turns normals away from h; near the mean
-// n.h of the reflecting normals, a vMF of this negative kappa has the same effect.
+// Returns a value that replaces the facets' kappa in the highlight's cosine. The reflecting normals are far from h,
+// because D is low near h. Near their mean n.h, a vMF of this negative kappa has the same effect as D.
 float multum_movmf_charlie_facet_kappa(vec4 lobe, vec3 h, float p) {
   float d = multum_movmf_spread(lobe);
   float t = 1.0 - multum_one_minus_cosine(multum_movmf_mean_direction(lobe), h);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// GGX as in glTF 2.0 (appendix B; Walter et al. 2007) for one normal; alpha = roughness^2. Needs Schlick's term of
-// cook_torrance.glsl. ggx_lobe.glsl has GGX convolved with lobes.
+// Computes GGX for one normal as in glTF 2.0 (appendix B; Walter et al. 2007); alpha = roughness^2. Needs Schlick's
+// term of cook_torrance.glsl. ggx_lobe.glsl has GGX convolved with lobes.
 
 // D = alpha^2 / (pi (1 - t^2 (1 - alpha^2))^2), e = 1 - t. 1 - t^2 = e (2 - e) avoids cancellation near t = 1.
 float multum_ggx(float alpha, float e) {

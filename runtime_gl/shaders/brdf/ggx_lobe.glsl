@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// GGX convolved with a vMF lobe as one term, for any roughness, also from a texture (after movmf_shading.glsl and
-// ggx.glsl). host/formats/brdf/ggx_lobe.h has the formula and computes the table: 32 x 32 RGBA16F, linear filter,
+// Computes GGX convolved with a vMF lobe as one term, for any roughness, even from a texture (after movmf_shading.glsl
+// and ggx.glsl). host/formats/brdf/ggx_lobe.h has the formula and computes the table: 32 x 32 RGBA16F, linear filter,
 // clamped.
 //
 //     specular = multum_movmf_ggx_specular(ggx_lobe_table, lobe, l, v, h, alpha);
@@ -11,13 +11,13 @@
 // Over all roughnesses and lobes, its relative L1 error against the exact convolution, over the sphere of h, is at most
 // 4.5 % (tests/gl/ggx_lobe_test).
 
-// Returns P / pi, B, delta and -gamma. Coordinates address texel centres: 31 / 32, and 31 / 32 over sqrt(3).
+// Returns P / pi, B, delta and -gamma. The factors 31 / 32, and 31 / 32 over sqrt(3), map to texel centres.
 vec4 multum_ggx_lobe_shape(sampler2D table, float alpha, float d) {
   float s = sqrt(alpha * alpha + 2.0 * d);
   return textureLod(table, vec2(alpha / s, s) * vec2(0.96875, 0.5593080732) + 0.015625, 0.0);
 }
 
-// Returns about 1 / kappa of a lobe of spread d: precise enough for widths, and finite at d = 1.
+// Returns approximately 1 / kappa of a lobe of spread d. The value is precise enough for widths, and finite at d = 1.
 float multum_vmf_scatter(float d) { return d / (1.001 - d); }
 
 // Returns the density of facets whose P and B are divided by s^2.
@@ -36,8 +36,8 @@ float multum_ggx_lobe_density(vec4 shape, float alpha, float d, float e) {
 // Returns the concentration of GGX's facets about h at the lobe's reflecting normals. The highlight's cosine uses it as
 // the facets' kappa. GGX is a mixture of normal distributions, and 4 / (alpha^2 + x^2) is the mixture's mean precision
 // at distance x from its middle. x^2 is the squared distance of the normals' mean direction from h, plus the normals'
-// scatter about this direction. For rough facets it is smaller, because they end at the horizon. Does two steps from
-// the peak's value; e = 1 - mu.h.
+// scatter about this direction. For rough facets the scatter is smaller, because they end at the horizon. Starts from
+// the peak's value and iterates twice; e = 1 - mu.h.
 float multum_ggx_facet_kappa(float alpha, float kappa, float e) {
   float x = alpha * alpha;
   float facets = 2.0 / x;
@@ -74,15 +74,15 @@ vec4 multum_ggx_lobe_facets(sampler2D table, vec4 lobe, float alpha) {
 }
 
 // Returns the specular part of glTF's material convolved with the lobe, D V max(n . l, 0), without Fresnel's term
-// (multum_schlick), for a light of irradiance 1. l, v, h: unit, tangent space; alpha: roughness^2, above 0. `mu`, `d`:
-// the lobe's mean direction and spread.
+// (multum_schlick), for a light of irradiance 1. l, v and h are unit vectors in tangent space; alpha is roughness^2,
+// above 0. `mu` and `d` are the lobe's mean direction and spread.
 //
 // The normals that reflect from l to v are facets about h times the lobe about mu. Facets and lobe are treated as
-// Gaussians with the variances 0.6 alpha^2 + 0.1 e and 1 / kappa: the mean is `sum`, the spread is `both / |sum|`, and
-// q = y / (1 + y) replaces the spread of a vMF. The mean of max(n . l, 0) is (m + sqrt(m^2 + 0.15 q)) / 2, where m is
-// the mean normal's cosine. The constants are fitted to the whole highlight (tests/gl/ggx_lobe_test); Smith's V of two
-// means causes a larger error than these constants. A lobe without width gives the result for one normal. Cosines are
-// doubled until the end.
+// Gaussians with the variances 0.6 alpha^2 + 0.1 e and 1 / kappa. The mean of their product is `sum`, its spread y is
+// `both / |sum|`, and q = y / (1 + y) replaces the spread of a vMF. The mean of max(n . l, 0) is (m + sqrt(m^2 + 0.15
+// q)) / 2, where m is the mean normal's cosine. The constants are fitted to the whole highlight
+// (tests/gl/ggx_lobe_test); Smith's V of two means causes a larger error than these constants. A lobe without width
+// gives the result for one normal. The code computes with doubled cosines until the end.
 float multum_ggx_lobe_specular(vec4 facets, vec3 mu, float d, vec3 l, vec3 v, vec3 h, float alpha) {
   float x = alpha * alpha;
   float e = multum_one_minus_cosine(mu, h);

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Torrance-Sparrow for one normal and convolved with a vMF lobe (after common/movmf_shading.glsl). Han et al. 2007,
-// section 4.
+// Computes Torrance-Sparrow for one normal and convolved with a vMF lobe (after common/movmf_shading.glsl). Han et al.
+// 2007, section 4.
 
-// Torrance-Sparrow's facet distribution of roughness sigma (radians), convolved with the lobe. The distribution is
-// replaced by a vMF of kappa_f = 1 / (2 sigma^2): 1 - A = d + (1 - d) q_f, q_f = 1 - A(kappa_f) = 1/kappa_f - 2/(exp(2
-// kappa_f) - 1). This is for sigma <= 1 (kappa_f >= 1/2); larger values make no sense. Exact at |r| = 1; relative L1
-// error at most 3.5 % if lobe and BRDF are equally broad. The caller multiplies by Fresnel and shadowing.
+// Returns Torrance-Sparrow's facet distribution of roughness sigma (radians), convolved with the lobe. The distribution
+// is replaced by a vMF of kappa_f = 1 / (2 sigma^2): 1 - A = d + (1 - d) q_f, q_f = 1 - A(kappa_f) = 1/kappa_f -
+// 2/(exp(2 kappa_f) - 1). sigma must be at most 1 (kappa_f >= 1/2). The result is exact at |r| = 1. The relative L1
+// error is at most 3.5 %, where lobe and BRDF are equally broad. The caller multiplies by Fresnel and shadowing.
 float multum_movmf_torrance_sparrow(vec4 lobe, vec3 h, float sigma) {
   if (lobe.w <= MULTUM_AMPLITUDE_MIN) return 0.0;
   float kappa_f = 0.5 / (sigma * sigma);

@@ -20,7 +20,7 @@ float multum_lobe_points(float evaluations, float lobe_count) {
 }
 
 // Returns the columns and rows of a pixel's points; `count` is a power of two. The parts of the pixel are as square as
-// possible on the texture. `along_x`, `along_y`: lengths of the texture coordinates' derivatives, in texels.
+// possible on the texture. `along_x` and `along_y` are the lengths of the texture coordinates' derivatives, in texels.
 vec2 multum_point_grid(float count, float along_x, float along_y) {
   float ratio = max(along_x, along_y) / max(min(along_x, along_y), 1e-20);
   float octaves = ceil(0.5 * log2(count / (2.0 * ratio)) - 1e-3);

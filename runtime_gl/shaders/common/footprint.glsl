@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Chooses at random one of the finest texels that the texture's filter averages at a place; a texel's probability is
-// its weight in the filter. It chooses uniformly one of the footprint's taps, and a level by the fraction of the level
-// of detail. It chooses a texel of that level by the bilinear weights, and then uniformly one of the finest texels that
-// this texel covers. The mean of many draws is the result of filtering exact distributions: this reference differs from
-// a baked map only by the limits of the map's texels.
+// its weight in the filter. First it chooses uniformly one of the footprint's taps, and a level by the fraction of the
+// level of detail. Then it chooses a texel of that level by the bilinear weights, and uniformly one of the finest
+// texels that this texel covers. The mean of many draws is the result of filtering exact distributions. A baked map
+// differs from this reference only by the errors of its texels.
 uniform int u_wrap_s, u_wrap_t;  // 0 black, 1 clamp, 2 periodic, 3 mirror
 const ivec2 MULTUM_NO_TEXEL = ivec2(-1);
 
@@ -26,7 +26,7 @@ int multum_wrapped(int i, int size, int mode) {
   if (mode == 1) return clamp(i, 0, size - 1);
   if (mode == 0) return i >= 0 && i < size ? i : -1;
   int period = mode == 2 ? size : 2 * size;
-  // Uses only integers: 37.0 / 37.0 is less than 1 on a GPU that divides by multiplying (seen on NVIDIA 580).
+  // Uses only integers, because 37.0 / 37.0 is less than 1 on a GPU that divides by multiplying (seen on NVIDIA 580).
   i -= period * (i >= 0 ? i / period : -1 - (-1 - i) / period);
   return i < size ? i : period - 1 - i;
 }

@@ -1,20 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 // Shades one filtered planar Gaussian: Tan et al. 2005, section 3. Follows movmf_shading.glsl, whose constants it uses.
 // A texel holds, per lobe, (a mu_x, a mu_y, a (2 sigma^2 + |mu|^2), a): amplitude a, mean mu of (n_x, n_y), variance
-// sigma^2 of one coordinate. All four values are linear in the normals: let the hardware filter them.
+// sigma^2 of one coordinate. All four values are linear in the normals, so let the hardware filter them.
 //
-// In this model, facets also scatter as a Gaussian over (n_x, n_y), so variances add.
+// In this model, facets also scatter as a Gaussian over (n_x, n_y), so the variances are added.
 // kernels/device/gmm_shading.clh has the same formulas; tests/agreement compares both with double precision.
 
-const float MULTUM_GMM_VARIANCE_MIN = 1e-7;  // rounding of sigma^2 from floats near 1
+const float MULTUM_GMM_VARIANCE_MIN = 1e-7;  // rounding error of sigma^2, which comes from floats near 1
 
 vec2 multum_gmm_mean(vec4 lobe) { return lobe.xy / max(lobe.w, MULTUM_AMPLITUDE_MIN); }
 
 // Returns the point of the sphere above a point of the plane.
 vec3 multum_gmm_lifted(vec2 p) { return vec3(p, sqrt(max(1.0 - dot(p, p), 0.0))); }
 
-// Returns sigma^2 of the filtered lobe, never negative: T(a (2 sigma^2 + |mu|^2)) / T(a) - |T(a mu) / T(a)|^2 is 2
-// sigma^2.
+// Returns sigma^2 of the filtered lobe, which is never negative. 2 sigma^2 is T(a (2 sigma^2 + |mu|^2)) / T(a) - |T(a
+// mu) / T(a)|^2, where T is the texture filter.
 float multum_gmm_variance(vec4 lobe) {
   vec2 mean = multum_gmm_mean(lobe);
   return max(0.5 * (lobe.z - dot(mean, lobe.xy)) / max(lobe.w, MULTUM_AMPLITUDE_MIN), 0.0);
@@ -36,7 +36,7 @@ float multum_gmm_density(vec4 lobe, vec3 h, float s) {
   return lobe.w / (2.0 * MULTUM_PI * variance) * exp(-0.5 * dot(d, d) / variance) * max(h.z, 0.0);
 }
 
-// Returns Tan's Lambert term, max(mu . l, 0) with the mean lifted to the sphere, times the amplitude.
+// Returns Tan's Lambert term times the amplitude: max(mu . l, 0), where mu is the point of the sphere above the mean.
 float multum_gmm_lambert(vec4 lobe, vec3 l) {
   if (lobe.w <= MULTUM_AMPLITUDE_MIN) return 0.0;
   return lobe.w * max(dot(multum_gmm_lifted(multum_gmm_mean(lobe)), l), 0.0);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Shades filtered moments: Toksvig's rule (Toksvig 2005) with the mean normal, and LEAN (Olano and Baker 2010) with the
-// moments of slopes. Paste this file after movmf_shading.glsl and brdf/blinn_phong.glsl. The textures of a baked file
-// of moments (docs/reference/file_format.md, "Moments"), filtered by hardware:
+// moments of slopes. Paste this file after movmf_shading.glsl and brdf/blinn_phong.glsl. Hardware filters the textures
+// of a baked file of moments (docs/reference/file_format.md, "Moments"):
 //
 //     vec4 mean = texture(mean_map, uv);       // E[n], E[b_s b_t]
 //     vec4 slopes = texture(slope_map, uv);    // E[b_s], E[b_t], E[b_s^2], E[b_t^2]; b = -(n_x, n_y) / n_z
@@ -18,16 +18,17 @@ float multum_moments_toksvig(vec3 mean_normal, vec3 h, float s) {
   return multum_blinn_phong(gloss * s, multum_one_minus_cosine(mean_normal / size, h));
 }
 
-// Returns the density of slopes at the slope of h: a Gaussian with the slopes' covariance plus 1/s, the variance of
-// Blinn-Phong with exponent s. The Jacobian, dslope / dsolid angle = 1 / cos^3, makes it a density per solid angle, as
-// Blinn-Phong is. Variances that rounding made negative count as 0, and correlations above 1 count as 1.
+// Returns the density of slopes at the slope of h. The density is a Gaussian whose covariance is that of the slopes
+// plus 1/s, the variance of Blinn-Phong with exponent s. The Jacobian 1 / cos^3 of slopes by solid angle converts it to
+// a density per solid angle, like Blinn-Phong. Variances below 0 and correlations above 1, which come from rounding,
+// are set to these limits.
 float multum_moments_lean(vec4 slopes, float cross_moment, vec3 h, float s, bool with_jacobian) {
   if (h.z <= 1e-4) return 0.0;
   float base = 1.0 / s;
   vec2 variance = max(slopes.zw - slopes.xy * slopes.xy, vec2(0.0));
   float limit = sqrt(variance.x * variance.y);
   float covariance = clamp(cross_moment - slopes.x * slopes.y, -limit, limit);
-  // Determinant of Sigma + I/s. The determinant of Sigma, whose terms cancel, is only a part of it.
+  // The determinant of Sigma + I/s. The terms of det Sigma cancel, but det Sigma is only a part of the sum.
   float determinant = base * (base + variance.x + variance.y) +
                       max(variance.x * variance.y - covariance * covariance, 0.0);
   vec2 b = -h.xy / h.z - slopes.xy;

@@ -15,19 +15,20 @@
 //
 // Every function returns a * integral f(n . w) vMF(n) dn, the spherical convolution of the BRDF's one-angle factor f
 // with the lobe, times the amplitude. A lobe of amplitude 0 (no material, or a lobe that does not occur here) returns
-// 0. The highlight's own cosine max(n . l, 0) also depends on n: multum_movmf_highlight_cosine() is its mean over
+// 0. The highlight's own cosine max(n . l, 0) also depends on n. multum_movmf_highlight_cosine() returns its mean over
 // f(n . h) vMF(n). docs/contributing/ALGORITHMS.md, "The highlight's cosine", compares it with other methods.
 
 const float MULTUM_PI = 3.14159265358979;
-const float MULTUM_AMPLITUDE_MIN = 1e-6;  // smaller: no lobe; 1/32767, the least stored amplitude, is 30 times this
+const float MULTUM_AMPLITUDE_MIN = 1e-6;  // smaller counts as 0; 1/32767, the least stored amplitude, is 30
+                                          // times this
 
-// Returns 1 - |r|, the lobe's spread: 0 = one direction, 1 = all directions. Computed as (a - |a r|) / a; rounding of
-// stored values can make |r| slightly larger than 1, which means 1.
+// Returns 1 - |r|, the lobe's spread: 0 for one direction, 1 for all directions. It is computed as (a - |a r|) / a.
+// Rounding of stored values can make |r| slightly larger than 1, which counts as 1.
 float multum_movmf_spread(vec4 lobe) {
   return max(lobe.w - length(lobe.xyz), 0.0) / max(lobe.w, MULTUM_AMPLITUDE_MIN);
 }
 
-// Returns the mean direction mu, or any unit vector for r = 0, where nothing depends on it.
+// Returns the mean direction mu. For r = 0 it may be any unit vector, because nothing depends on it.
 vec3 multum_movmf_mean_direction(vec4 lobe) {
   float size = length(lobe.xyz);
   return size > 1e-12 ? lobe.xyz / size : vec3(0.0, 0.0, 1.0);
@@ -40,8 +41,8 @@ float multum_one_minus_cosine(vec3 mu, vec3 w) {
 }
 
 // Returns kappa for q = 1 - A, where A = coth kappa - 1/kappa is the mean cosine of a vMF. Uses Banerjee's formula
-// kappa = A (3 - A^2) / (1 - A^2), with its factor 3 - A^2 refined by a polynomial that keeps both ends exact. Relative
-// error at most 2.3e-4, no branch, no iteration. 1 - A^2 = q (2 - q).
+// kappa = A (3 - A^2) / (1 - A^2), with its factor 3 - A^2 refined by a polynomial that keeps both ends exact. The
+// relative error is at most 2.3e-4, without branches or iterations. 1 - A^2 = q (2 - q).
 float multum_vmf_kappa(float q) {
   float mean_cosine = 1.0 - q;
   float x = mean_cosine * mean_cosine;
@@ -56,7 +57,8 @@ float multum_vmf_density(float kappa, float e) {
   return scale / (2.0 * MULTUM_PI) * exp(-kappa * e);
 }
 
-// Returns 1 - A(kappa) = 1/kappa - 2 / (exp(2 kappa) - 1), or the first terms of its series where that cancels.
+// Returns 1 - A(kappa) = 1/kappa - 2 / (exp(2 kappa) - 1), or the first terms of its series where this difference loses
+// precision.
 float multum_vmf_spread(float kappa) {
   if (kappa < 0.1) return 1.0 - kappa * (1.0 / 3.0 - kappa * kappa / 45.0);
   return 1.0 / kappa - 2.0 / (exp(min(2.0 * kappa, 80.0)) - 1.0);
@@ -71,8 +73,9 @@ vec4 multum_movmf_without_roughness(vec4 lobe, float mean_cosine) {
 
 // Returns the mean of max(n . l, 0) over a vMF of spread d = 1 - |r|, where t is the cosine between its mean direction
 // and l. With m = |r| t: E max(x, 0) = (m + E|x|) / 2, x = n . l. E|x| is modelled as sqrt(m^2 + v exp(-g)), the shape
-// of the mean of a folded normal distribution: v = (E|x|)^2 at t = 0, g = polynomial in m^2 / v. Relative L1 error over
-// the sphere of l at most 0.22 % (spherical harmonics to l = 2: 2-3 %). Exact: max(t, 0) at |r| = 1, and 1/4 at r = 0.
+// of the mean of a folded normal distribution, where v = (E|x|)^2 at t = 0 and g is a polynomial in m^2 / v. The
+// relative L1 error over the sphere of l is at most 0.22 % (spherical harmonics to l = 2 have 2-3 %). The result is
+// exact at |r| = 1, max(t, 0), and at r = 0, 1/4.
 float multum_vmf_mean_cosine(float d, float t) {
   float r = 1.0 - d;
   float m = r * t;
@@ -89,13 +92,15 @@ float multum_movmf_lambert(vec4 lobe, vec3 l) {
 }
 
 // Returns the normals of the lobe that reflect from l to the eye. Their distribution is f(n . h) vMF(n). If f is a vMF
-// about h of concentration facet_kappa, their distribution is also a vMF. Its mean vector is facet_kappa h + kappa mu,
-// and the length of this vector is its concentration. xyz: mean direction; w: spread.
+// about h of concentration facet_kappa, their distribution is also a vMF. The mean vector of this vMF is facet_kappa h
+// + kappa mu, and the length of this vector is its concentration. Returns the mean direction in xyz and the spread in
+// w.
 vec4 multum_movmf_reflecting_normals(vec4 lobe, vec3 h, float facet_kappa) {
   float d = multum_movmf_spread(lobe);
   vec3 sum = facet_kappa * h + multum_vmf_kappa(d) * multum_movmf_mean_direction(lobe);
   float size = length(sum);
-  return vec4(sum / max(size, 1e-6), d > 0.0 ? multum_vmf_spread(size) : 0.0);  // one direction: that normal
+  return vec4(sum / max(size, 1e-6), d > 0.0 ? multum_vmf_spread(size) : 0.0);  // a lobe of one direction reflects with
+                                                                                // that normal
 }
 
 // Returns the highlight's cosine: the mean of max(n . l, 0) over those normals. Multiplied by f convolved with the
@@ -107,10 +112,10 @@ float multum_movmf_highlight_cosine(vec4 lobe, vec3 h, vec3 l, float facet_kappa
   return multum_vmf_mean_cosine(normals.w, dot(normals.xyz, l));
 }
 
-// Returns a normal drawn from the lobe's vMF; `xi` is uniform in the unit square. This is for renderers that keep one
-// normal per pixel, such as deferred renderers: choose a lobe with its amplitude as probability, draw the normal here,
-// and shade it with the material's own roughness. The mean over frames is the sum over lobes. 1 - cosine by inversion
-// (Ulrich 1984), tangents by Duff et al. 2017.
+// Returns a normal drawn from the lobe's vMF; `xi` is uniform in the unit square. The function is for renderers that
+// keep one normal per pixel, such as deferred renderers. Choose a lobe with its amplitude as probability, draw the
+// normal here, and shade it with the material's own roughness. The mean over frames is the sum over lobes. 1 - cosine
+// by inversion (Ulrich 1984), tangents by Duff et al. 2017.
 vec3 multum_movmf_drawn_normal(vec4 lobe, vec2 xi) {
   vec3 mu = multum_movmf_mean_direction(lobe);
   float kappa = max(multum_vmf_kappa(multum_movmf_spread(lobe)), 1e-3);
@@ -127,10 +132,11 @@ vec3 multum_movmf_drawn_normal(vec4 lobe, vec2 xi) {
 
 // Returns the mean of a normal map's normals for a pixel that is smaller than a texel, or slightly larger. Between
 // texels, the filter's mean is as short as if the pixel covered all four texels. If normals turn by g per texel, the
-// mean loses g^2 / 6 on average. A pixel of w texels sees a variance of g^2 w^2 / 12, which is w^2 / 2 of this loss,
-// and the whole loss from w^2 = 2 on, where coarser levels take over. `map_lod` is log2 w, where w is the pixel's
-// longer side. `lobe` is (a r, a); a is less than 1 only at a black border. Not for files with roughness in their lobes
-// (multum:roughness), because their lengths also contain the BRDF's width.
+// length of the mean falls by g^2 / 6 on average. A pixel of w texels sees a variance of g^2 w^2 / 12, which is w^2 / 2
+// of this loss. From w^2 = 2 on, where coarser levels take over, it sees the whole loss. `map_lod` is log2 w, where w
+// is the pixel's longer side. `lobe` is (a r, a); a is less than 1 only at a black border. Do not use this function for
+// files with roughness in their lobes (multum:roughness), because the lengths of these lobes also contain the BRDF's
+// width.
 vec4 multum_movmf_magnified(vec4 lobe, float map_lod) {
   float size = length(lobe.xyz);
   if (size <= MULTUM_AMPLITUDE_MIN) return lobe;
@@ -139,9 +145,9 @@ vec4 multum_movmf_magnified(vec4 lobe, float map_lod) {
 }
 
 // Returns the share of the normal map, which is one more lobe in files whose finest stored level L = multum:firstLevel
-// is not 0. The lobe maps begin at L; the levels finer than L come from the normal map. Its mips must be averages of
-// unit vectors that keep their length (a float or snorm texture with x, y and z, or an unsigned one decoded after
-// filtering). That length is the lobe's spread, as in Toksvig's rule, and at level 0 it is 1.
+// is not 0. The lobe maps begin at L; the levels finer than L come from the normal map. The mips of the normal map must
+// be averages of unit vectors that keep their length (a float or snorm texture with x, y and z, or an unsigned one
+// decoded after filtering). That length is the lobe's spread, as in Toksvig's rule, and at level 0 it is 1.
 //
 //     float lod = textureQueryLod(lobe_map[0], uv).y;               // ES 300: EXT_texture_query_lod or derivatives
 //     float share = multum_normal_map_share(lod);

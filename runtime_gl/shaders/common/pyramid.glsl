@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pyramidal parametrics (Williams 1983): the choice of the level, and the place of a normal in a reflectance map.
-// host/formats/asset/pyramid/pyramid_sample.h and reflectance_mapping.h contain the same computations in double
-// precision.
+// Computes two parts of pyramidal parametrics (Williams 1983): the choice of the level, and the place of a normal in a
+// reflectance map. host/formats/asset/pyramid/pyramid_sample.h and reflectance_mapping.h contain the same computations
+// in double precision.
 
 // Section 3, after Heckbert: returns the level from the growth of coordinates, in texels of level 0, along a row and a
-// column of pixels. Uses the longer of the two lengths, as GL does (OpenGL 4.5, section 8.14.1); drivers may
+// column of pixels. Uses the longer of the two lengths, as GL does (OpenGL 4.5, section 8.14.1). Drivers are allowed to
 // approximate the level, and do so.
 float multum_mip_level(vec2 along_x, vec2 along_y) {
   return 0.5 * log2(max(max(dot(along_x, along_x), dot(along_y, along_y)), 1e-30));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Interface between the parts of a scene's fragment shader. Texts are joined in this order:
+// Defines the interface between the parts of a scene's fragment shader. Texts are joined in this order:
 //
 //   common/movmf_shading.glsl, common/texture_filter.glsl, this file, one of brdf/, light/environment*.glsl if there is
 //   an environment, one of surface/, light/lights.glsl, scene.frag
@@ -44,7 +44,7 @@ uniform vec3 u_zonal[MULTUM_ZONAL_ORDER + 1];
 #endif
 
 #ifdef MULTUM_ROUGHNESS
-uniform float u_mean_cosine;  // mean cosine of the roughness in the normals' lengths; not for diffuse light
+uniform float u_mean_cosine;  // mean cosine of the roughness in the normals' lengths; diffuse light does not use it
 #endif
 
 #ifdef MULTUM_REFERENCE
@@ -60,15 +60,15 @@ struct MultumReflection {
   vec3 specular;
 };
 
-// Returns the half vector, or 0 for a light straight behind the surface point, where none exists; every highlight is
-// finite at 0.
+// Returns the half vector. For a light straight behind the surface point, no half vector exists and the result is 0;
+// every highlight is finite at 0.
 vec3 multum_half_vector(vec3 l, vec3 v) {
   vec3 sum = l + v;
   return sum / max(length(sum), 1e-6);
 }
 
-// Returns tangent, bitangent, normal. A tangent along the normal, or a missing one (meshes have such tangents where
-// their coordinates do not change), is replaced by any vector at right angles.
+// Returns tangent, bitangent, normal. A missing tangent, or one along the normal, is replaced by any vector at right
+// angles. Meshes have such tangents where their texture coordinates do not change.
 mat3 multum_tangent_frame(vec3 normal, vec4 tangent) {
   vec3 n = normalize(normal);
   vec3 t = tangent.xyz - n * dot(n, tangent.xyz);

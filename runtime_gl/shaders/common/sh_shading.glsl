@@ -8,11 +8,11 @@
 //     MULTUM_SH_STEPS    vec2[](...), the recurrence's constants: for each m from 0 first (p_mm, 0), then (a_lm, b_lm)
 //                        of l = m + 1 to the order (host/formats/asset/averages/spherical_harmonics.h, sh_recurrence())
 //
-// and multiplies the bands by the zonal coefficients of its BRDF, a_l = 2 pi integral f(t) P_l(t) dt: any BRDF of one
-// angle, at run time. The result is cut off above the order. For a sharp highlight the cut-off causes a blur with
-// rings, whose negative parts are clamped. No window is applied to the coefficients: every window that was tried has a
-// higher error wherever the order is sufficient (docs/contributing/ALGORITHMS.md, "Spherical harmonics", has the
-// figures).
+// and multiplies the bands by the zonal coefficients of its BRDF, a_l = 2 pi integral f(t) P_l(t) dt. Any BRDF of one
+// angle can be used, at run time. The result is cut off above the order. For a sharp highlight the cut-off causes a
+// blur with rings, whose negative parts are clamped. No window is applied to the coefficients: every window that was
+// tried has a higher error wherever the order is sufficient (docs/contributing/ALGORITHMS.md, "Spherical harmonics",
+// has the figures).
 //
 // kernels/device/spherical_harmonics.clh has the same formulas; tests/agreement compares both with double precision.
 

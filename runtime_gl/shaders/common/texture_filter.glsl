@@ -13,11 +13,10 @@
 // With one tap this is the trilinear filter of OpenGL 4.5, section 8.14. The extension's example differs in two ways.
 // It uses the level of longer / N. For ratios just above a whole number, this level is up to an octave finer than the
 // shorter length, and the picture sparkles across it. And its taps are 1 / (N + 1) apart. A trilinear lookup reaches
-// twice the width of its level's texel, so neighbouring taps overlap, and a finer level is enough along the axis. Of 0,
-// 0.5, 0.75 and 1 octave, 0.75 had the lowest error against references of six real maps (2 taps, bias -0.25: 8.5 %; the
-// error of the example is 9.9 %). u_level_bias < 0 sharpens: at -0.79 one tap on a square
-// footprint has the variance of the pixel's own box (docs/evidence/WILLIAMS.md, "The
-// factor").
+// twice the texel width of its level, so neighbouring taps overlap, and a finer level is enough along the axis. Offsets
+// of 0, 0.5, 0.75 and 1 octave were tried; 0.75 had the lowest error against references of six real maps (2 taps, bias
+// -0.25: 8.5 %, compared with 9.9 % for the example). u_level_bias < 0 sharpens: at -0.79, one tap on a square
+// footprint has the variance of the pixel's own box (docs/evidence/WILLIAMS.md, "The factor").
 //
 // With MULTUM_DRIVER_FILTER the driver's sampler does all of this instead.
 #ifndef MULTUM_TAPS
@@ -39,8 +38,8 @@ vec2 multum_first_tap(vec2 st, MultumFootprint footprint) {
   return st - 0.5 * float(footprint.tap_count - 1) * footprint.tap_step;
 }
 
-// `along_x`, `along_y`: derivatives of st along a row and a column of pixels, in texels of level 0. `size`: the size of
-// level 0.
+// `along_x` and `along_y` are the derivatives of st along a row and a column of pixels, in texels of level 0. `size` is
+// the size of level 0.
 MultumFootprint multum_footprint_of(vec2 along_x, vec2 along_y, vec2 size) {
   float length_x = length(along_x), length_y = length(along_y);
   float longer = max(length_x, length_y), shorter = min(length_x, length_y);
@@ -76,7 +75,7 @@ vec2 multum_part = vec2(1.0);  // share of the pixel's width and height that one
 const vec2 multum_part = vec2(1.0);
 #endif
 
-// Takes derivatives: call it only where every fragment does.
+// This function takes derivatives, so call it only where every fragment does.
 MultumFootprint multum_footprint(sampler2D map, vec2 st) {
   vec2 size = vec2(textureSize(map, 0));
   return multum_footprint_of(multum_part.x * dFdx(st) * size, multum_part.y * dFdy(st) * size, size);

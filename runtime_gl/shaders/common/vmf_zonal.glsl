@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Zonal coefficients of a vMF: a_l = integral over the sphere of its density times P_l. The vMF multiplies the
-// harmonics of order l by a_l (after movmf_shading.glsl).
+// Computes the zonal coefficients of a vMF: a_l is the integral over the sphere of its density times P_l. Convolution
+// with the vMF multiplies the harmonics of order l by a_l (after movmf_shading.glsl).
 #ifndef MULTUM_VMF_ZONAL_ORDER
 #define MULTUM_VMF_ZONAL_ORDER 8
 #endif
 
-// Returns a_2 = 1 - 3 |r| / kappa, or 3/5 r^2 near r = 0, where that cancels.
+// Returns a_2 = 1 - 3 |r| / kappa, or 3/5 r^2 near r = 0, where this difference loses precision.
 float multum_vmf_second_zonal(float r, float kappa) { return r > 0.1 ? 1.0 - 3.0 * r / kappa : 0.6 * r * r; }
 
 // Computes a_l = a_(l-1) R_l, R_l = 1 / ((2 l + 1) / kappa + R_(l+1)), downwards from the asymptotic quotient twelve

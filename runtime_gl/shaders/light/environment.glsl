@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Light of an environment on a lobe of normals (a r, a): diffuse by the environment's harmonics up to l = 2
-// (Ramamoorthi
-// and Hanrahan 2001; Han et al. 2007, eq. 25), the highlight by environment_sh.glsl or environment_levels.glsl.
-// Reflection tables (host/formats/light/reflection_table.h): one plane of (weight, plain) per term, then one of the
-// Fresnel part; all in one texture.
+// Computes the light of an environment on a lobe of normals (a r, a). Diffuse light uses the environment's harmonics up
+// to l = 2 (Ramamoorthi and Hanrahan 2001; Han et al. 2007, eq. 25). The highlight is in environment_sh.glsl or
+// environment_levels.glsl. One texture holds all reflection tables (host/formats/light/reflection_table.h): one plane
+// of (weight, plain) per term, then one of the Fresnel part.
 #define MULTUM_TABLE_COSINES 32.0
 #define MULTUM_TABLE_SPREADS 24.0
 uniform vec3 u_smooth_mean;               // L(n) = mean + linear . n + n . quadratic n
-uniform vec3 u_smooth_linear[3];          // a channel each
+uniform vec3 u_smooth_linear[3];          // one vector per channel
 uniform vec3 u_smooth_quadratic[9];       // three rows per channel
 uniform sampler2D u_reflection_table;
 

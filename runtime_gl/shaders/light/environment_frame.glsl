@@ -10,7 +10,7 @@ void multum_set_environment_frame(mat3 to_world) {
       transpose(mat3(u_environment_axes[0], u_environment_axes[1], u_environment_axes[2])) * to_world;
 }
 
-// `d`: in the environment's frame. Straight up and down, where atan(0, 0) is undefined, any s is correct.
+// `d` is in the environment's frame. Straight up and down, where atan(0, 0) is undefined, any s is correct.
 vec2 multum_environment_st(vec3 d) {
   float ahead = d.x == 0.0 && d.z == 0.0 ? 1.0 : -d.z;
   return vec2(0.5 + atan(d.x, ahead) / (2.0 * MULTUM_PI), acos(clamp(d.y, -1.0, 1.0)) / MULTUM_PI);

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Computes the highlight of a lobe under an environment from mips of the environment, each convolved with a vMF
-// (host/formats/light/prefiltered_levels.h). A term of the facets convolved with the lobe has kappa =
-// A^-1(|r| A(lambda)) around mu. Its half vectors are split into 3 x 3 narrower lobes. Narrower lobes follow light that
-// is compressed or stretched at grazing angles, and light below the horizon. Each lobe reflects to its own direction
-// with dl = 4 (v.h) dh. Each lobe reads the two levels next to its spread, mixed so that they give its mean cosine. The
-// reflection table gives the total amount of light. Using one lobe instead of nine raises the error from 6.6 % to 9.3 %
-// under blender_city (docs/contributing/ALGORITHMS.md, "Environments"). Narrow lobes are not split, because the levels
-// cannot resolve the parts.
+// (host/formats/light/prefiltered_levels.h). A term of the facets convolved with the lobe has kappa = A^-1(|r|
+// A(lambda)) around mu. The half vectors of a term are split into 3 x 3 narrower lobes. Such narrow parts can represent
+// light that is compressed or stretched at grazing angles, and light that is cut off at the horizon. Each lobe reflects
+// to its own direction with dl = 4 (v.h) dh. Each lobe reads the two levels next to its spread, mixed so that they give
+// its mean cosine. The reflection table gives the total amount of light. Using one lobe instead of nine raises the
+// error from 6.6 % to 9.3 % under blender_city (docs/contributing/ALGORITHMS.md, "Environments"). Narrow lobes are not
+// split, because the levels cannot resolve the parts.
 #define MULTUM_LEVELS_MAX 12
 #define MULTUM_PART_SHARE 0.4  // share of the variance that each part keeps; the rest is between the parts
 uniform float u_level_spreads[MULTUM_LEVELS_MAX];
@@ -20,9 +20,11 @@ float multum_environment_level(float spread) {
   return float(k) + clamp((spread - low) / (u_level_spreads[k + 1] - low), 0.0, 1.0);
 }
 
-// Returns the mean of the light over one term's half vectors; `along` and `across` span the plane of v and mu.
+// Returns the mean of the light over one term's half vectors. `along` and `across` are the tangents at mu along which
+// the parts are shifted.
 vec3 multum_term_light(vec3 mu, float d, float q, vec3 v, vec3 along, vec3 across) {
-  float variance = 1.0 / max(multum_vmf_kappa(d + (1.0 - d) * q), 0.1);  // without a direction: the widest parts
+  float variance = 1.0 / max(multum_vmf_kappa(d + (1.0 - d) * q), 0.1);  // a lobe without a direction has the widest
+                                                                         // parts
   float share = clamp(0.5 * u_level_spreads[1] / variance, MULTUM_PART_SHARE, 1.0);
   float offset = sqrt(2.0 * (1.0 - share) * variance);  // weights 1/4, 1/2, 1/4 along each axis
   vec3 light = vec3(0.0);
@@ -34,7 +36,7 @@ vec3 multum_term_light(vec3 mu, float d, float q, vec3 v, vec3 along, vec3 acros
     float v_h = dot(v, h);
     if (v_h <= 0.0) continue;
     vec3 l = 2.0 * v_h * h - v;
-    // The normals that reflect there are between mu and h, closer to the sharper of the two.
+    // The normals that reflect in this direction are between mu and h, closer to the sharper of the two.
     float n_l = max(dot(normalize(d * h + q * mu), l), 0.0);
     float weight = (2.0 - abs(p.x)) * (2.0 - abs(p.y)) * v_h * n_l;
     float level = multum_environment_level(min(4.0 * v_h * share * variance, 1.0));

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Computes the light of an environment on one normal by brute force. Takes MULTUM_ENVIRONMENT_SAMPLES directions where
 // the environment is bright (host/formats/light/light_samples.h) and as many cosine-weighted ones for the diffuse part.
-// For the highlight it takes as many half vectors of a GGX that is as wide as the facets; no other density here has a
-// longer tail. A direction that two of these densities could have produced is weighted by the sum of both densities
-// (Veach and Guibas 1995, the balance heuristic). Uses a low-discrepancy sequence, shifted by a hash of the pixel;
-// `u_sample` counts pictures. The map is constant over a texel.
+// For the highlight it takes as many half vectors of a GGX that is as wide as the facets, because GGX has the longest
+// tail of all facet distributions here. If two of these densities could have produced a direction, its weight uses the
+// sum of both densities (Veach and Guibas 1995, the balance heuristic). Uses a low-discrepancy sequence, shifted by a
+// hash of the pixel; `u_sample` counts pictures. The map is constant over a texel.
 uniform vec3 u_light_samples[MULTUM_ENVIRONMENT_SAMPLES];  // directions in the environment's frame
 uniform float u_light_total;                               // the integral of the luminance
 
@@ -27,7 +27,8 @@ vec3 multum_direction(mat3 frame, float cosine, float phi) {
   return frame * vec3(sine * cos(phi), sine * sin(phi), cosine);
 }
 
-// Return the density of a cosine-weighted direction, and of one found by a half vector of GGX; `alpha` is squared.
+// Return the densities of a cosine-weighted direction and of a direction found by a half vector of GGX. `alpha` is the
+// roughness squared.
 float multum_cosine_density(float n_l) { return n_l / MULTUM_PI; }
 
 float multum_half_density(float alpha, float n_h, float v_h) {
@@ -58,7 +59,7 @@ vec3 multum_specular_integrand(vec3 radiance, vec3 n, float n_l, vec3 v, vec3 h)
 }
 #endif
 
-// `kind`: 0 adds to both, 1 to the diffuse part, 2 to the highlight.
+// `kind` 0 adds to both parts, 1 to the diffuse part, 2 to the highlight.
 void multum_add_direction(int kind, vec3 l, vec3 n, vec3 v, float alpha, inout MultumReflection sum) {
   float n_l = dot(n, l);
   if (n_l <= 0.0) return;

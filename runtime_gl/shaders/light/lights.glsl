@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lights of a scene, in the numbers given by MULTUM_DIRECTIONAL_LIGHTS and MULTUM_POINT_LIGHTS.
+// Defines the lights of a scene. MULTUM_DIRECTIONAL_LIGHTS and MULTUM_POINT_LIGHTS give their numbers.
 uniform vec3 u_diffuse;   // k_d
 uniform vec3 u_specular;  // k_s
 #ifdef MULTUM_DIRECTIONAL_LIGHTS
@@ -33,7 +33,7 @@ vec3 multum_radiance(MultumSurface surface, vec3 l, vec3 v) {
   return multum_outgoing(reflection);
 }
 
-// `to_world`: tangent, bitangent, normal; l in tangent space is l_world * to_world.
+// `to_world` has the columns tangent, bitangent and normal. l in tangent space is l_world * to_world.
 vec3 multum_lights(MultumSurface surface, mat3 to_world, vec3 position, vec3 v) {
   vec3 radiance = vec3(0.0);
 #ifdef MULTUM_DIRECTIONAL_LIGHTS

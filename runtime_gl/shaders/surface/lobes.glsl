@@ -1,17 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lobes of a texel, trilinear: the textures and MultumSurface of movmf.glsl and gmm.glsl, which follow this file.
-// MULTUM_COLOURS: lobes have colours. MULTUM_MEAN_COLOURS: all lobes share the colour of a separate texture.
-// MULTUM_NORMAL_MAP: levels finer than those of the lobes come from the normal map, as one more lobe (a r, a) of a mean
-// normal; MULTUM_ALBEDO_MAP: this lobe has its own colours. MULTUM_BASIS k: everything is multiplied by weight k of the
-// lobes.
-// MULTUM_DRAWN_LOBE: a single normal, drawn at random from the lobes by amplitude for each of u_sample frames. The
-// random numbers come from blue_noise.glsl or, with MULTUM_HASHED, from footprint.glsl, whose numbers are white noise
-// over the picture. MULTUM_SHADE_FIRST: the lobes of all eight texels, each with its weight, so that shading precedes
-// filtering. Lobes that are not aligned need this; taps are then also shaded one by one. MULTUM_MAGNIFIED: between
-// texels of level 0, shows the surface of an interpolated normal map, not the texels' light. MULTUM_WHOLE: amplitudes
-// of a texel sum to 1, except for storage errors, and are rescaled to 1. MULTUM_LOBE_LAYERS n: lobes have the format of
-// multum export --lobes, 1 or 2 layers of an array per lobe, whose four channels are converted to (a r, a)
-// (docs/reference/lobe_textures.md, "Lobes for GPUs").
+// Fetches lobes by trilinear filtering. Contains the textures and MultumSurface of movmf.glsl and gmm.glsl, which
+// follow this file. MULTUM_COLOURS: lobes have colours. MULTUM_MEAN_COLOURS: all lobes share the colour of a separate
+// texture. MULTUM_NORMAL_MAP: levels finer than those of the lobes come from the normal map, as one more lobe (a r, a)
+// of a mean normal; MULTUM_ALBEDO_MAP: this lobe has its own colours. MULTUM_BASIS k: everything is multiplied by
+// weight k of the lobes. MULTUM_DRAWN_LOBE: a single normal, drawn at random from the lobes by amplitude for each of
+// u_sample frames. The random numbers come from blue_noise.glsl or, with MULTUM_HASHED, from footprint.glsl, whose
+// numbers are white noise over the picture. MULTUM_SHADE_FIRST: the lobes of all eight texels, each with its weight, so
+// that shading precedes filtering. Lobes that are not aligned need this; taps are then also shaded one by one.
+// MULTUM_MAGNIFIED: between texels of level 0, shows the surface of an interpolated normal map instead of interpolating
+// the texels' light. MULTUM_WHOLE: amplitudes of a texel sum to 1, except for storage errors, and are rescaled to 1.
+// MULTUM_LOBE_LAYERS n: lobes have the format of multum export --lobes, 1 or 2 layers of an array per lobe, whose four
+// channels are converted to (a r, a) (docs/reference/lobe_textures.md, "Lobes for GPUs").
 #ifdef MULTUM_LOBE_LAYERS
 #define MULTUM_FIRST_LOBES u_lobe_layers
 uniform sampler2DArray u_lobe_layers;
@@ -79,8 +78,8 @@ struct MultumSurface {
 #endif
 
 #if MULTUM_PART_COUNT > 1
-// Returns the two of the first `count` parts whose sum is least shorter than their lengths together: the most similar
-// or the faintest parts.
+// Returns the two of the first `count` parts that lose the least length when they are added: the most similar or the
+// faintest parts.
 ivec2 multum_alike_parts(vec4 lobes[MULTUM_PART_COUNT], int count) {
   ivec2 alike = ivec2(0, 1);
   float least = 1e30;
@@ -131,7 +130,7 @@ uniform sampler2D u_blue_noise;
 vec3 multum_numbers_drawn() { return multum_blue_noise(u_blue_noise, gl_FragCoord.xy, float(u_sample)); }
 #endif
 
-// Gives all amplitude to one normal, a lobe of no width.
+// Gives all amplitude to one normal, which is a lobe without width.
 void multum_draw_lobe(inout MultumSurface surface) {
   float total = 0.0;
   {
@@ -248,7 +247,7 @@ MultumSurface multum_fetch_surface(vec2 st, MultumFootprint footprint) {
     mean_colour += colour;
 #endif
 #ifdef MULTUM_BASIS
-    // Shading is linear in (a r, a): weights are amplitudes.
+    // Shading is linear in (a r, a), so weights act as amplitudes.
     float weight = multum_filtered(u_weights[j], st, footprint)[MULTUM_BASIS];
     mean_weight += weight;
     lobe *= weight / max(lobe.w, MULTUM_AMPLITUDE_MIN);

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A mixture of MULTUM_LOBE_COUNT vMF lobes, fetched by lobes.glsl. MULTUM_ROUGHNESS: the lobes include the BRDF's
-// width.
-// MULTUM_PAPER: max(mu . l, 0) of Han's Algorithm 2 for diffuse and specular light.
+// Shades a mixture of MULTUM_LOBE_COUNT vMF lobes, which lobes.glsl fetches. MULTUM_ROUGHNESS: the lobes include the
+// BRDF's width. MULTUM_PAPER: max(mu . l, 0) of Han's Algorithm 2 for diffuse and specular light.
 
 #ifdef MULTUM_EVALUATIONS
 #define MULTUM_LOBES_ADD_UP
@@ -48,8 +47,8 @@ float multum_spread_of_all(MultumSurface surface) {
 #endif
 
 #ifdef MULTUM_VISIBILITY
-// Returns V of the mean cosines over the lobe's normals that reflect from l to v. These normals are near h. Their mean,
-// which gives n.h, is between h and the lobe's mean, closer to the sharper of the two.
+// Returns V of the mean cosines over the lobe's normals that reflect from l to v. These normals are near h. The mean of
+// the normals, which gives n.h, is between h and the lobe's mean, closer to the sharper of the two.
 float multum_lobe_visibility(vec4 lobe, vec3 l, vec3 v, vec3 h) {
   vec3 facets = multum_lobe_facets(lobe, h);
   float total = max(facets.x + facets.y + facets.z, 1e-20);
@@ -57,7 +56,7 @@ float multum_lobe_visibility(vec4 lobe, vec3 l, vec3 v, vec3 h) {
   float n_v = clamp(dot(multum_lobe_highlight(lobe, h, v), vec3(1.0)) / total, 0.0, 1.0);
   vec3 n = multum_movmf_spread(lobe) * h + multum_movmf_mean_direction(lobe) / u_exponent;
   float size = length(n);
-  float n_h = size > 1e-6 ? max(dot(n, h), 0.0) / size : 0.0;  // 0 where both are opposite and cancel
+  float n_h = size > 1e-6 ? max(dot(n, h), 0.0) / size : 0.0;  // 0 where both are opposite and cancel each other
   return multum_visibility(n_l, n_v, n_h, dot(v, h));
 }
 #endif

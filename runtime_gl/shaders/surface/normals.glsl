@@ -3,15 +3,16 @@
 //   MULTUM_REFERENCE  the finest map's nearest texel    MULTUM_TOKSVIG  |averaged normal| -> gloss (Toksvig 2004)
 //   MULTUM_MIP        averaged normal, normalised       MULTUM_LEAN     slope moments (Olano and Baker 2010):
 //                                                       density of slopes; MULTUM_JACOBIAN: / cos^3, normalised
-// REFERENCE has variants that replace the nearest texel: MULTUM_DRAWN_TEXEL chooses one of the four surrounding texels
-// at random, MULTUM_FOOTPRINT chooses one of the texels that the texture's filter averages, and MULTUM_INTERPOLATED
+// REFERENCE has variants that replace the nearest texel. MULTUM_DRAWN_TEXEL chooses one of the four surrounding texels
+// at random. MULTUM_FOOTPRINT chooses one of the texels that the texture's filter averages. MULTUM_INTERPOLATED
 // interpolates the four normals. MULTUM_ROUGHNESS: the lengths of normals hold a BRDF's width; REFERENCE uses each
-// normal's own width. MULTUM_ROUGHNESS_MAP (not REFERENCE): unit normals; the width comes from a roughness map,
-// averaged plainly as in an engine. MULTUM_BASIS k: everything is multiplied by weight k. MULTUM_COLOURS: the map has
-// colours. MULTUM_NORMAL_MAP: levels finer than the stored ones come from the normal map. The normal map has no moments
-// of slopes, so these levels are shaded by Toksvig's rule, before mixing. MULTUM_ALBEDO_MAP: their colours come from
-// the albedo map. MIP, TOKSVIG and LEAN read a baked file of moments, or mips of the finest map, which are the same.
-uniform sampler2D u_normals;  // REFERENCE: unit; others: averaged normal, w = E[b_s b_t] for LEAN
+// normal's own width. MULTUM_ROUGHNESS_MAP (not REFERENCE): normals have unit length, and the width comes from a
+// roughness map, averaged as in an engine. MULTUM_BASIS k: everything is multiplied by weight k. MULTUM_COLOURS: the
+// map has colours. MULTUM_NORMAL_MAP: levels finer than the stored ones come from the normal map. The normal map has no
+// moments of slopes, so these levels are shaded by Toksvig's rule, before mixing. MULTUM_ALBEDO_MAP: their colours come
+// from the albedo map. MIP, TOKSVIG and LEAN read a baked file of moments, or mips of the finest map, which are the
+// same.
+uniform sampler2D u_normals;  // unit normal for REFERENCE, otherwise averaged normal, with w = E[b_s b_t] for LEAN
 #ifdef MULTUM_LEAN
 uniform sampler2D u_slopes;  // E[b_s], E[b_t], E[b_s^2], E[b_t^2]
 #endif
@@ -22,7 +23,7 @@ uniform sampler2D u_albedo;
 uniform sampler2D u_weights;
 #endif
 #ifdef MULTUM_ROUGHNESS_MAP
-uniform sampler2D u_roughness;  // perceptual
+uniform sampler2D u_roughness;  // perceptual roughness
 #endif
 #ifdef MULTUM_NORMAL_MAP
 uniform sampler2D u_normal_map;  // averaged normals of the finer levels
@@ -50,7 +51,7 @@ struct MultumSurface {
 ivec2 multum_surface_size() { return textureSize(u_normals, 0); }
 
 #if defined(MULTUM_REFERENCE) && !defined(MULTUM_FOOTPRINT)
-// The finest level at one place: the only filter is interpolation between its texels.
+// Reads the finest level at one place. The only filter is interpolation between its texels.
 MultumFootprint multum_surface_footprint(vec2 st) { return MultumFootprint(vec2(0.0), 1, 0.0); }
 #else
 MultumFootprint multum_surface_footprint(vec2 st) { return multum_footprint(u_normals, st); }
@@ -131,8 +132,8 @@ MultumSurface multum_fetch_surface(vec2 st, MultumFootprint footprint) {
 // never have a mean of 0.
 const float MULTUM_MEAN_MIN = 1e-12;
 
-// Returns the material's Blinn-Phong exponent. For a roughness p, alpha = p^2, its peak equals that of Beckmann's and
-// GGX's distributions, s = 2 / alpha^2 - 2, limited to the exponent for mirrors.
+// Returns the material's Blinn-Phong exponent. For a roughness p, alpha = p^2, the peak equals that of Beckmann's and
+// GGX's distributions: s = 2 / alpha^2 - 2. The exponent is limited to that for mirrors.
 float multum_exponent(MultumSurface surface) {
 #ifdef MULTUM_ROUGHNESS_MAP
   float alpha = surface.roughness * surface.roughness;
@@ -142,8 +143,8 @@ float multum_exponent(MultumSurface surface) {
 #endif
 }
 
-// Returns the exponent s for which 1 / s is the variance of the material's slopes: for a roughness, Beckmann's
-// alpha^2 / 2.
+// Returns the exponent s for which 1 / s is the variance of the material's slopes. For a roughness, this variance is
+// Beckmann's alpha^2 / 2.
 float multum_slope_exponent(MultumSurface surface) {
 #ifdef MULTUM_ROUGHNESS_MAP
   return multum_exponent(surface) + 2.0;

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// The page of multum look: its controls, its view, and dropped files. Text from files only goes into text nodes.
+// Runs the page of multum look: its controls, its view, and dropped files. Text from files only goes into text nodes.
 const METHODS = [["mip", "averaged normals"], ["rule", "engine's rule"], ["export", "one-lobe export"],
   ["lobes", "lobes"]];
 const DEGREE = Math.PI / 180;
 const TARGET = [0, 0.76, 0]; // target of multum-view's camera on the plane
-/** Default view: several texels per pixel, against the light, with the divider in the highlight. */
+/** The default view: several texels per pixel, against the light, with the divider in the highlight. */
 const HOME = { map: 0, left: "mip", right: "lobes", rule: "unreal", split: 0.5, lock: -1, azimuth: 0, elevation: 40,
   distance: 3, exposure: -1, difference: 0, x: 0, y: 0.8, z: 0.6 };
 const LIMITS = { map: [0, 63], split: [0, 1], lock: [-1, 15], azimuth: [-180, 180], elevation: [3, 89],
@@ -15,7 +15,7 @@ const say = (text) => { byId("problem").textContent = text; byId("problem").hidd
 const bytesOfBase64 = (text) => Uint8Array.from(atob(text), (one) => one.charCodeAt(0));
 const clamp = (value, [low, high]) => Math.min(high, Math.max(low, value));
 
-/** Returns the view of an address; parts that are not understood keep their default. */
+/** Returns the view of an address. Parts that are not understood keep their default. */
 function viewOfHash(hash) {
   const view = { ...HOME };
   for (const [key, text] of new URLSearchParams(hash.replace(/^#/, ""))) {
@@ -39,7 +39,9 @@ function lookCamera(view) {
   return { eye: TARGET.map((one, i) => one + d * back[i]), target: TARGET, back };
 }
 
-/** Returns directions across, up and ahead of the picture's middle, by columns; 40 degrees field of view. */
+/**
+ * Returns the directions across, up and ahead of the picture's middle, as columns, for a field of view of 40 degrees.
+ */
 function raysOf({ back }, aspect) {
   const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
   const across = cross([0, 0, 1], back);
@@ -72,8 +74,8 @@ class LookPage {
     const table = new Uint16Array(bytesOfBase64(data.ggxTable).buffer);
     this.makeGl = () => new LookGl(byId("canvas"), data.shaders, table);
     this.gl = this.makeGl();
-    this.dropped = null; // a dropped map
-    this.drawn = 0; // number of drawn frames, by which longer tasks notice that the view has changed
+    this.dropped = null; // the last dropped map
+    this.drawn = 0; // number of drawn frames, from which longer tasks see that the view has changed
     this.addLoss();
     this.addControls();
     this.showOwn(clamp(this.view.map, [0, data.maps.length - 1]));
@@ -185,7 +187,7 @@ class LookPage {
     byId("reset").addEventListener("click", () => this.change({ ...HOME }));
     byId("measure").addEventListener("click", () => this.measure());
     byId("controls").addEventListener("submit", (event) => event.preventDefault());
-    // Uses the event's address, because a waiting frame may already have restored the previous view in the page's
+    // Uses the event's address, because a waiting frame may already have written the previous view into the page's
     // address.
     addEventListener("hashchange", (event) => {
       const { hash } = new URL(event.newURL);
@@ -259,7 +261,7 @@ class LookPage {
     });
   }
 
-  // The middle of the picture is overhead; its edges are near the horizon.
+  // The middle of the picture is straight above; its edges are near the horizon.
   lightAt(x, y) {
     const box = byId("stage").getBoundingClientRect();
     const right = 2 * (x - box.left) / box.width - 1, up = 1 - 2 * (y - box.top) / box.height;

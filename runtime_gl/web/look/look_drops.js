@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Files that the user drops onto the page or opens by its button: finds their type, and decodes .ndf.exr in a worker.
+// Handles files that the user drops onto the page or opens with its button. Finds their type, and decodes .ndf.exr in a
+// worker.
 const FILE_BYTES_MAX = 256e6;
 const DECODING_MS_MAX = 120000;
 const NORMALS_APART_MAX = 0.1; // root mean square difference of x and y; different maps differ several times as much
@@ -19,7 +20,7 @@ async function bytesOfFile(file) {
   return new Uint8Array(await file.arrayBuffer());
 }
 
-/** Runs decodeExr() of `source`, the text of look_exr.js, on `bytes` in a worker; `progress` gets done and total. */
+/** Runs decodeExr() of `source`, the text of look_exr.js, on `bytes` in a worker. `progress` gets done and total. */
 function decodeInWorker(source, bytes, progress) {
   const url = URL.createObjectURL(new Blob([source], { type: "text/javascript" }));
   const worker = new Worker(url);
@@ -40,7 +41,7 @@ function decodeInWorker(source, bytes, progress) {
   });
 }
 
-/** Returns x and y from an image's red and green, +Y up. */
+/** Returns x and y from an image's red and green, with +Y up. */
 function normalsOfImage(image) {
   const { width, height } = image;
   const context = new OffscreenCanvas(width, height).getContext("2d");
@@ -49,7 +50,9 @@ function normalsOfImage(image) {
   return normalsOfBytes(Uint8Array.from({ length: 2 * width * height }, (_, i) => rgba[4 * (i >> 1) + (i & 1)]));
 }
 
-/** Returns the distance of the x and y of `level`, a level of meanNormals(), from `means` (x, y), y times `sign`. */
+/**
+ * Returns the distance of x and y of `level`, a level of meanNormals(), from `means` (x, y). y is multiplied by `sign`.
+ */
 function normalsApart(level, means, sign) {
   let sum = 0;
   for (let i = 0; i < means.length / 2; ++i)
@@ -58,7 +61,7 @@ function normalsApart(level, means, sign) {
 }
 
 /**
- * Returns the image's x and y, with green flipped if it points down. `means`: x and y of level `level` of the lobes.
+ * Returns the image's x and y, with green flipped if it points down. `means` has x and y of level `level` of the lobes.
  * Throws if the image is not the lobes' map and `isStrict`.
  */
 function matchingNormals(image, level, means, isStrict) {

@@ -2,7 +2,7 @@
 // Measures the error of methods against the map itself: its finest level, drawn at many places of each pixel.
 const PLACES_ACROSS = 12; // places across a pixel; the same number upwards
 
-/** Returns the scene shifted to another place of each pixel: `x` and `y` from -1/2 to 1/2 pixel. */
+/** Returns the scene shifted to another place of each pixel. `x` and `y` are from -1/2 to 1/2 pixel. */
 function movedWithinPixel(scene, [width, height], x, y) {
   const across = 2 * x / width, up = 2 * y / height;
   const rays = scene.rays.slice(), toClip = scene.toClip.slice();

@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 // Decodes NAME.ndf.exr of vMF lobes (docs/reference/file_format.md) for a GPU, in a worker: the lobes in the layout of
 // multum export --lobes --texels rgba16f (host/delivery/export/lobes/lobe_encoding.cpp), and the normals of level 0.
-// Reads the part of OpenEXR ("OpenEXR File Layout", openexr.com) that multum writes: tiled parts, one level or
-// mip-mapped, with halfs and floats, compressed by none, RLE, ZIPS or ZIP. Checks all sizes in a file before it
-// allocates memory for them.
+// Reads the part of OpenEXR ("OpenEXR File Layout", openexr.com) that multum writes: tiled parts with one level or mip
+// levels, with halfs and floats, and with the compressions none, RLE, ZIPS and ZIP. Checks all sizes in a file before
+// it allocates memory for them.
 //
 //   magic, version | header of each part | 8 bytes per tile: its offset, parts and levels in order | tiles
 //   tile: part (only in multi-part files), tile x, tile y, level x, level y, size: 4 bytes each | data
 const EXR_MAGIC = [0x76, 0x2f, 0x31, 0x01];
 const EXR_MULTI_PART = 0x1000, EXR_TILED = 0x200;
 const EXR_PARTS_MAX = 32, EXR_ATTRIBUTES_MAX = 100, EXR_NAME_MAX = 255;
-const EXR_SIDE_MAX = 2048; // same limit as multum look: the page holds a whole map
+const EXR_SIDE_MAX = 2048; // same limit as in multum look, because the page holds a whole map
 const EXR_TILE_MAX = 1024;
 const EXR_VALUE_MAX = 1.01; // limit for values of lobes and normals, which are at most 1 before rounding
 const EXR_COMPRESSIONS = ["none", "RLE", "ZIPS", "ZIP", "PIZ", "PXR24", "B44", "B44A", "DWAA", "DWAB"];
@@ -21,7 +21,7 @@ const exrRefuse = (found, expected) => { throw new Error(`found ${found}, expect
 const exrSide = (side, level) => Math.max(1, side >> level);
 const exrLevels = (width, height) => 1 + Math.floor(Math.log2(Math.max(width, height)));
 
-/** Reads bytes one after another; throws at the end. */
+/** Reads bytes one after another. Throws at the end. */
 class ExrCursor {
   constructor(bytes) {
     this.bytes = bytes;
@@ -64,7 +64,7 @@ const exrWords = (bytes) => {
   return Array.from({ length: bytes.length >> 2 }, (_, i) => view.getInt32(4 * i, true));
 };
 
-/** Returns the bytes of attribute `name`; it must have `type` and, if given, `size` bytes. */
+/** Returns the bytes of attribute `name`, which must have type `type` and, if given, `size` bytes. */
 function exrAttribute(attributes, name, type, size = undefined) {
   const found = attributes.get(name);
   if (found === undefined) exrRefuse(`no attribute ${name}`, "a file of multum bake");
@@ -144,7 +144,7 @@ function exrPlan(bytes) {
   const lobesFrom = Math.max(firstLevel, 1), parts = new Map();
   let at = cursor.at;
   headers.forEach((header, number) => {
-    // The part of a single-part file may have no name: it is a single lobe.
+    // The part of a single-part file may have no name; it is then the only lobe.
     const name = isMultiPart ? exrString(header, "name") : "lobe.0";
     if (parts.has(name)) exrRefuse(`two parts ${name}`, "one of each name");
     const from = name === "finest" ? 0 : lobesFrom;
@@ -177,7 +177,7 @@ async function exrInflated(bytes, size) {
   return out;
 }
 
-/** Decodes run lengths: a count -n and n bytes, or a count n and one byte that repeats n + 1 times. */
+/** Decodes run lengths: either a count -n and n bytes, or a count n and one byte that repeats n + 1 times. */
 function exrUnrolled(bytes, size) {
   const out = new Uint8Array(size);
   let at = 0;
@@ -220,14 +220,14 @@ const exrFloat = new Float32Array(1), exrBits = new Uint32Array(exrFloat.buffer)
 function exrHalf(value) {
   exrFloat[0] = Math.abs(value);
   const magnitude = exrBits[0], sign = value < 0 ? 0x8000 : 0;
-  if (magnitude < 0x38800000) { // steps of 2^-24: adding 1/2 rounds to them
+  if (magnitude < 0x38800000) { // such halves have steps of 2^-24; adding 1/2 rounds to these steps
     exrFloat[0] += 0.5;
     return sign | (exrBits[0] - 0x3f000000);
   }
   return sign | ((magnitude - 0x38000000 + 0xfff + ((magnitude >>> 13) & 1)) >>> 13);
 }
 
-/** Returns planes of the channels `wanted` of a level, by name; calls `tick` after every tile. */
+/** Returns planes of the channels `wanted` of a level, by name. Calls `tick` after every tile. */
 async function exrLevel(bytes, part, level, wanted, tick) {
   const { width, height, across, down } = part.levels[level];
   const planes = Object.fromEntries(wanted.map((name) => [name, new Float32Array(width * height)]));
@@ -270,7 +270,7 @@ async function exrLevel(bytes, part, level, wanted, tick) {
   return planes;
 }
 
-/** Writes halves x, y, s, a of a lobe's texels to `out`: s preserves the spread with the rounded x, y and a. */
+/** Writes halves x, y, s, a of a lobe's texels to `out`. s is chosen so that the rounded x, y and a keep the spread. */
 function exrEncodeLobe({ R, G, B, A }, out) {
   for (let i = 0; i < A.length; ++i) {
     const amplitude = exrHalf(Math.max(A[i], 0)), kept = EXR_FROM_HALF[amplitude];
@@ -287,9 +287,9 @@ function exrEncodeLobe({ R, G, B, A }, out) {
 }
 
 /**
- * Returns { width, height, firstLevel, file, normals, means } of a file's bytes: `file` as from parseLobes(), `normals`
- * x and y of level 0, or null if the file leaves level 0 to the map, `means` x and y of the first stored level of
- * lobes. Throws Error: what was found and expected.
+ * Returns { width, height, firstLevel, file, normals, means } of a file's bytes. `file` is as from parseLobes().
+ * `normals` has x and y of level 0, or is null if the file leaves level 0 to the map. `means` has x and y of the first
+ * stored level of lobes. Throws Error, which says what was found and expected.
  */
 async function decodeExr(bytes, progress = () => {}) {
   const plan = exrPlan(bytes);

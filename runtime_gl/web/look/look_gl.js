@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Draws a plane, or a model with the map on it, by WebGL 2 with the same shading as multum-view (runtime_gl/shaders):
-// lobes or one normal per texel. Draws each method to a texture. The screen shows one method left and one right of a
-// divider, or their difference.
+// Draws a plane, or a model with the map on it, with WebGL 2 and the same shading as multum-view (runtime_gl/shaders):
+// lobes, or one normal per texel. Draws each method to a texture. The screen shows one method to the left and one to
+// the right of a divider, or their difference.
 const FILTER = { taps: 4, bias: -0.5 }; // docs/evidence/FILTER.md
 
 const SCREEN_VERTEX = `#version 300 es
@@ -11,7 +11,7 @@ void main() {
 
 // The light that the surface at st sends to the eye.
 const LOOK_SHADED = `
-uniform float u_locked_level;  // level of the surface's texture; below -100: none
+uniform float u_locked_level;  // level of the surface's texture to show; below -100 if none is chosen
 vec3 look_shaded(vec2 st, mat3 to_world, vec3 position, vec3 v) {
   MultumFootprint footprint = multum_surface_footprint(st);
   if (u_locked_level > -100.0) footprint.level = u_locked_level;
@@ -52,8 +52,8 @@ void main() {
   gl_Position = u_to_clip * vec4(a_position, 1.0);
 }`;
 
-// The tangent frame comes from the texture coordinates' derivatives (Schueler 2013, "Followup: Normal Mapping Without
-// Precomputed Tangents"), orthonormal; +Y of normal maps is the direction in which v shrinks.
+// The orthonormal tangent frame comes from the texture coordinates' derivatives (Schueler 2013, "Followup: Normal
+// Mapping Without Precomputed Tangents"). +Y of normal maps is the direction in which v shrinks.
 const MODEL_MAIN = `
 uniform vec3 u_eye;
 in vec3 v_position;
@@ -72,7 +72,7 @@ void main() {
   o_colour = vec4(look_shaded(v_st, to_world, v_position, v), 1.0);
 }`;
 
-// One normal and roughness per texel, filtered as an engine does.
+// Shades one normal and one roughness per texel, filtered as in an engine.
 const ONE_NORMAL = `
 uniform sampler2D u_material;
 struct MultumSurface { vec3 n; };
@@ -106,7 +106,9 @@ void main() {
 }`;
 
 class LookGl {
-  /** `shaders`: texts by name; `table`: halves of GGX over lobes. Throws Error with the browser's missing feature. */
+  /**
+   * `shaders` has texts by name, and `table` the halves of GGX over lobes. Throws Error if the browser lacks a feature.
+   */
   constructor(canvas, shaders, table) {
     const gl = canvas.getContext("webgl2",
       { alpha: false, antialias: false, depth: false, preserveDrawingBuffer: true });
@@ -119,7 +121,7 @@ class LookGl {
     this.nothing = gl.createVertexArray();
     gl.bindVertexArray(this.nothing);
     this.screen = this.program(SCREEN_VERTEX, SCREEN_FRAGMENT);
-    this.model = null; // drawn in place of the plane: an array of vertices and their count
+    this.model = null; // the model drawn in place of the plane: an array of vertices and their count
     this.oneNormal = this.programs(["MULTUM_ROUGHNESS_TEXTURE"], shaders.oneNormal, ONE_NORMAL);
     this.ggxTable = this.texture(gl.TEXTURE_2D, gl.RGBA16F, { width: 32, height: 32 }, 1, gl.CLAMP_TO_EDGE, () =>
       gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, 0, 32, 32, gl.RGBA, gl.HALF_FLOAT, table));
@@ -128,14 +130,14 @@ class LookGl {
     this.size = [0, 0];
   }
 
-  /** Compiles programs of the plane, and those of models when a model is first drawn. */
+  /** Compiles the programs for the plane. Programs for models are compiled when a model is first drawn. */
   programs(flags, texts, surface) {
     const fragment = (main) => this.fragment(flags, texts, surface, LOOK_SHADED + main);
     return { plane: this.program(SCREEN_VERTEX, fragment(LOOK_MAIN)), model: null,
       makeModel: () => this.program(MODEL_VERTEX, fragment(MODEL_MAIN)) };
   }
 
-  /** `model`: readModel() of a file, or null for the plane. */
+  /** `model` is the readModel() of a file, or null for the plane. */
   setModel(model) {
     const { gl } = this;
     if (this.model !== null) {
@@ -206,7 +208,7 @@ class LookGl {
       (level, l) => gl.texSubImage2D(gl.TEXTURE_2D, l, 0, 0, level.width, level.height, gl.RGBA, gl.UNSIGNED_BYTE,
         level.bytes)));
     // Counts the bytes of BC5 and BC4, which engines store, although the textures here are RGBA8. LookPage.factsOf
-    // shows this.
+    // shows the result.
     this.materials.set(method, { texture, bytes: levels.reduce((sum, { width, height }) =>
       sum + 1.5 * texelBytes(VK_BC5, width, height), 0) });
   }
@@ -216,7 +218,7 @@ class LookGl {
     this.materials.delete(method);
   }
 
-  /** `file`: parseLobes() of a file; `normals`: mean normals of the finer levels. */
+  /** `file` is the parseLobes() of a file. `normals` has the mean normals of the finer levels. */
   setLobes(file, normals) {
     const { gl } = this;
     const blocks = file.format === VK_BC5;
@@ -246,7 +248,7 @@ class LookGl {
 
   get isLost() { return this.gl.isContextLost(); }
 
-  /** Returns whether a method can be drawn; textures of the engine's rule are made when they are first drawn. */
+  /** Returns whether a method can be drawn. Textures for an engine's rule are made when they are first drawn. */
   has(method) { return method !== "export" || this.materials.has(method); }
 
   bytesOf(method) { return method === "lobes" ? this.lobes.bytes : this.materials.get(method).bytes; }
@@ -256,7 +258,7 @@ class LookGl {
     if (this.size[0] === width && this.size[1] === height) return;
     for (const { texture, frame } of this.targets) { gl.deleteTexture(texture); gl.deleteFramebuffer(frame); }
     gl.deleteRenderbuffer(this.depth ?? null);
-    this.depth = gl.createRenderbuffer(); // of both
+    this.depth = gl.createRenderbuffer(); // shared by both pictures
     gl.bindRenderbuffer(gl.RENDERBUFFER, this.depth);
     gl.renderbufferStorage(gl.RENDERBUFFER, gl.DEPTH_COMPONENT24, width, height);
     this.targets = [0, 1].map(() => {
@@ -274,8 +276,9 @@ class LookGl {
     this.size = [width, height];
   }
 
-  /** `scene`: rays, toClip, eye, light, diffuse, specular, f0, alpha, lock (a level, or null), exposure,
-    split (0..1). */
+  /**
+   * `scene` has rays, toClip, eye, light, diffuse, specular, f0, alpha, lock (a level or null), exposure, split (0..1).
+   */
   draw(left, right, scene) {
     const { gl } = this;
     const [width, height] = this.size;
@@ -290,7 +293,7 @@ class LookGl {
     gl.drawArrays(gl.TRIANGLES, 0, 3);
   }
 
-  /** Returns a method's picture of the scene, without exposure: RGBA, row by row from the lowest. */
+  /** Returns a method's picture of the scene without exposure. It is RGBA, row by row from the lowest one. */
   radiance(method, scene) {
     const { gl } = this, [width, height] = this.size, { frame } = this.targets[0];
     gl.viewport(0, 0, width, height);

@@ -61,7 +61,9 @@ function flatNormal(positions, corner) {
   return [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
 }
 
-/** Returns { vertices, count, image } of a file: eight floats per corner: position, normal, u, v. Throws FieldError. */
+/**
+ * Returns { vertices, count, image } of a file. A corner has eight floats: position, normal, u, v. Throws FieldError.
+ */
 function readModel(bytes, target) {
   const glb = new ModelGlb(bytes);
   const objects = [...glb.read(0).values()];

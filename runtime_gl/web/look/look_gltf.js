@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Joins a dropped JSON glTF and the files that it names to one binary glTF for look_glb.js: buffers one after another,
-// and the image of the first normal map. The constants are those of glb.js.
+// and the image of the first normal map. The constants have the same values as in glb.js.
 const GLTF_BYTES_MAX = 256e6; // limit for all files together
 
-/** Returns the file name of a uri; a uri with an invalid encoding is not decoded. */
+/** Returns the file name of a uri. A uri with an invalid encoding is not decoded. */
 function nameOfUri(uri) {
   let path = uri;
   try {
@@ -84,7 +84,7 @@ async function glbOfGltf(json, files) {
   return packedGlb({ ...json, bufferViews, images, buffers: [{ byteLength: length }] }, parts, length);
 }
 
-/** `parts`: [place, bytes] of a binary chunk of `length` bytes. */
+/** `parts` are the [place, bytes] of a binary chunk of `length` bytes. */
 function packedGlb(json, parts, length) {
   const text = new TextEncoder().encode(JSON.stringify(json)), padded = text.length + (-text.length & 3);
   const bytes = new Uint8Array(28 + padded + length).fill(0x20, 20, 20 + padded), view = new DataView(bytes.buffer);

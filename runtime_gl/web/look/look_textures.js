@@ -14,7 +14,9 @@ function texelBytes(format, width, height) {
   return width * height * { [VK_R8]: 1, [VK_RG8]: 2, [VK_RGBA8]: 4, [VK_RGBA16F]: 8 }[format];
 }
 
-/** Returns { format, width, height, layers, levels: [Uint8Array], keys }. Throws Error: what was found and expected. */
+/**
+ * Returns { format, width, height, layers, levels: [Uint8Array], keys }. Throws Error with what was found and expected.
+ */
 function parseKtx2(bytes) {
   const refuse = (found, expected) => { throw new Error(`found ${found}, expected ${expected}`); };
   if (bytes.length < 80 || KTX2_IDENTIFIER.some((one, i) => bytes[i] !== one))
@@ -51,7 +53,7 @@ function parseKtx2(bytes) {
   return { format, width, height, layers, levels, keys };
 }
 
-/** Reads lobes of multum export --lobes: the texture and `lobes`, the JSON of its key. Throws Error. */
+/** Reads lobes of multum export --lobes. Returns the texture and `lobes`, the JSON of its key. Throws Error. */
 function parseLobes(bytes) {
   const texture = parseKtx2(bytes);
   if (texture.keys.multumLobes === undefined)
@@ -71,7 +73,7 @@ function parseLobes(bytes) {
   return { ...texture, lobes, unpacking: new Float32Array(numbers) };
 }
 
-/** Averages a level's texels by coverage; four floats per texel. */
+/** Averages a level's texels by coverage, four floats per texel. */
 function halved({ width, height, texels }) {
   const [w, h] = [levelSize(width, 1), levelSize(height, 1)];
   const out = new Float32Array(4 * w * h);
@@ -111,7 +113,7 @@ const kappaOf = (length) => {
   return Math.min(1e9, Math.max(1e-9, (3 * r - r ** 3) / (1 - r * r)));
 };
 
-/** Perceptual roughness by each engine's rule, for a mean normal's length and the base roughness. */
+/** The perceptual roughness by each engine's rule, for the length of a mean normal and the base roughness. */
 const ENGINE_RULES = {
   unreal: ["Unreal", (length, roughness) => {
     const a2 = Math.max(roughness, 1e-3) ** 4;

@@ -2,7 +2,7 @@
 // Decodes BC5 textures, for browsers and GPUs without EXT_texture_compression_rgtc: blocks of 4 x 4 texels, two
 // channels per block (Khronos Data Format Specification 1.3, section 17).
 
-/** Decodes a BC4 block to every `step`-th byte of `out` from `at`, rows of `stride` bytes, up to the edge. */
+/** Decodes a BC4 block to every `step`-th byte of `out` from `at` on, in rows of `stride` bytes, up to the edge. */
 function decodeBc4(block, out, at, stride, step, columns, rows) {
   const [first, last] = block;
   const parts = first > last ? 7 : 5;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The extension MULTUM_lobes, written by `multum gltf IN.glb --lobes -o OUT.glb` (docs/reference/gltf.md), for
-// three.js's
-// GLTFLoader.
+// Reads the extension MULTUM_lobes, written by `multum gltf IN.glb --lobes -o OUT.glb` (docs/reference/gltf.md), for
+// three.js's GLTFLoader.
 import { addLobes, addPoints } from "./lobe_material.js";
 import { LobeLoader } from "./lobe_texture.js";
 
@@ -83,7 +82,7 @@ export class GltfLobes {
       console.warn(`${NAME}: ${error.message}; it is drawn without lobes`);
       return;
     }
-    // Only the roughness of the surface: the material's roughness includes the spread of the normals.
+    // Uses only the roughness of the surface, because the material's roughness includes the spread of the normals.
     material.roughness = extension.roughnessFactor ?? 1;
     material.roughnessMap = null;
     if (extension.metallicRoughnessTexture !== undefined)

@@ -6,11 +6,11 @@ import { fragmentWithLobes } from "./lobe_shading.js";
 import { fragmentAtPoints } from "./shading_points.js";
 
 const TAPS_MAX = 16;
-// Features of MeshPhysicalMaterial that need more data of a normal than lobes provide.
+// Features of MeshPhysicalMaterial that need more data about normals than lobes provide.
 const REFUSED = ["anisotropy", "sheen", "retroreflectivity", "diffuseRoughness"];
 const GRIDS = { 1: "ivec2(1)", 2: "ivec2(2, 1)", 4: "ivec2(2)", 8: "ivec2(4, 2)", 16: "ivec2(4)" }; // by evaluations
-// Least spread of a pixel's normals, two levels finer, at which evaluations are spent on lobes: README.md,
-// "Evaluations".
+// The least spread of a pixel's normals, two levels finer, at which evaluations are spent on lobes (README.md,
+// "Evaluations").
 const LOBES_FROM = { auto: 0.002, points: 2, lobes: -1 };
 const states = new WeakMap(); // changed materials: { lobes, own, onBeforeCompile, customProgramCacheKey }
 
@@ -65,7 +65,7 @@ function change(material, lobes, edit, key) {
     onBeforeCompile.call(material, shader, renderer);
     edit(shader);
   };
-  // The default key is the text of onBeforeCompile, which is no longer the material's own function.
+  // The default key is the text of onBeforeCompile, which this add-on has replaced.
   material.customProgramCacheKey = () =>
     [onBeforeCompile.toString(), customProgramCacheKey.call(material), "multum", key()].join(" ");
   material.needsUpdate = true;
@@ -85,10 +85,10 @@ function restore(material) {
 /**
  * Makes `material` draw `lobes` (LobeTexture) where its normal map is filtered. Its roughness is the surface's own.
  *
- * `evaluations`: number per pixel of the material's light, 1, 2, 4, 8 or 16. `spend`: on "points", "lobes" or, decided
- * for each pixel, "auto". `taps`: trilinear lookups along the longer axis of a point's footprint, 1 to 16. `levelBias`
- * and `mapBias`: octaves added to the level of lobes and of all other maps. Throws Error if the material cannot have
- * lobes. Clones of the material have none.
+ * `evaluations` is the number of evaluations of the material's light per pixel: 1, 2, 4, 8 or 16. `spend` says on what
+ * they are spent: "points", "lobes", or "auto", which decides for each pixel. `taps` is the number of trilinear lookups
+ * along the longer axis of a point's footprint, 1 to 16. `levelBias` and `mapBias` are the octaves added to the level
+ * of lobes and of all other maps. Throws Error if the material cannot have lobes. Clones of the material have no lobes.
  */
 export function addLobes(material, lobes,
   { evaluations = 4, spend = "auto", taps = 1, levelBias = -0.5, mapBias = -0.5 } = {}) {
@@ -120,8 +120,8 @@ export function addLobes(material, lobes,
 
 /**
  * Makes `material`, without lobes, shade `evaluations` points of each pixel: 1, 2, 4, 8 or 16. The change of the
- * geometry's normals within a pixel counts as a variance of slopes. `mapBias`: octaves added to the level of its maps.
- * Throws Error if it is not a physical material. Clones of the material are shaded as before.
+ * geometry's normals within a pixel counts as a variance of slopes. `mapBias` is the number of octaves added to the
+ * level of its maps. Throws Error if it is not a physical material. Clones of the material are shaded as before.
  */
 export function addPoints(material, { evaluations = 4, mapBias = -0.25 } = {}) {
   checkPhysical(material);

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// GLSL that the add-on inserts into the fragment shaders of MeshStandardMaterial and MeshPhysicalMaterial. It uses
-// multum's own shading of lobes (multum_lobes.js). three.js calls four functions of a material, such as RE_Direct,
+// GLSL that the add-on inserts into the fragment shaders of MeshStandardMaterial and MeshPhysicalMaterial. The GLSL
+// uses multum's own shading of lobes (multum_lobes.js). three.js calls four functions of a material, such as RE_Direct,
 // after its shadows, attenuations and maps. The functions that depend on normals are replaced here by functions that
 // add up over lobes. Lobes are converted to view space, where three.js shades.
 import { lobesGlsl, lobeTextureGlsl } from "./multum_lobes.js";
 import { fragmentAtPoints, replaced, VARIANCE } from "./shading_points.js";
 
-// The normal map's share. An 8-bit level 0 holds unit vectors except for rounding, so its four texels are fetched and
-// normalised. Coarser levels are averages whose length counts.
+// Computes the normal map's share. An 8-bit level 0 holds unit vectors except for rounding, so its four texels are
+// fetched and normalised. Coarser levels are averages whose length matters.
 const NORMAL_MAP = `
 int multum_wrapped_texel(int i, int size, int mode) {
   if (mode == 1) return clamp(i, 0, size - 1);
@@ -53,7 +53,8 @@ vec3 multum_finest_normal(vec2 st, float level) {
 // evaluations, the most similar lobes are added up.
 //
 // Lobes are read at points, each over its part of the footprint, and turned by the frame of each place before they are
-// added up. A map baked for a model with few polygons cancels the turns of its interpolated normals.
+// added up. A map that was baked for a model with few polygons compensates for the turns of the model's interpolated
+// normals.
 const FETCH = `
 uniform sampler2D u_ggx_lobe_table;
 vec4 multum_lobes[MULTUM_LOBE_COUNT];  // (a r, a) in view space
@@ -64,7 +65,8 @@ vec4 multum_read_maps[MULTUM_MAP_COUNT];
 #ifdef MULTUM_COLOUR_LAYERS
 uniform sampler2DArray u_lobe_colours;  // lobes 4 k to 4 k + 3 in MULTUM_COLOUR_LAYERS layers
 uniform float u_lobe_colour_range;
-const float MULTUM_TINT_MAX = 4.0;  // limit relative to the common colour: colours of lobes with few normals are noisy
+const float MULTUM_TINT_MAX = 4.0;  // limit relative to the common colour, because colours of lobes with few normals
+                                    // are noisy
 float multum_tints[MULTUM_LOBE_COUNT];  // a lobe's amplitude times its colour factor, minus its amplitude
 float multum_tint = 1.0;  // the factor of the evaluation's lobe
 
@@ -99,7 +101,7 @@ vec4 multum_normal_map_part(vec2 st, MultumFootprint on_map) {
                                 multum_footprint_longer_lod(on_map, textureSize(normalMap, 0)));
 }
 
-// three.js's getTangentFrame() with derivatives computed before.
+// Does the same as three.js's getTangentFrame(), with derivatives that are already computed.
 mat3 multum_tangent_frame(vec3 n) {
   vec3 across_y = cross(-multum_along_y_vViewPosition, n), across_x = cross(n, -multum_along_x_vViewPosition);
   vec2 along_x = multum_along_x_vNormalMapUv, along_y = multum_along_y_vNormalMapUv;
@@ -176,8 +178,8 @@ void multum_fetch_lobes(float count, vec2 part, float side) {
 }
 
 // Decides how to spend a pixel's evaluations, by the spread of all normals about it, one level finer than its own. Four
-// neighbouring pixels, which share derivatives, use one place between them, so that all four decide in the same way.
-// They must read textures together, because the lookups need derivatives.
+// neighbouring pixels share derivatives and must read textures together, because the lookups need these derivatives.
+// These pixels use one place between them, so that all four decide in the same way.
 void multum_decide() {
 #if MULTUM_EVALUATIONS >= 2
   MultumFootprint footprint = multum_part_footprint(vec2(1.0));
@@ -198,7 +200,8 @@ void multum_decide() {
 ivec2 multum_points() { return multum_lobes_pay ? MULTUM_LOBE_POINTS : MULTUM_POINTS; }
 
 // Reads all other maps over a point's part of the pixel. If evaluations are spent on lobes, there are fewer points. A
-// point's maps are then means over several places, which keeps the number of places; they are read with its first lobe.
+// point's maps are then means over several places, so that the number of places stays the same. The maps are read with
+// the point's first lobe.
 vec4 multum_map(int number, sampler2D map, vec2 st, vec2 along_x, vec2 along_y) {
   if (multum_maps_are_read) return multum_read_maps[number];
   ivec2 points = multum_points(), places = MULTUM_POINTS / points;
@@ -238,7 +241,7 @@ float multum_take_lobe(int evaluation, vec3 normal, float side) {
   if (multum_lobes_pay) multum_tint = clamp(tint, 0.0, MULTUM_TINT_MAX);
 #endif
   multum_lobe = vec4(multum_lobe.xyz / max(multum_lobe.w, 1e-6), 1.0);
-  // Three lobes use three of four evaluations.
+  // With three lobes, only three of four evaluations are used.
   return multum_lobes_pay && evaluation >= points.x * points.y * MULTUM_SPENT_LOBES ? 0.0 : weight;
 }
 `;
@@ -275,9 +278,9 @@ void RE_Direct_Multum(const in IncidentLight directLight, const in vec3 geometry
 #define RE_Direct RE_Direct_Multum
 `;
 
-// Light that three.js computes only for one normal and one roughness. A lobe is therefore reduced to its mean direction
-// and to a roughness that is widened by the lobe's slopes, alpha^2 + 2 / kappa. The amount of reflected light follows
-// from the surface's roughness.
+// Computes light that three.js supports only for one normal and one roughness. A lobe is therefore reduced to its mean
+// direction and to a roughness that is widened by the lobe's slopes, alpha^2 + 2 / kappa. The amount of reflected light
+// follows from the surface's roughness.
 const INDIRECT = `
 float multum_widened_roughness(float roughness) {
   float alpha = pow2(roughness);
@@ -348,7 +351,9 @@ const GEOMETRY = `
 if (multum_is_plain) ${VARIANCE}
 `;
 
-/** Returns the fragment shader of a physical material with lobes; `defines` by name, `chunks` of three.js. */
+/**
+ * Returns the fragment shader of a physical material with lobes. `defines` are by name, and `chunks` those of three.js.
+ */
 export function fragmentWithLobes(fragment, defines, chunks, revision) {
   const edit = (name, chunk) => {
     if (name === "normal_fragment_maps") return `${chunk}\n${NORMAL}`;

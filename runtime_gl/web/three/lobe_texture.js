@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lobe textures for three.js, written by `multum export NAME.ndf.exr --lobes -o NAME.ktx2`
+// Reads lobe textures for three.js, written by `multum export NAME.ndf.exr --lobes -o NAME.ktx2`
 // (docs/reference/lobe_textures.md, "Lobes for GPUs"). three.js's KTX2Loader makes single-layer textures of such
 // formats, so this module uses the parser inside it.
 import { ClampToEdgeWrapping, CompressedArrayTexture, DataTexture, FileLoader, HalfFloatType, LinearFilter,
@@ -25,7 +25,7 @@ function levelBytes(format, width, height) {
   return width * height * BYTES_OF_TEXEL[format];
 }
 
-/** The table of GGX over lobes, shared by all lobe textures and disposed of with the last one. */
+/** The table of GGX over lobes. All lobe textures share it, and it is disposed of with the last one. */
 const sharedTable = {
   texture: null,
   users: 0,
@@ -47,7 +47,7 @@ const sharedTable = {
 
 /** Lobes on the GPU, for any number of materials. */
 export class LobeTexture {
-  /** `facts`: the checked JSON of the file's key multumLobes. */
+  /** `facts` is the checked JSON of the file's key multumLobes. */
   constructor(texture, facts, layersPerLobe) {
     this.texture = texture;
     this.facts = facts;
@@ -59,7 +59,7 @@ export class LobeTexture {
     this.colours = null; // { texture, range, layersPerFour }: LobeLoader.parseColours()
   }
 
-  /** Returns the bytes on the GPU, without the table's 8 KB. */
+  /** Returns the number of bytes on the GPU, without the 8 KB of the table. */
   get byteCount() {
     const all = [...this.texture.mipmaps, ...(this.colours?.texture.mipmaps ?? [])];
     return all.reduce((sum, { data }) => sum + data.byteLength, 0);
@@ -75,7 +75,7 @@ export class LobeTexture {
   }
 }
 
-/** Returns the JSON of a key; its version must be 1. */
+/** Returns the JSON of a key. Its version must be 1. */
 function jsonOf(container, key, refuse) {
   const text = container.keyValue[key];
   if (text === undefined) refuse(`no key ${key}`, "a KTX2 file of multum export --lobes or multum gltf --lobes");
@@ -142,7 +142,7 @@ function checkShape({ vkFormat, pixelWidth, pixelHeight, pixelDepth, faceCount, 
   if (!isWhole(levels.length, 1, most)) refuse(`${levels.length} levels`, `1 to ${most}`);
 }
 
-/** Returns the bytes of each level; each must have the length that the format requires. */
+/** Returns the bytes of each level. Each level must have the length that the format requires. */
 async function levelsOf(container, refuse) {
   const { levels, supercompressionScheme, vkFormat, pixelWidth, pixelHeight, layerCount } = container;
   let zstd = null;
@@ -192,7 +192,7 @@ function textureOf(levels, { vkFormat, layerCount }, facts, decodesBlocks) {
 export class LobeLoader extends Loader {
   constructor(manager) {
     super(manager);
-    this.hasBlocks = false; // without detectSupport(), BC5 is decoded: works everywhere and takes twice the bytes
+    this.hasBlocks = false; // without detectSupport(), BC5 is decoded, which works everywhere and takes twice the bytes
   }
 
   detectSupport(renderer) {
@@ -213,13 +213,13 @@ export class LobeLoader extends Loader {
       onProgress, fail);
   }
 
-  /** Parses a file's bytes; `name` appears in errors. Rejects with an Error: what was found, what was expected. */
+  /** Parses a file's bytes. `name` appears in errors. Rejects with an Error that says what was found and expected. */
   async parse(buffer, name = "lobe texture") {
     const { texture, facts, isBlocks } = await this.textureAndFacts(buffer, name, factsOf);
     return new LobeTexture(texture, facts, isBlocks ? 2 : 1);
   }
 
-  /** Gives `lobes` their colours from a file's bytes. Call before addLobes(). Rejects as parse() does. */
+  /** Gives `lobes` their colours from a file's bytes. Call it before addLobes(). Rejects in the same way as parse(). */
   async parseColours(buffer, lobes, name = "colours of lobes") {
     const { texture, facts, isBlocks } = await this.textureAndFacts(buffer, name, (container, refuse) =>
       colourFactsOf(container, lobes, refuse));

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Makes the fragment shader of a physical material shade several points per pixel, each over its part of the footprint.
-// Their light is averaged before tone mapping. three.js's own text becomes the body of a loop; interpolated values are
-// moved to each point.
+// The light of the points is averaged before tone mapping. three.js's own text becomes the body of a loop; interpolated
+// values are moved to each point.
 
 /** Returns `text` with `from` replaced by `to`. Throws Error if `text` does not contain `from`. */
 export function replaced(text, from, to, revision) {
@@ -38,7 +38,7 @@ ${each((name) => `multum_derive_${name}()`)}}
 void multum_move(vec2 by) {  // offset from the pixel's middle, in pixels
 ${each((name) => `multum_move_${name}(by)`)}}
 `;
-// Maps without lobes.
+// Handles maps without lobes.
 const PLAIN = `
 void multum_decide() {}
 vec4 multum_map(int number, sampler2D map, vec2 st, vec2 along_x, vec2 along_y) {
@@ -79,7 +79,7 @@ const END = `
   diffuseColor.a = multum_alpha;
   vec3 outgoingLight = multum_light;
 `;
-// Decided for the whole pixel by its mean alpha.
+// The decision is made for the whole pixel by its mean alpha.
 const ALPHA_TESTS = ["alphatest_fragment", "alphahash_fragment"];
 
 // The variance of a box filter over the point's part of the pixel (Kaplanyan et al. 2016; Tokuyoshi and Kaplanyan
@@ -93,11 +93,11 @@ export const VARIANCE = `{
 }`;
 
 /**
- * Returns the fragment shader of a physical material, shaded at MULTUM_EVALUATIONS points of each pixel, maps sampled
- * MULTUM_MAP_BIAS octaves coarser than for the whole pixel. `defines` by name. `lobes`: GLSL with multum_decide(),
- * multum_shift() and multum_map(), whose first parameter numbers the lookups, in place of plain points. `geometry`:
- * the effect of the change of the geometry's normals on roughness.
- * `edit(name, text)`: returns the replacement of a chunk's text.
+ * Returns the fragment shader of a physical material that is shaded at MULTUM_EVALUATIONS points of each pixel. Maps
+ * are sampled MULTUM_MAP_BIAS octaves coarser than for the whole pixel. `defines` are by name. `lobes`, if given, is
+ * GLSL with multum_decide(), multum_shift() and multum_map(), whose first parameter numbers the lookups. `geometry` is
+ * the effect of the change of the geometry's normals on roughness. `edit(name, text)` returns the replacement of a
+ * chunk's text.
  */
 export function fragmentAtPoints(fragment, chunks, revision,
   { defines, lobes = null, geometry = VARIANCE, edit = (name, text) => text }) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum export: its images as OpenImageIO reads them, the same bytes for any memory, its report, its refusals, and the
-// files that remain after an interruption.
+// Tests multum export: its images as OpenImageIO reads them, the same bytes for any memory, its report, its refusals,
+// and the files that remain after an interruption.
 #include <OpenImageIO/imageio.h>
 
 #include <signal.h>
@@ -97,7 +97,7 @@ TEST_F(ExportCommandTest, CarriesMapsOfTheMaterial) {
   EXPECT_EQ(level("orm_00.exr").at(0, 0, 0), 1.0f);
 }
 
-// One way to store a material, with the formats of its textures.
+// A way to store a material, with the formats of its textures.
 struct Stored {
   std::vector<std::string> options;
   bool has_zstd;
@@ -214,7 +214,7 @@ TEST_F(ExportCommandTest, ThreeReadsTheLevels) {
                                         "--no-measure"};
     options.insert(options.end(), kind.options.begin(), kind.options.end());
     ASSERT_EQ(multum(options).exit_code, 0);
-    // The same export without Zstandard, for comparison.
+    // Repeats the export without Zstandard, for comparison.
     for (std::string& option : options)
       if (option == path(folder + "/rock.ktx2")) option = path(folder + "/plain.ktx2");
     if (kind.has_zstd) options.resize(options.size() - 2);
@@ -364,7 +364,7 @@ TEST_F(ExportCommandTest, TakesABakedFile) {
   EXPECT_EQ(reports["map"]["accuracy"]["names"]["baked"], "4 baked lobes");
 }
 
-// The page has all ways to filter, with pictures and numbers. Lobes have the lowest error and the least flicker.
+// The page has all ways to filter, with pictures and numbers. Lobes have the lowest error and flicker least.
 TEST_F(ExportCommandTest, WritesAPage) {
   make_map("big", 128);
   const ProgramResult result = multum({"export", path("big_normal.png"), "-o", path("out"), "--base-roughness", "0.3",

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum export for engines with other conventions: green down, smoothness, no metalness, UASTC; and the line about
-// engines that load none of the files. OpenImageIO reads images and DDS blocks; three.js reads UASTC in Chromium.
+// Tests multum export for engines with other conventions: green down, smoothness, no metalness, UASTC. Also tests the
+// line about engines that load none of the files. OpenImageIO reads images and DDS blocks; three.js reads UASTC in
+// Chromium.
 #include <OpenImageIO/imageio.h>
 
 #include <cmath>
@@ -19,7 +20,7 @@ namespace {
 
 const std::string kModules = MULTUM_SOURCE_DIR "/tests/service/web/node_modules/";
 
-// A level of a texture, four values per texel.
+// Holds a level of a texture, four values per texel.
 using Texels = std::vector<float>;
 
 class ExportEnginesTest : public CliTest {
@@ -66,7 +67,7 @@ TEST_F(ExportEnginesTest, GreenDownIsTheOtherWayRoundInImages) {
     expect_done("up_" + format, {"--format", format, "--anisotropy"});
     expect_done("down_" + format, {"--format", format, "--anisotropy", "--write-green", "down"});
     expect_done("said_" + format, {"--format", format, "--anisotropy", "--write-green", "up"});
-    const float sum = format == "png" ? 1.0f : 0.0f;  // of a value and its negative
+    const float sum = format == "png" ? 1.0f : 0.0f;  // the sum of a value and its negative
     for (const std::string texture : {"normal", "anisotropy", "orm"})
       for (int l = 0; l < kLevels; ++l) {
         SCOPED_TRACE(texture + ", level " + std::to_string(l) + ", " + format);
@@ -129,7 +130,7 @@ TEST_F(ExportEnginesTest, MeasuresTheSameWithGreenDown) {
   EXPECT_NEAR(error("down"), error("up"), 0.05 * error("up"));
 }
 
-// Unity's mask map: metalness in red, occlusion in green, detail in blue, smoothness in alpha.
+// Unity's mask map has metalness in red, occlusion in green, detail in blue and smoothness in alpha.
 TEST_F(ExportEnginesTest, SmoothnessIsInTheMasksAlpha) {
   TestImage maps{.width = kWidth, .height = kHeight, .channels = 3};
   for (int i = 0; i < kWidth * kHeight; ++i)
@@ -176,7 +177,7 @@ TEST_F(ExportEnginesTest, SmoothnessIsInTheMasksAlpha) {
       }
     EXPECT_LT(error / static_cast<float>(orm.width * orm.height), 0.02f) << "level " << l;
   }
-  // Roughness as a texture of its own.
+  // Here roughness is a texture of its own.
   expect_done("alone", {"--roughness", path("maps.png"), "--roughness-alone", "--smoothness"});
   const Picture orm = image("orm", "orm", 1, "png"), alone = image("alone", "smoothness", 1, "png");
   for (int x = 0; x < alone.width; ++x) EXPECT_NEAR(alone.at(x, 2, 0), 1.0f - orm.at(x, 2, 1), 1e-6f);
@@ -197,7 +198,8 @@ TEST_F(ExportEnginesTest, WithoutAMetalnessMapNothingIsMetal) {
   }
 }
 
-// three.js hands the images' levels to a shader, within the loss of UASTC blocks; with and without Zstandard.
+// With and without Zstandard, the texels that three.js passes to a shader equal the images' levels, except for the loss
+// of UASTC blocks.
 TEST_F(ExportEnginesTest, ThreeReadsUastc) {
   const std::string script = MULTUM_SOURCE_DIR "/tests/cli/exports/ktx2_in_three.mjs", browser = chromium_path();
   if (!program_works("node", "--version")) GTEST_SKIP() << "no node (Debian package nodejs)";

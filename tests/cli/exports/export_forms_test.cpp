@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum export --form and --for: the values of levels, the printed lines, and refusals.
+// Tests multum export --form and --for: the values of levels, the printed lines, and refusals.
 #include <cmath>
 #include <filesystem>
 #include <map>
@@ -58,7 +58,7 @@ TEST_F(ExportFormsTest, PicturesOfSimpleShapesChooseTheForm) {
     EXPECT_LE(form["errors"]["chosen"][v], form["errors"]["one_lobe"][v].get<double>() + 0.1);
   ASSERT_EQ(form["levels"].size(), 7u);
   EXPECT_EQ(form["levels"][0]["fitted_roughness"], 0.0);
-  // The levels hold the chosen roughness: between the map's own and the fitted one.
+  // The levels hold the chosen roughness, which is between the map's own and the fitted one.
   std::vector<float> chosen;
   for (int l = 0; l < 7; ++l) chosen.push_back(level("orm_0" + std::to_string(l) + ".png").at(0, 0, 1));
   ASSERT_EQ(run({"--no-measure", "--roughness", path("rough.png")}).exit_code, 0);

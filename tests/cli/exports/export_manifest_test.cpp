@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum export of several maps: names, sets, and manifests whose maps are exported only after a change.
+// Tests multum export of several maps: names, sets, and manifests whose maps are exported only after a change.
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum export --resume: a stopped export continues after the rows that it had fitted, and writes the same bytes.
+// Tests multum export --resume: a stopped export continues after its last fitted row and writes the same bytes.
 #include <signal.h>
 
 #include <chrono>

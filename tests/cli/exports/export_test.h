@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum export of one normal map, map.png, into the folder out.
+// Runs multum export on one normal map, map.png, into the folder out.
 #pragma once
 
 #include <filesystem>

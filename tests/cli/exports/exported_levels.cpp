@@ -13,7 +13,7 @@ namespace multum::testing {
 
 Picture read_picture(const std::string& path) {
   Picture picture;
-  OIIO::ImageSpec as_stored;  // else OpenImageIO multiplies colours by alpha
+  OIIO::ImageSpec as_stored;  // otherwise OpenImageIO multiplies colours by alpha
   as_stored.attribute("oiio:UnassociatedAlpha", 1);
   const auto file = OIIO::ImageInput::open(path, &as_stored);
   EXPECT_NE(file, nullptr) << path;

@@ -9,7 +9,7 @@
 
 namespace multum::testing {
 
-/// An image as OpenImageIO reads it.
+/// Holds an image as OpenImageIO reads it.
 struct Picture {
   int width = 0, height = 0, channels = 0;
   bool is_half = false;

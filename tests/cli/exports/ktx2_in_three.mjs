@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Prints what three.js's KTX2Loader reads from KTX2 files in headless Chromium, as JSON: the names of the extensions
-// for
-// compressed textures, and an object per file. The object has the size, the loader's format and filter, and every
+// for compressed textures, and an object per file. The object has the size, the loader's format and filter, and every
 // level's texels as a shader reads them, floats in base64. For a file that cannot be loaded it has an error instead.
 //
 //   node tests/cli/exports/ktx2_in_three.mjs CHROMIUM FILE...

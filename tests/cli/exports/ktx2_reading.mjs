@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Prints what ktx-parse, an independent reader, finds in KTX2 files: a JSON array with one object per file. The bytes
-// of
-// levels are in base64.
+// of levels are in base64.
 //
 //   node tests/cli/exports/ktx2_reading.mjs FILE...
 import { readFileSync } from "node:fs";

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum export --lobes: the file as ktx-parse and multum read it, the difference of stored lobes from baked ones, a
-// picture by multum-view, and refusals.
+// Tests multum export --lobes: the file as ktx-parse and multum read it, the difference of stored lobes from baked
+// ones, a picture by multum-view, and refusals.
 #include <glm/geometric.hpp>
 
 #include <algorithm>
@@ -42,7 +42,7 @@ class LobeExportTest : public CliTest {
   }
 };
 
-// Root mean square errors of amplitudes and mean vectors, over all stored texels.
+// Holds root mean square errors of amplitudes and mean vectors, over all stored texels.
 struct StorageError {
   double amplitude = 0.0, vector = 0.0, spread = 0.0;
 };
@@ -65,8 +65,9 @@ StorageError storage_error(const MovmfMipmap& baked, const MovmfMipmap& stored) 
 
 TEST_F(LobeExportTest, StoresTheLobes) {
   const MovmfMipmap baked = read_movmf_mipmap(path("map.ndf.exr"));
-  // Expected errors. Halves have 11 bits. 8 bits of a lobe's range: 1/255 / sqrt(12) per channel. BC4: a seventh of a
-  // block's span. Blocks of the coarsest levels are not full: more than 4/3 on a map of 64 x 64.
+  // These errors are expected: halves have 11 bits, 8 bits of a lobe's range give 1/255 / sqrt(12) per channel, and BC4
+  // gives a seventh of a block's span. Blocks of the coarsest levels are not full, so all levels of a map of 64 x 64
+  // take more than 4/3 of the first level.
   const struct {
     const char* texels;
     double bytes_ratio;

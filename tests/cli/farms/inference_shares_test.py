@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Texture inference by several processes gives the textures, matrices and manifest of one process, whatever the number
-of shares, their order and repetition. Missing, damaged or hostile records are named, and only these are made again.
+"""Texture inference by several processes gives the same textures, matrices and manifest as one process, whatever the
+number of shares, their order and repetition. Missing, damaged or hostile records are named, and only these are made
+again.
 
   tests/cli/farms/inference_shares_test.py --programs FOLDER --traced-folder PROGRAM
 """
@@ -85,7 +86,7 @@ class InferenceSharesTest(merged_shares.MergedSharesTest):
 
     @staticmethod
     def hostile(content):
-        """Invalid parts of a record: a name, and the invalid value."""
+        """Returns invalid parts of a record, each as a name and the invalid value."""
         one = next(texture for texture in content["textures"] if texture["sha256"])
         others = [texture for texture in content["textures"] if texture is not one]
         return [("textures", others), ("textures", [*content["textures"], one]), ("seconds", [1]),

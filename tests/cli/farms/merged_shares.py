@@ -12,7 +12,7 @@ import farm_programs
 
 
 def hashes(folder):
-    """Returns the results by name, in a form that is equal for equal runs: reports hold times."""
+    """Returns hashes of the results by name, without reports, which contain times and so differ between equal runs."""
     return {str(path.relative_to(folder)): hashlib.sha256(path.read_bytes()).hexdigest()
             for path in sorted(folder.rglob("*"))
             if path.is_file() and not {"shards", "frames", "comparison"} & set(path.relative_to(folder).parts)
@@ -20,7 +20,7 @@ def hashes(folder):
 
 
 def signed(record):
-    """Writes a record as a program would that knows the format, but not the contents of a share."""
+    """Writes a record like a program that knows the format but not the contents of a share."""
     line = record if isinstance(record, str) else json.dumps(record)
     return f"{line}\n{hashlib.sha256(line.encode()).hexdigest()}\n"
 
@@ -64,7 +64,7 @@ class MergedSharesTest(unittest.TestCase):
                 shutil.rmtree(self.out)
 
     def check_damage(self, of_share_two):
-        """`of_share_two`: the name of a result that share 2 of 3 makes."""
+        """`of_share_two` is the name of a result that share 2 of 3 makes."""
         for index in (1, 3):
             self.succeed("--shard", f"{index}/3")
         self.refused("2-of-3.shard: is not there: --shard 2/3 makes it again")
@@ -87,7 +87,7 @@ class MergedSharesTest(unittest.TestCase):
             others = {path: path.stat().st_mtime_ns for path in times
                       if path.exists() and path != result and path != self.record(2) and path.suffix != ".json"}
             self.assertEqual(others, {path: times[path] for path in others})  # no other result was made again
-        for _ in range(2):  # twice, as a farm may
+        for _ in range(2):  # twice, because a farm may repeat it
             self.succeed("--merge", 3)
             self.assertEqual(hashes(self.out), self.whole)
 

@@ -38,7 +38,7 @@ def numbers(expression):
 
 
 def chunks(values, count):
-    """A contiguous range, as "2-4" or "5"."""
+    """Returns contiguous ranges of `count` values, such as "2-4" or "5"."""
     groups = [values[i:i + count] for i in range(0, len(values), count)]
     return [f"{group[0]}-{group[-1]}" if len(group) > 1 else f"{group[0]}" for group in groups]
 
@@ -90,7 +90,7 @@ class Bundle:
         return tasks
 
     def run_task(self, step, values, cancel_at=None):
-        """`cancel_at`: the percentage at which the task is canceled."""
+        """`cancel_at` is the percentage at which the task is canceled."""
         task = Task(values, 0, "", [], [], [])
         with subprocess.Popen(self.command(step, values), stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
                               text=True) as child:

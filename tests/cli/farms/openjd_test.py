@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
 """Tests multum on render farms. Job bundles of Open Job Description are checked against the published schema and run by
-the specification, and give the same files as without a farm; shares of several maps; exit codes.
+the specification, and give the same files as without a farm. Also tests shares of several maps, and exit codes.
 
   tests/cli/farms/openjd_test.py --programs FOLDER --traced-folder PROGRAM
 """

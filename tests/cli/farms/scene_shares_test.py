@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""A scene baked by several processes gives the files and the plan of one process, whatever the number of shares, their
-order and repetition. Missing, damaged or hostile records are named, and only these are made again.
+"""A scene baked by several processes gives the same files and the same plan as one process, whatever the number of
+shares, their order and repetition. Missing, damaged or hostile records are named, and only these are made again.
 
   tests/cli/farms/scene_shares_test.py --programs FOLDER
 """
@@ -83,7 +83,7 @@ class SceneSharesTest(merged_shares.MergedSharesTest):
 
     @staticmethod
     def hostile(content):
-        """Invalid parts of a record: a name, and the invalid value."""
+        """Returns invalid parts of a record, each as a name and the invalid value."""
         [one] = content["maps"]
         return [("maps", []), ("maps", [one, one]), ("maps", [{**one, "name": "../wall"}]),
                 ("maps", [{**one, "row": {"name": "other"}}]), ("maps", [{**one, "baked": 3}])]

@@ -37,7 +37,7 @@ class Row:
     words: tuple
     keeps: tuple = ()   # prefixes of names, also hidden ones, that may exist after the stop
     before: tuple = ()  # commands that make its inputs in `out`
-    timed: tuple = ("report.json", "report.html")  # results that hold times and so differ between runs
+    timed: tuple = ("report.json", "report.html")  # results that contain times and so differ between runs
     until: str = ""     # a stage that must have begun before the stop
     share: float = 0.3  # share of its run time before the stop
 
@@ -155,7 +155,7 @@ class SigtermTest(unittest.TestCase):
                     break
             time.sleep(pause)
             child.send_signal(signal.SIGTERM)
-            time.sleep(0.01)  # else both signals count as one
+            time.sleep(0.01)  # otherwise both signals count as one
             child.send_signal(signal.SIGTERM)
             sent = time.monotonic()
             said = child.communicate(timeout=GRACE_SECONDS)[1]
@@ -179,7 +179,7 @@ class SigtermTest(unittest.TestCase):
                     code, waited, said = self.stopped(row, out, pause)
                     self.assertIn(code, (0, 130), said)
                     self.assertLess(waited, GRACE_SECONDS / 4)
-                    if code == 130:  # else the run had ended before the signal
+                    if code == 130:  # otherwise the run had ended before the signal
                         break
                 self.assertEqual(code, 130, "the command ended before the signal")
                 self.assertIn("cancelled", said)

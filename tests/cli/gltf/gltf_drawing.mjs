@@ -27,7 +27,7 @@ import { GLTFLoader } from "three/addons/loaders/GLTFLoader.js";
 import { KTX2Loader } from "three/addons/loaders/KTX2Loader.js";
 import { compared } from "./linear_pictures.js";
 const plan = ${JSON.stringify({ ...plan, models: plan.models.map((file, i) => `model${i}/${path.basename(file)}`) })};
-const SIDE = 64, SAMPLES = 12; // of a picture; per pixel in each direction
+const SIDE = 64, SAMPLES = 12; // pixels per side of a picture; samples per pixel in each direction
 const renderer = new THREE.WebGLRenderer({ antialias: false });
 renderer.outputColorSpace = THREE.LinearSRGBColorSpace;
 const ktx2 = new KTX2Loader().setTranscoderPath("./three/examples/jsm/libs/basis/").detectSupport(renderer);

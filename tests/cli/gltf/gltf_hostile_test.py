@@ -88,7 +88,7 @@ class HostileTest(unittest.TestCase):
             return change
 
         view = setting("bufferViews", 0, "byteLength", to=2**40)
-        cases = ((view, "buffer view 0 has bytes 0 to 1099511627776"),
+        cases = ((view, "buffer view 0 refers to bytes 0 to 1099511627776"),
                  (setting("bufferViews", 0, "byteOffset", to=2**64 - 8), "buffer view 0"),
                  (setting("bufferViews", 0, "byteOffset", to=-4), "buffer view 0"),
                  (setting("bufferViews", 0, "buffer", to=1), "buffer is 1"),
@@ -160,7 +160,7 @@ class HostileTest(unittest.TestCase):
         self.assertEqual(sorted(os.listdir(self.folder)), ["in.glb", "model"])
         run = subprocess.run(command, capture_output=True, text=True, check=False, env=without_node)
         self.assertEqual(run.returncode, 0, run.stderr)
-        for word in ("new textures are RGBA8", "Node.js", "npm install"):
+        for word in ("new textures are stored as RGBA8", "Node.js", "npm install"):
             self.assertIn(word, run.stderr)
 
     def test_broken_at_random(self):
@@ -180,7 +180,7 @@ class HostileTest(unittest.TestCase):
             elif number % 3 == 1:  # changes any byte of the frame and the JSON
                 for _ in range(3):
                     data[rng.randrange(20 + len(text))] = rng.randrange(256)
-            else:  # the images
+            else:  # changes the images
                 for _ in range(10):
                     data[rng.randrange(len(good) - len(model.bytes), len(good))] = rng.randrange(256)
             with open(self.path("model/in.glb"), "wb") as file:

@@ -104,7 +104,7 @@ class GltfLobesTest(FolderCase):
             self.assertEqual((found, layers), expected, arguments)
             storage = report["textures"][0]["storage"]["lobes"]
             points[storage["format"]] = storage["points"]
-        # The error that storing adds to a picture.
+        # Storing the lobes adds this error to a picture.
         self.assertLess(points["rgba8"], 0.5 * points["bc"])
         self.assertLess(points["rgba16f"], 0.1 * points["bc"])
         # Without an option, blocks are chosen unless their error is visible.
@@ -145,9 +145,9 @@ class GltfLobesTest(FolderCase):
         self.assertEqual(self.lobes_of(after, 0), self.lobes_of(after, 1))  # the same map, without roughness in it
 
     def coloured(self, *colours):
-        """Converts steep facets with one material for each of `colours`. Facets that look right are bright ("with"),
-        any facets are ("against"), or the colours have another size ("small"). Returns the file, its first lobes, the
-        report."""
+        """Converts steep facets with one material for each of `colours`. With "with", facets that look right are
+        bright; with "against", any facets are; with "small", the colours have another size. Returns the file, its first
+        lobes, the report."""
         side, rng = 64, random.Random(5)
         slopes = [[(rng.gauss(0, 0.6), rng.gauss(0, 0.6)) for _ in range(side)] for _ in range(side)]
         chance = [[rng.random() < 0.5 for _ in range(side)] for _ in range(side)]
@@ -204,7 +204,7 @@ class GltfLobesTest(FolderCase):
     @unittest.skipUnless(shutil.which("node") and (MODULES / "three").is_dir(),
                          "no npm packages: tools/install_dependencies test")
     def test_colours_of_lobes_are_drawn(self):
-        """Readers that do not support the lobes have the higher error."""
+        """Readers that do not support the lobes have a higher error."""
         self.coloured("with")
         known = self.read("out.glb")
         self.assertEqual(known.count(b'"colours"'), 1)
@@ -294,8 +294,8 @@ class GltfLobesTest(FolderCase):
         return found
 
     def draw(self):
-        """From far away, lobes have a lower error against many samples per pixel than one lobe; plain mips have the
-        highest error."""
+        """From far away, lobes have a lower error, relative to many samples per pixel, than one lobe; plain mips have
+        the highest error."""
         run = self.run_gltf("in.glb", "mips.glb", "--lobes")
         self.assertEqual(run.returncode, 0, run.stderr)
         view = {"angle": 20, "target": [0, 0, 0], "width": 64, "height": 64, "samples": 12, "frames": 1, "edges": 0,

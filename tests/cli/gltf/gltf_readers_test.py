@@ -122,7 +122,7 @@ class ReadersTest(FolderCase):
             self.assertEqual(texture["size"], [256, 256])
             self.assertEqual((texture["vkFormat"], texture["model"]), (0, UASTC_MODEL))
             self.assertEqual(texture["supercompression"], ZSTANDARD)
-            self.assertEqual((texture["primaries"], texture["transfer"]), (0, 1))  # none; linear
+            self.assertEqual((texture["primaries"], texture["transfer"]), (0, 1))  # no primaries, linear transfer
             self.assertEqual(texture["orientation"], "rd")
             self.assertEqual(texture["levels"], [16 * max(1, 64 >> level)**2 for level in range(9)])
         near, far = self.draw("plate.png", {"models": [self.path(name) for name in names[:3]], "distances": [0.15, 5.5],

@@ -115,7 +115,7 @@ class GltfTest(FolderCase):
         self.assertEqual(report["textures"][0]["levels"], 5)
         self.assertEqual(report["bytes_after"], len(self.read("out.glb")))
         self.assertEqual(report["bytes_before"], len(self.read("in.glb")))
-        self.assertIn("outside of KHR_texture_basisu", self.messages)
+        self.assertIn("which KHR_texture_basisu, the extension", self.messages)
 
     def test_level_0_of_normals_stays_as_it_was(self):
         """Includes vectors that are not unit vectors, whose directions another rounding would change."""
@@ -225,7 +225,7 @@ class GltfTest(FolderCase):
     def test_one_bad_map_leaves_the_others(self):
         grey = png(16, 16, lambda x, y: (128, 128, 128))
         slopes = bumps(32, 32, 0.3)
-        # A map with occlusion in blue, where z should be.
+        # This map has occlusion in blue, where z should be.
         packed_blue = png(32, 32, lambda x, y: (code(0.3 * math.sin(0.6 * x)), code(0.3 * math.sin(0.6 * y)),
                                                 round(150 + 50 * math.sin(0.2 * x) + 55 * math.cos(0.3 * y))))
         for bad, scale, options, word in ((grey, 1.0, (), "grey"), (slopes, 1e300, (), "scale is 1e+300"),
@@ -326,7 +326,7 @@ class GltfTest(FolderCase):
         model.json["accessors"][0]["extras"] = {"index": 0, "bufferView": 77, "text": "gr\u00fc\u00df", "big": 2**60,
                                                 "small": 1e-300, "none": None, "deep": [[[]], {}]}
         shared = model.json["bufferViews"][model.json["images"][0]["bufferView"]]
-        # An additional view of an image's bytes: the bytes stay.
+        # If an image's bytes have an additional view, the bytes stay.
         model.json["bufferViews"].append({**shared, "name": "the same"})
         model.json["bufferViews"].append({**shared, "byteOffset": shared["byteOffset"] + 20, "byteLength": 30})
         interleaved = model.view(bytes(range(96)), byteStride=24, target=34962)
@@ -385,7 +385,8 @@ class GltfTest(FolderCase):
             after, report = self.convert(model)
             level = after.levels(1)[0]
             self.assertEqual((level.width, level.height), (8, 8))
-            # A quarter of a texel beyond the border: either the border itself or the opposite side.
+            # The point is a quarter of a texel beyond the border, so it shows either the border itself or the opposite
+            # side.
             self.assertAlmostEqual(level.at(0, 3)[1], expected, delta=1)
             self.assertAlmostEqual(level.at(2, 3)[1], 160, delta=1)
             self.assertIn("one size", report["materials"][0]["notes"][0])

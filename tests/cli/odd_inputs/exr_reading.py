@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Reads OpenEXR files and baked ones by docs/reference/file_format.md and the OpenEXR file layout, with only Python's
 standard library.
-Supports scan lines and tiles, several parts, levels; uncompressed, RLE, ZIPS and ZIP. Lacks deep data, subsampling."""
+Supports scan lines, tiles, several parts and levels, uncompressed or with RLE, ZIPS or ZIP. Does not support deep data
+or subsampling."""
 import hashlib
 import math
 import struct
@@ -141,7 +142,7 @@ def read_exr(data):
     return parts
 
 
-# Reading of baked files.
+# The following functions read baked files.
 
 ORDER = "RGBAXYZ"
 

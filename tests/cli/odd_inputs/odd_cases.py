@@ -34,7 +34,7 @@ class Case:
     kind: str
     data: bytes
     extension: str
-    picture: Picture = None  # decoded by these tests' own decoder; None: refused
+    picture: Picture = None  # decoded by these tests' own decoder; None if it is refused
     meaning: Meaning = field(default_factory=Meaning)
     options: tuple = ()
     warns: tuple = ()  # each must be in one of the warnings
@@ -192,15 +192,15 @@ class Generator:
             vectors = [(x, -y, z) for x, y, z in surface(width, height, self.random, steepness)]
             return picture_of(vectors, width, height, "uint", 16, False)
 
-        for _ in range(6):  # found
+        for _ in range(6):  # the program finds the direction
             data = self.png(down(LARGE), 2)
             self.add("green", data, "png", read_png(data), Meaning(green=-1))
-        for _ in range(4):  # said
+        for _ in range(4):  # the option says the direction
             data = self.png(down(SIZES), 2)
             self.add("green", data, "png", read_png(data), Meaning(green=-1), ("--green", "down"))
         data = self.png(down(LARGE), 2)
         self.add("green", data, "png", read_png(data), Meaning(), ("--green", "up"), ("green was set to up",))
-        for size in ((5, 7), (8, 8)):  # too small for statistics: read as up
+        for size in ((5, 7), (8, 8)):  # too small for statistics, so green is read as up
             data = self.png(down((size,)), 2)
             self.add("green", data, "png", read_png(data), Meaning(), (), ("--green up or --green down",))
         picture, meaning = self.normals(bits=16)

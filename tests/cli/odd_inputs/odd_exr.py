@@ -15,7 +15,7 @@ class ExrPart:
     height: int
     channels: dict  # name: (type, values row by row)
     origin: tuple = (0, 0)
-    display: tuple = ()  # left, top, right, bottom; (): the data window
+    display: tuple = ()  # left, top, right, bottom; empty for the data window
     compression: int = 0
     decreasing: bool = False
     tile: int = 0

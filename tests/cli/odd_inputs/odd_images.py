@@ -15,17 +15,17 @@ class Picture:
     kind: str  # "uint", "int" or "float"
     bits: int
     samples: list = field(repr=False)
-    colours: int = 0  # leading channels without alpha; 0: all
+    colours: int = 0  # number of leading channels without alpha; 0 for all
 
     def values(self):
-        """Unsigned integers as 0..1, signed ones as -1..1, floats unchanged."""
+        """Returns unsigned integers as 0..1, signed ones as -1..1, and floats unchanged."""
         if self.kind == "float":
             return list(self.samples)
         largest = 2**(self.bits if self.kind == "uint" else self.bits - 1) - 1
         return [sample / largest for sample in self.samples]
 
     def texels(self, count=None):
-        """[texel][channel] of the first `count` channels; by default, of all channels except alpha."""
+        """Returns [texel][channel] of the first `count` channels; by default, of all channels except alpha."""
         values, n = self.values(), self.channels
         count = count or self.colours or n
         return [values[i:i + count] for i in range(0, len(values), n)]
@@ -55,8 +55,8 @@ def png_chunk(kind, body):
 
 
 def paeth(a, b, c):
-    """Paeth predictor, W3C PNG, 9.4: the neighbour closest to a + b - c; ties go to left, then above, then upper
-    left."""
+    """Returns the Paeth predictor (W3C PNG, 9.4): the neighbour closest to a + b - c; ties go to left, then above, then
+    upper left."""
     p = a + b - c
     return min((abs(p - a), 0, a), (abs(p - b), 1, b), (abs(p - c), 2, c))[2]
 
@@ -86,7 +86,8 @@ def passes_of(width, height, is_interlaced):
 
 def write_png(width, height, colour_type, depth, samples, random, palette=None, transparent=None, chunks=(),
               interlace=False):
-    """`samples`: interleaved codes; for palettes, indices. `chunks`: (kind, body) between header and palette."""
+    """`samples` are interleaved codes, or indices for palettes. `chunks` are (kind, body) between header and
+    palette."""
     n = CHANNELS[colour_type]
     data = b""
     for columns, rows in passes_of(width, height, interlace):

@@ -19,16 +19,16 @@ class Layout:
     is_big: bool = False  # BigTIFF
     is_planar: bool = False
     tile: tuple = ()  # width, height
-    rows_per_strip: int = 0  # 0: one strip; -1: omits the tag
+    rows_per_strip: int = 0  # 0 for one strip; -1 omits the tag
     compression: int = NONE
     predictor: int = 1
-    photometric: int = -1  # default: from the number of channels
+    photometric: int = -1  # by default chosen from the number of channels
     extra: tuple = ()  # 0: unspecified, 1: associated alpha, 2: unassociated alpha
     colour_map: list = field(default_factory=list)  # 16-bit words: all red, all green, all blue
     orientation: int = 0
     subfile: int = -1
     more_pages: int = 0
-    left_out: int = 0  # a tag
+    left_out: int = 0  # a tag to leave out
 
 
 def lzw_encoded(data):
@@ -112,7 +112,7 @@ def float_row(numbers, bits):
 
 
 def encoded_row(samples, picture, layout, step):
-    """Returns the bytes of one row of a block. `step`: samples per texel in the row."""
+    """Returns the bytes of one row of a block. `step` is the number of samples per texel in the row."""
     bits = picture.bits
     codes = float_row(samples, bits) if picture.kind == "float" else [sample % (1 << bits) for sample in samples]
     if layout.predictor == 2:

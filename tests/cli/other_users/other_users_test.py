@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Two users of one machine: one plants links, folders and pipes where the other bakes. The other user loses no file,
-and no output is led elsewhere. Needs root to become both users; otherwise it says so and is skipped (exit code 77).
+"""Tests two users of one machine. One plants links, folders and pipes where the other bakes. The other user loses no
+file, and no output is led elsewhere. Needs root to become both users; otherwise it says so and is skipped (exit code
+77).
 
   other_users_test.py MULTUM [unittest's arguments]
 """
@@ -69,7 +70,7 @@ class OtherUsersTest(unittest.TestCase):
         shutil.rmtree(cls.top)
 
     def setUp(self):
-        """A folder like /tmp, and a folder as studios share it, where everybody may rename files."""
+        """Makes a folder like /tmp, and a shared folder as in studios, where everybody may rename files."""
         self.shared = {}
         for name, mode in (("sticky", 0o1777), ("open", 0o777)):
             folder = os.path.join(self.top, name)

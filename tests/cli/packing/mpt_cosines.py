@@ -20,7 +20,7 @@ class CosineStream:
             for u in range(side):
                 self.bands[band_of(max(u, v))].append(v * side + u)
         for band in self.bands:
-            band.sort(key=lambda at: at // side + at % side)  # stable
+            band.sort(key=lambda at: at // side + at % side)  # a stable sort
         self.group_columns = -(-self.columns // 4)
         self.groups = [[] for _ in range(self.group_columns * -(-self.rows // 4))]
         for number in range(self.columns * self.rows):

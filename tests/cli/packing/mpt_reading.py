@@ -71,7 +71,7 @@ class Section:
 
 
 class PackedField:
-    """`sections`; `description`; `chunk()` decodes one."""
+    """Has `sections` and a `description`; `chunk()` decodes one chunk."""
 
     def __init__(self, data):
         self.data, reader = data, ByteReader(data)

@@ -26,7 +26,7 @@ STRETCH = stretch_table()
 
 
 def quotient(a, b):
-    """Divides, rounding towards zero, b > 0."""
+    """Divides and rounds towards zero; b > 0."""
     return a // b if a >= 0 else -(-a // b)
 
 

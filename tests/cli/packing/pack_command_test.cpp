@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum pack, unpack, info and verify on a small inferred animation: unpacked textures, targets, the same bytes for
-// any
-// number of threads, and the effect of damage.
+// Tests multum pack, unpack, info and verify on a small inferred animation: unpacked textures, targets, the same bytes
+// for any number of threads, and the effect of damage.
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -49,7 +48,8 @@ class PackCommandTest : public TracedSceneTest {
       values.insert(values.end(), drawn.channels.at(c).begin(), drawn.channels.at(c).end());
     return values;
   }
-  // Mean squared difference of the frames drawn from both folders, 8-bit units at gamma 2.2, over all samples.
+  // Returns the mean squared difference of the frames drawn from both folders over all samples, in 8-bit units at gamma
+  // 2.2.
   double drawn_mse(const std::string& folder) const {
     double sum = 0.0, count = 0.0;
     for (const char* sample : {"0,0", "0,1", "1,0", "1,1", "2,0", "2,1"}) {
@@ -62,7 +62,7 @@ class PackCommandTest : public TracedSceneTest {
     }
     return sum / count;
   }
-  // Mean squared difference of the frames of inferred textures from the ray-traced pictures.
+  // Returns the mean squared difference between frames of inferred textures and the ray-traced pictures.
   double inferred_mse() const {
     double sum = 0.0, count = 0.0;
     for (int view = 0; view < 3; ++view)
@@ -151,7 +151,7 @@ TEST_F(PackCommandTest, TargetsAreMet) {
   EXPECT_FALSE(fs::exists(path("none.mpt")));
 }
 
-// Six small samples have 324 bytes at 384:1, less than the size of their description.
+// At 384:1, six small samples get 324 bytes, less than the size of their description.
 TEST_F(PackCommandTest, TheDefaultRatioGivesWayToTheError) {
   const std::string times = "times the error of the inferred textures";
   const ProgramResult packed = pack("default.mpt", {});
@@ -298,7 +298,7 @@ TEST_F(PackCommandTest, ADamagedChunkCostsThatChunkAndIsNamed) {
       }
 }
 
-// Drawing straight from the file leaves out what unpacking leaves out, with the same message.
+// Drawing straight from the file leaves out the same textures as unpacking, with the same message.
 TEST_F(PackCommandTest, ADamagedChunkIsLeftOutOfPictures) {
   ASSERT_EQ(pack("field.mpt", {"--lambda", "50"}).exit_code, 0);
   const std::vector<float> whole = frame("field.mpt", "1,0");
@@ -348,7 +348,7 @@ TEST_F(PackCommandTest, DamagedCutAndOtherFilesAreRefused) {
 }
 
 TEST_F(PackCommandTest, CancelledLeavesNothing) {
-  // Stops when the first chunk is done, or before it is begun.
+  // Stops when the first chunk is finished, or before it is started.
   const auto stops_in = [](const std::string& stage, std::uint64_t units) {
     return Progress(
         [=](const ProgressEvent& event) { return !(event.stage.starts_with(stage) && event.units_done >= units); });

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum pack within a memory limit and after a stop: gives the same bytes, whatever it reads again or reuses.
+// Tests multum pack within a memory limit and after a stop. It gives the same bytes, whatever it reads again or reuses.
 #include <signal.h>
 
 #include <chrono>
@@ -126,7 +126,7 @@ TEST_F(PackResumeTest, AKilledPackingGoesOn) {
   ProgramResult result = multum(
       {"pack", path("out"), "-o", path("field.mpt"), "--resume", "--mse-max", "0.002", "-v", "--pyramid", "greedy"});
   ASSERT_EQ(result.exit_code, 0) << result.err;
-  expect_says(result.out, {"taken from a stopped packing"});
+  expect_says(result.out, {"taken from an interrupted packing"});
   EXPECT_EQ(multum({"verify", path("field.mpt")}).exit_code, 0);
 }
 

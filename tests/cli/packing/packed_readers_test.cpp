@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Packed fields in independent readers: Python by docs/reference/packed_fields.md (mpt_reading.py), and the decoder as
-// WebAssembly in Node (tools/wasm_decoder). Reads chunks of every kind that a file may have, and a field that multum
-// packed.
+// Tests packed fields with independent readers: a reader in Python by docs/reference/packed_fields.md (mpt_reading.py),
+// and the decoder as WebAssembly in Node (tools/wasm_decoder). They read chunks of every kind that a file may have, and
+// a field that multum packed.
 #include <fmt/format.h>
 #include <half.h>
 
@@ -41,7 +41,8 @@ std::vector<ChunkKind> all_kinds() {
     kinds.push_back({width, height, std::move(sizes), settings});
     return kinds.back().settings;
   };
-  // Magnitudes up to some thousands, odd sizes and single rows; coarse images whose planes and bands are empty.
+  // Makes magnitudes up to some thousands, odd sizes and single rows, and coarse images whose planes and bands are
+  // empty.
   add(21, 9, {3, 2}, ImageCoder::kDct, 8, 0.01).levels = plain_levels({3, 2});
   add(40, 19, {5}, ImageCoder::kDct, 16, 2.0).levels = {{3}, {1}, {0}};
   kinds.back().settings.linear = true;
@@ -153,7 +154,7 @@ TEST_F(PackedReadersTest, PythonDecodesChunksOfEveryKind) {
 }
 
 // Compares every texture of every sample of the field's description, with its mip levels, with `multum unpack`. The
-// tolerance: halves have 2^-11 of a value, or 2^-25 below 2^-14; the rest is single precision.
+// tolerance covers halves, whose error is 2^-11 of a value, or 2^-25 below 2^-14; the other steps use single precision.
 TEST_F(PackedReadersTest, PythonFindsTheTexturesThatAreUnpacked) {
   if (std::string(MULTUM_NUMPY_PYTHON).empty()) GTEST_SKIP() << "no numpy (Debian package python3-numpy)";
   pack_traced_scene();

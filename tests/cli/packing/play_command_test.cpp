@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum-view play on a small animation that the test infers and packs: the same frames as `sample` for any number of
-// threads, cameras between samples, damage, too little memory, refusals.
+// Tests multum-view play on a small animation that the test infers and packs: the same frames as `sample` for any
+// number of threads, cameras between samples, damage, too little memory, refusals.
 #include <filesystem>
 
 #include <fmt/format.h>
@@ -64,13 +64,13 @@ int difference(const Png8Image& a, const Png8Image& b) {
 TEST_F(PlayCommandTest, FramesAtSamplesAreThoseOfSample) {
   const ProgramResult played = play("frames", {"--path", "view=0..2,light=1", "--frames", "3"});
   ASSERT_EQ(played.exit_code, 0) << played.err;
-  expect_says(played.out, {"written: 3 frames", "chunks decoded"});
+  expect_says(played.out, {"written: 3 frames", "; decoded "});
   ASSERT_EQ(play("mixed", {"--path", "view=0..2,light=1", "--frames", "3", "--linear"}).exit_code, 0);
   ASSERT_EQ(play("coarse", {"--path", "view=0..2,light=1", "--frames", "3", "--supersampling", "1"}).exit_code, 0);
   for (int v = 0; v < 3; ++v) {
     const Png8Image exact = sample(fmt::format("{},1", v));
     EXPECT_EQ(difference(frame("frames", v), exact), 0) << v;
-    // Sums of half-float images differ by at most 2e-3 of textures: less than an 8-bit step.
+    // Sums of half-float images differ from textures by at most 2e-3, which is less than an 8-bit step.
     EXPECT_LE(difference(frame("mixed", v), exact), 1) << v;
     EXPECT_GT(difference(frame("coarse", v), exact), 2) << "edges are not averaged";
   }
@@ -134,7 +134,8 @@ TEST_F(PlayCommandTest, CamerasMoveBetweenSamplesAndTexturesAreMixedWhenAsked) {
 }
 
 TEST_F(PlayCommandTest, APathThatWasRecordedIsPlayed) {
-  // At 2 frames per second: positions after 0, 0.5 (the second of two), 1, 1.5 and 2 s of 2.5.
+  // At 2 frames per second, frames show the positions after 0, 0.5, 1, 1.5 and 2 s of 2.5 s. At 0.5 s the path has two
+  // positions, of which the second counts.
   const ProgramResult played = play("recorded", {"--path", MULTUM_RECORDED_PATH, "--rate", "2"});
   ASSERT_EQ(played.exit_code, 0) << played.err;
   const json frames = statistics("recorded")["frames"];
@@ -161,7 +162,7 @@ TEST_F(PlayCommandTest, WithoutWaitingWhatIsThereIsDrawn) {
   ASSERT_EQ(played.exit_code, 0) << played.err;
   const json found = statistics("frames");
   for (const json& one : found["frames"]) EXPECT_LE(one["images_missing"], one["images_needed"]);
-  // By the end of the path most images are decoded. On any machine, the last sample's images are decoded.
+  // By the end of the path, most images are decoded. At least the last sample's images are decoded on every machine.
   EXPECT_LE(found["bytes_most"], found["memory_max"]);
   double sum = 0.0, count = 0.0;
   const Png8Image shown = frame("frames", 29), exact = sample("2,1");

@@ -7,8 +7,8 @@ these tests are skipped with a message.
 
   kills_and_disks_test.py MULTUM [--all] [unittest's arguments]
 
---all kills each command at eight moments and fills six disks; otherwise two and two. limit_sweep_test.cpp tests
-`ulimit`.
+--all kills each command at eight moments and fills six disks; the default is two moments and two disks.
+limit_sweep_test.cpp tests `ulimit`.
 """
 import hashlib
 import os
@@ -166,8 +166,8 @@ class SweepTest(unittest.TestCase):
         self.assertEqual(contents(self.out), expected)
 
     def disk(self, kibibytes):
-        """Returns words that, before a command, mount a disk of that size at out. Files that remain are copied to
-        left."""
+        """Returns words to put before a command, which mount a disk of that size at out. Files that remain are copied
+        to left."""
         script = ('mount -t tmpfs -o size="$1"k,mode=0755 tmpfs out && shift && status=0 && { "$@" || status=$?; } && '
                   'cp -a out/. left && exit $status')
         return ["unshare", "-m", "bash", "-c", "mount --make-rprivate / && " + script, "bash", str(kibibytes)]

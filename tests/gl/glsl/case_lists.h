@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The parts of the registry of cases, grouped by shader.
+// Declares the parts of the registry of cases, grouped by shader.
 #pragma once
 
 #include "tests/gl/glsl/glsl_cases.h"

@@ -34,8 +34,8 @@ Texture flat_texture(const GlFunctions& gl, const glm::vec4& value) {
 
 glm::dmat3 SmoothLight::quadratic() { return {0.5, 0.2, 0.1, 0.2, -0.3, 0.0, 0.1, 0.0, -0.2}; }
 
-// Integrates along rings about n, where the integrand is smooth: a polynomial of degree 3 along each, and three
-// frequencies around it.
+// Integrates over rings about n. The integrand is smooth: a polynomial of degree 3 in the cosine to n, and three
+// frequencies around n.
 double SmoothLight::irradiance(const glm::dvec3& n) const {
   constexpr int kRings = 200, kAround = 8;
   const glm::dvec3 along =

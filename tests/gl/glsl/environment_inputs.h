@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Environments with known exact results, for the numerical cases of light/ and surface/.
+// Defines environments with known exact results, for the numerical cases of light/ and surface/.
 #pragma once
 
 #include <string>
@@ -36,7 +36,7 @@ constexpr float kLevelSpreads[kLevelCount] = {1e-3f, 1e-2f, 0.1f, 0.5f, 0.9f};
 /// Sets the uniforms of the levels and of one term of the facets.
 void set_levels(const ShaderProgram& program);
 
-/// Equal light from every direction, on a surface that reflects the share highlight() / radiance.
+/// Light that is equal from every direction, on a surface that reflects the share highlight() / radiance.
 class ConstantLight {
  public:
   explicit ConstantLight(const GlFunctions& gl);

@@ -57,7 +57,7 @@ TEST(GlslCases, HoldWithTheirGuardsAndBreakWithout) {
   if (const char* path = std::getenv("MULTUM_STABILITY_JSON")) write_text_file(path, case_json(run));
 }
 
-// A function of runtime_gl/shaders: its file, its name, and its text before the brace.
+// A function of runtime_gl/shaders, by its file, its name, and its text before the brace.
 struct Formula {
   std::string file, name, type, head;
 };
@@ -85,7 +85,7 @@ bool is_of(const GlslCase& c, const Formula& f) {
          std::find(c.functions.begin(), c.functions.end(), f.name) != c.functions.end();
 }
 
-// Functions whose faults show only in pictures.
+// Functions whose faults appear only in pictures, and the tests of these pictures.
 const std::map<std::string, std::string> kByPictures = {
     {"texture_filter.glsl multum_footprint", "TextureFilterTest, TapsAreTheirsInDouble"},
     {"texture_filter.glsl multum_first_tap", "TextureFilterTest, TapsAreTheirsInDouble"},

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The numerical cases of runtime_gl/shaders, like those of the kernels (host/lab/selftest), run by a GL context.
+// Declares the numerical cases of runtime_gl/shaders. They are like those of the kernels (host/lab/selftest), but run
+// in a GL context.
 #pragma once
 
 #include <functional>
@@ -26,7 +27,7 @@ struct GlslCase {
 
 const std::vector<GlslCase>& glsl_cases();
 
-/// Values of a and b at which an expression is evaluated.
+/// Holds values of a and b at which an expression is evaluated.
 using GlslInputs = std::vector<std::pair<glm::vec4, glm::vec4>>;
 
 /// Evaluates the expression, a vec4 of a and b, at each input; `variant` adds flags, formulas, uniforms and a texture.
@@ -39,7 +40,7 @@ struct GlslComparison {
   std::string expression;
   GlslInputs inputs;
   std::function<glm::dvec4(const glm::dvec4& a, const glm::dvec4& b)> exact;
-  bool is_relative = false;  // errors relative to each exact value; else absolute
+  bool is_relative = false;  // if true, errors are relative to each exact value, otherwise absolute
   ShaderHarnessInput variant = {};
 };
 

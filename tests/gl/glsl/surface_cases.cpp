@@ -183,7 +183,7 @@ void exponents_of_roughness(const GlFunctions& gl, const Edits& edits, WorstErro
   compare_glsl(gl, edits, c, worst);
 }
 
-// Shader statements that store the basis functions of the normal up to order 2, as a file stores them.
+// Contains shader statements that store the basis functions of the normal up to order 2, as a file stores them.
 constexpr char kFillHarmonics[] =
     "  vec3 n = a.xyz;\n"
     "  surface.parts[0] = a.w * vec4(0.48860251 * n.yzx, 1.09254843 * n.x * n.y);\n"
@@ -324,8 +324,9 @@ void tangents_along_the_normal(const GlFunctions& gl, const Edits& edits, WorstE
 }
 
 std::vector<GlslCase> environment_cases() {
-  const std::string none = "an empty material reflects light from all directions, or gives NaN",
-                    unit = "absolute error", reason = "a filter with nine weights averages equal texels";
+  const std::string none = "a material without lobes reflects light from all directions, or gives NaN",
+                    unit = "absolute error",
+                    reason = "the result is a sum of nine equal texels, whose weights are rounded";
   return {
       {{"glsl-lobes-in-an-environment", "movmf.glsl", none, "lobes with amplitudes up to 1e-6 are ignored", 1e-4, unit,
         reason},
@@ -335,14 +336,15 @@ std::vector<GlslCase> environment_cases() {
        {glsl_edit("reflection.specular = lobe.w * multum_environment_specular(mu, d, v);",
                   "reflection.specular = multum_environment_specular(mu, d, v);"),
         glsl_edit("if (lobe.w <= MULTUM_AMPLITUDE_MIN) return reflection;", "")}},
-      {{"glsl-means-in-an-environment", "normals.glsl", none, "a mean shorter than 1e-12 counts as an empty material",
-        1e-4, unit, reason},
+      {{"glsl-means-in-an-environment", "normals.glsl", none,
+        "a mean shorter than 1e-12 counts as a material that reflects nothing", 1e-4, unit, reason},
        {glsl_edit("if (length(mean) <= MULTUM_MEAN_MIN) return", "if (false) return")},
        means_in_an_environment,
        {"multum_reflect_environment"}},
-      {{"glsl-harmonics-in-an-environment", "sh.glsl", "a series of two bands is negative behind a strong light",
+      {{"glsl-harmonics-in-an-environment", "sh.glsl",
+        "a series of only two bands becomes negative on the side opposite to a strong light",
         "the sum is at least 0, and a share of 0 reflects nothing", 1e-4, unit,
-        "the quadrature that gives the expected value has an error"},
+        "the expected value is a numerical integral, which has an error of its own"},
        {glsl_edit("return max(sum, vec3(0.0));", "return sum;")},
        harmonics_in_an_environment,
        {"multum_reflect_environment", "multum_sh_irradiance"}},
@@ -354,45 +356,51 @@ std::vector<GlslCase> environment_cases() {
 std::vector<GlslCase> glsl_surface_cases() {
   const std::string
       unit = "absolute error",
-      behind = "light from exactly behind or an empty material causes a division of 0 by 0",
-      reason = "errors of 6e-8 in n and h grow with the exponent of 16, and visibility is divided by cosines near 0";
+      behind = "light from straight behind, or a material without lobes, causes a division of 0 by 0",
+      reason = "the exponent 16 multiplies errors of 6e-8 in n and h, and visibility is divided by cosines near 0";
   std::vector<GlslCase> cases = {
       {{"glsl-single-normals-as-lobes", "movmf.glsl", behind,
         "divisors are at least 1e-6, and lobes with amplitudes up to 1e-6 are ignored", 2e-4, unit, reason},
        {glsl_edit("sum / max(length(sum), 1e-6)", "normalize(sum)")},
        single_normals_as_lobes,
        {"multum_reflect", "multum_lobe_visibility"}},
-      {{"glsl-visibility-of-opposite-half-vectors", "movmf.glsl", "n . h is computed at the lobe's mean, not near h",
-        "n . h is computed with a direction between h and the mean; if h and the mean cancel, the divisor is at least "
-        "1e-6",
-        1e-2, unit, "the cosine model has an error of 0.22 % for l and v, and V exceeds 1"},
+      {{"glsl-visibility-of-opposite-half-vectors", "movmf.glsl",
+        "the visibility uses n . h at the lobe's mean, although the facets that reflect are near h",
+        "n . h is computed with a direction between h and the mean, and if h and the mean cancel, the divisor is at "
+        "least 1e-6",
+        1e-2, unit,
+        "the model of the mean cosine has an error of 0.22 % for both l and v, and the visibility can exceed 1"},
        {glsl_edit("multum_movmf_spread(lobe) * h + multum_movmf_mean_direction(lobe) / u_exponent",
                   "multum_movmf_mean_direction(lobe) / u_exponent")},
        visibility_of_opposite_half_vectors,
        {"multum_lobe_visibility"}},
       {{"glsl-single-normals-as-gaussians", "gmm.glsl", "an empty lobe is divided by its amplitude, which is 0",
-        "the divisor is at least 1e-6", 1e-3, unit, "for a mean near the rim, the error is the root of 1.2e-7"},
+        "the divisor is at least 1e-6", 1e-3, unit,
+        "the z of a mean near the unit circle is the root of a number with a rounding error of 1.2e-7"},
        {glsl_edit("max(lobe.w, MULTUM_AMPLITUDE_MIN)", "lobe.w")},
        single_normals_as_gaussians,
        {"multum_reflect", "multum_gmm_visibility"}},
       {{"glsl-single-normals-as-means", "normals.glsl", "light from below the horizon makes the highlight negative",
-        "cosines are at least 0; a mean shorter than 1e-12 counts as an empty material", 2e-5, unit, reason},
+        "cosines are at least 0, and a mean shorter than 1e-12 counts as a material that reflects nothing", 2e-5, unit,
+        reason},
        {glsl_edit("float n_l = max(dot(n, l), 0.0);", "float n_l = dot(n, l);")},
        single_normals_as_means,
        {"multum_mean_cosine", "multum_reflect_mean", "multum_reflect_texel", "multum_reflect"}},
       {{"glsl-exponents-of-roughness", "normals.glsl", "a roughness of 0 gives an infinite exponent",
-        "exponents are limited to the exponent of a mirror", 1e-6, unit, "a variance of 1/2 is rounded by 6e-8"},
+        "the exponent is limited to the exponent that stands for a mirror", 1e-6, unit,
+        "a variance near 1/2 is rounded by only 6e-8"},
        {glsl_edit("clamp(2.0 / max(alpha * alpha, 1e-12) - 2.0, 0.0, u_exponent)", "2.0 / (alpha * alpha) - 2.0")},
        exponents_of_roughness,
        {"multum_exponent", "multum_slope_exponent"}},
-      {{"glsl-single-normals-as-harmonics", "sh.glsl", "the series oscillates and makes the light negative",
-        "light is at least 0", 2e-5, unit, "a few products are rounded in float"},
+      {{"glsl-single-normals-as-harmonics", "sh.glsl", "the truncated series oscillates and makes the light negative",
+        "the result is clamped at 0", 2e-5, unit, "only a few products are rounded in float"},
        {glsl_edit("return max(sum, 0.0);", "return sum;"), glsl_edit("return max(sum, vec3(0.0));", "return sum;")},
        single_normals_as_harmonics,
        {"multum_reflect"}},
       {{"glsl-tangents-along-the-normal", "reflection.glsl",
         "normalising a tangent that is parallel to the normal or has length 0 divides 0 by 0",
-        "any tangent at right angles to the normal is used", 2e-6, unit, "three roots and a cross product are rounded"},
+        "an arbitrary tangent perpendicular to the normal is used", 2e-6, unit,
+        "only three roots and a cross product are rounded"},
        {glsl_edit("if (dot(t, t) <= 1e-12 * max(dot(tangent.xyz, tangent.xyz), 1e-20))", "if (false)")},
        tangents_along_the_normal,
        {"multum_tangent_frame"}},

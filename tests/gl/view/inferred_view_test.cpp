@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Tests multum-view as texture inference uses it: probe writes measured matrices to files, and sample draws a manifest
-// with textures from files. A x, with A from probe, equals the picture of sample.
+// with textures from files. The matrix A that probe writes, times the texture x, equals the picture that sample draws.
 #include <OpenImageIO/imageio.h>
 #include <gtest/gtest.h>
 #include <half.h>
@@ -47,7 +47,7 @@ void append_obj(const std::string& name, const gl::MeshData& data, std::size_t& 
   vertex_count += data.vertices.size();
 }
 
-// The waves, partly behind a board.
+// Makes the waves, which are partly behind a board.
 std::string scene_obj() {
   gl::MeshData board = gl::board_mesh();
   const glm::vec2 corners[] = {{0.0f, 0.0f}, {1.0f, 0.0f}, {1.0f, 1.0f}, {0.0f, 1.0f}};
@@ -62,7 +62,7 @@ std::string scene_obj() {
 // If the board has moved, the waves have other coordinates, as in another block of the parameter space.
 TextureMapping mapping_of(const std::string& object, const std::string& view = "still") {
   TextureMapping mapping;
-  if (object == "waves") {  // turned, smaller than the texture; sides are not powers of two
+  if (object == "waves") {  // turned and smaller than the texture; sides are not powers of two
     mapping.linear = glm::dmat2(0.0, 0.875, 0.75, 0.0);
     mapping.offset = {0.125, 0.0625};
     mapping.width = 77;
@@ -275,8 +275,8 @@ Floats read_floats(const std::string& path) {
   return floats;
 }
 
-// Two samples; the board has moved in the second. The waves have two layers in the first sample. The board has no
-// texture in the second sample.
+// There are two samples; the board has moved in the second. The waves have two layers in the first sample. The board
+// has no texture in the second sample.
 class InferredPictureTest : public InferredViewTest {
  protected:
   void SetUp() override {

@@ -227,7 +227,7 @@ TEST_F(HighlightTest, AMapShowsWhatItsLightsDo) {
   }
 }
 
-// On a ball of 16 pixels, normals turn by some degrees per pixel: Williams's figures 18 and 19 in numbers.
+// On a ball of 16 pixels, normals turn by some degrees per pixel. This measures what Williams's figures 18 and 19 show.
 TEST_F(HighlightTest, ThePyramidAntialiases) {
   const Pyramid map = reflectance_of(lights, 256);
   const gl::Mesh mesh(gl(), ball(48));
@@ -276,7 +276,7 @@ TEST(PyramidSurfaceTest, LevelsAreSmootherAndFewer) {
     EXPECT_EQ(surface.positions.back().y, -0.5f);
     EXPECT_EQ(surface.uvs.front(), glm::vec2(0.0f, 1.0f));
   }
-  // A slope of 1 in x: the normal leans by 45 degrees, at every level away from the border.
+  // With a slope of 1 in x, the normal leans by 45 degrees at every level, away from the border.
   const Pyramid ramp =
       make_pyramid(PyramidKind::kHeight, 32, WrapMode::kClamp, [](int x, int, int) { return (x + 0.5) / 32.0; });
   const PyramidSurface surface = surface_at_level(ramp, 1.0);
@@ -285,8 +285,8 @@ TEST(PyramidSurfaceTest, LevelsAreSmootherAndFewer) {
   EXPECT_NEAR(n.z, std::sqrt(0.5f), 1e-3f);
 }
 
-// A surface of height 0, seen face-on from one unit above through a lens that maps one unit to 64 pixels. The surface's
-// finest points, 64 per side, are one pixel apart (plus the 1 / 63 that a grid's ends add).
+// Draws a surface of height 0, seen face-on from one unit above through a lens that maps one unit to 64 pixels. The
+// surface's finest points, 64 per side, are one pixel apart (plus the 1 / 63 that a grid's ends add).
 TEST(PyramidSurfaceTest, TheProjectionsLevelKeepsPointsApart) {
   const Pyramid flat = make_pyramid(PyramidKind::kHeight, 64, WrapMode::kClamp, [](int, int, int) { return 0.0; });
   const auto level = [&](double distance, double spacing) {
@@ -302,7 +302,7 @@ TEST(PyramidSurfaceTest, TheProjectionsLevelKeepsPointsApart) {
 }
 
 TEST(PyramidSurfaceTest, PatchesAreTheSplineOfTheirControlPoints) {
-  // Control points on a plane: the patches lie in the plane and reach the border of the control points.
+  // If control points are on a plane, the patches are in the plane and reach the border of the control points.
   const Pyramid ramp =
       make_pyramid(PyramidKind::kHeight, 16, WrapMode::kClamp, [](int x, int, int) { return (x + 0.5) / 16.0; });
   const PyramidSurface points = surface_at_level(ramp, 1.0), plane = patches_at_level(ramp, 1.0, 4);
@@ -311,8 +311,8 @@ TEST(PyramidSurfaceTest, PatchesAreTheSplineOfTheirControlPoints) {
   EXPECT_EQ(plane.indices.size(), 6u * 28u * 28u);
   EXPECT_LT(glm::distance(plane.positions.front(), points.positions.front()), 1e-6f);
   EXPECT_LT(glm::distance(plane.positions.back(), points.positions.back()), 1e-6f);
-  // A cubic B-spline of heights z with evenly spaced control points in one row: (z[-1] + 4 z[0] + z[1]) / 6 at a point,
-  // and (z[0] + 23 z[1] + 23 z[2] + z[3]) / 48 midway.
+  // A cubic B-spline of heights z with evenly spaced control points in one row is (z[-1] + 4 z[0] + z[1]) / 6 at a
+  // point, and (z[0] + 23 z[1] + 23 z[2] + z[3]) / 48 midway.
   const Pyramid wave =
       make_pyramid(PyramidKind::kHeight, 16, WrapMode::kClamp, [](int x, int, int) { return 0.2 * std::sin(1.1 * x); });
   const PyramidSurface control = surface_at_level(wave, 0.0), spline = patches_at_level(wave, 0.0, 2);
@@ -391,8 +391,8 @@ TEST_F(PyramidModesTest, ASurfaceAtALevel) {
 
 TEST_F(PyramidModesTest, ASurfaceByItsProjectionAndInPatches) {
   write(make_pyramid(PyramidKind::kHeight, 64, WrapMode::kClamp, [](int, int, int) { return 0.0; }), "h.exr");
-  // A picture of 32 pixels and a right angle: a unit at distance 1 is 16 pixels, so that points are 16 / 63 pixels
-  // apart.
+  // The picture has 32 pixels and an angle of view of 90 degrees. A unit at distance 1 is 16 pixels, so points are 16 /
+  // 63 pixels apart.
   const std::vector<std::string> above = {"lod", path("h.exr"), "--camera", "0,0,1,0,0,0,90"};
   const auto drawn = [&](std::vector<std::string> more) {
     more.insert(more.begin(), above.begin(), above.end());
@@ -452,7 +452,7 @@ TEST_F(PyramidModesTest, WrongSubjectsAreRefused) {
   expect_refusal({"pyramid", path("h.exr")}, 3, {"h.exr", "pyramid of heights", "colours or reflected light"});
 }
 
-// Two triangles of two materials; only one has a map.
+// Draws two triangles of two materials, of which only one has a map.
 TEST_F(PyramidModesTest, AModelWithItsOwnMaterials) {
   write_movmf_mipmap(path("map.ndf.exr"), gl::make_two_tilt_map(16, 20.0, StorageEncoding::kSnorm16, false).mipmap, {});
   const std::string positions =

@@ -55,7 +55,7 @@ TEST_F(ViewRefusalTest, WrongCommandLinesAreUsageErrors) {
   expect_refusal({"-o", out, "--brdf", "blinn-phong:0"}, 2, {"1..100000"});
   expect_refusal({"-o", out, "--brdf", "charlie:0.04"}, 2, {"charlie:ROUGHNESS with ROUGHNESS 0.05..1"});
   expect_refusal({"-o", out, "--brdf", "charlie:0.3", "--environment", path("sky.hdr")}, 2,
-                 {"--brdf: found charlie:0.3 with an environment", "expected lights only, or another BRDF"});
+                 {"--brdf: found charlie:0.3 with an environment", "expected only lights, or another BRDF"});
   expect_refusal({"-o", out, "--brdf", "ggx:0.3,1.5"}, 2, {"F0 0..1"});
   expect_refusal({"-o", out, "--brdf", "cook-torrance:0.3,0.1,0.2"}, 2, {"cook-torrance:SIGMA"});
   expect_refusal({"-o", out, "--brdf", path("map.ndf.exr")}, 3, {"not a measured BRDF"});
@@ -133,7 +133,7 @@ TEST_F(ViewRefusalTest, NoPictureIsLeftWhereTheReportCannotBeWritten) {
 }
 
 TEST_F(ViewRefusalTest, SourceIsReadAsTheBakeReadIt) {
-  // A ramp: its slopes depend on the height scale everywhere, and at the border on the wrap mode.
+  // The slopes of a ramp depend on the height scale everywhere, and at the border on the wrap mode.
   constexpr int kSize = 16;
   const auto write_heights = [&](double power) {
     std::vector<std::uint16_t> rgb;
@@ -156,7 +156,7 @@ TEST_F(ViewRefusalTest, SourceIsReadAsTheBakeReadIt) {
   baked.header.provenance.settings = json.dump();
   baked.header.provenance.source_hash = hash_file(path("h.png"));
   write_movmf_mipmap(path("map.ndf.exr"), baked, {});
-  // Seen from above and near, so that texels are magnified: the only error left is at borders between texels.
+  // The view is from above and near, which magnifies texels. The only error left is at borders between texels.
   const auto error = [&](const std::vector<std::string>& more, bool warns) {
     std::vector<std::string> arguments = {
         "-o",       path("out.png"),  "--compare", "reference", "--size",   "64x48",        "--samples", "16",

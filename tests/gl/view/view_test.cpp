@@ -69,7 +69,7 @@ TEST_F(ViewTest, SaysHowNoisyAReferenceIsAndHowItFilters) {
   EXPECT_EQ(other["pixel_filter"], "tent");
   EXPECT_EQ(report_of({"--samples", "4", "--anisotropy", "1"})["filter"],
             (nlohmann::json{{"of", "driver"}, {"anisotropy", 1.0}}));
-  // Nearest texels, with any number of taps: only the baked texels' own error is left, and this map has none.
+  // Nearest texels leave only the baked texels' own error, with any number of taps. On this map, that error is 0.
   const auto error = [](const nlohmann::json& report) { return report["pictures"][1]["relative_l1"].get<double>(); };
   EXPECT_LT(error(report_of({"--samples", "1024", "--reference-of", "texels", "--taps", "8"})), 0.03);
 }
@@ -103,7 +103,7 @@ TEST_F(ViewTest, DrawsMomentsAsItDrawsItsBaselines) {
   EXPECT_GT(std::abs(usual.at("toksvig") - usual.at("lean-jacobian")), 0.002);
 }
 
-// Order 8 can represent this broad highlight: the error is small with every BRDF.
+// Order 8 can represent this broad highlight, so the error is small with every BRDF.
 TEST_F(ViewTest, DrawsSphericalHarmonics) {
   const gl::TestMap map = gl::make_noise_map(32, 1.0f, WrapMode::kPeriodic);
   write_sh_mipmap(path("map.ndf.exr"), gl::make_harmonics(map.image, 8, StorageEncoding::kHalf), {});
@@ -117,12 +117,12 @@ TEST_F(ViewTest, DrawsSphericalHarmonics) {
     const nlohmann::json report = nlohmann::json::parse(file);
     for (const nlohmann::json& picture : report["pictures"])
       if (picture["name"] != "reference") errors[picture["name"]] = picture["relative_l1"];
-    EXPECT_LT(errors.at("multum"), 0.25) << brdf;  // mostly the blur of an oblique view
+    EXPECT_LT(errors.at("multum"), 0.25) << brdf;  // mostly from the blur of an oblique view
     EXPECT_LT(errors.at("multum"), errors.at("mip")) << brdf;
   }
 }
 
-// The two-tilt map with a BRDF's width of mean cosine c in its lobes; or with weights 1/4 and 3/4 in all lobes.
+// Returns the two-tilt map whose lobes include the width of a BRDF with mean cosine c, or have the weights 1/4 and 3/4.
 gl::TestMap with_roughness(float c) {
   gl::TestMap map = gl::make_two_tilt_map(16, 20.0, StorageEncoding::kFloat, false);
   map.mipmap.header.has_roughness = true;
@@ -171,8 +171,8 @@ TEST_F(ViewTest, DrawsLobesThatHaveTheirBrdfIn) {
   expect_refusal({"-o", path("out.png"), "--roughness", path("r.png")}, 2, {"--roughness", "--source"});
 }
 
-// The baselines get the roughness map that an engine would use. One roughness everywhere is the BRDF of that width;
-// several are averaged as perceptual roughness, level by level.
+// The baselines get the roughness map that an engine would use. A constant roughness gives the BRDF of that width.
+// Varying roughness is averaged as perceptual roughness, level by level.
 TEST_F(ViewTest, BaselinesHaveTheRoughnessMap) {
   const auto draw = [&](const std::string& baseline, const std::vector<std::string>& more) {
     std::vector<std::string> arguments = {"-o",        path("out.exr"), "--compare",  "reference," + baseline,
@@ -210,7 +210,7 @@ TEST_F(ViewTest, BaselinesHaveTheRoughnessMap) {
     EXPECT_EQ(report["brdf"], "roughness-map");
     EXPECT_FALSE(report.contains("exponent"));
   }
-  // Far away, alternating roughnesses of 0.3 and 0.7 average to 0.5: alpha^2 = 1/16, c = 31/32.
+  // Far away, alternating roughnesses of 0.3 and 0.7 average to 0.5, which gives alpha^2 = 1/16 and c = 31/32.
   gl::TestMap varied = plain;
   varied.mipmap.header.has_roughness = true;
   varied.mipmap.header.mean_cosine = 0.94f;
@@ -300,7 +300,8 @@ TEST_F(ViewTest, WritesFloatsToExr) {
   EXPECT_TRUE(fs::exists(path("out.exr")));
 }
 
-// Every BRDF family draws under every kind of light, and the report names both; lobes have lower errors than averages.
+// Every BRDF family can be drawn under every kind of light, and the report names both. Lobes have lower errors than
+// averages.
 TEST_F(ViewTest, DrawsEveryBrdfUnderEveryLight) {
   std::ofstream(path("fit.json")) << R"({"layers": [{"kernel": [[0], [0], [1], [0], [0], [0]], "bias": [0]},
                                          {"kernel": [[8, 8, 6]], "bias": [-5, -5, -4]}]})";
@@ -429,7 +430,7 @@ TEST_F(ViewTest, EnvironmentsChangeFromFrameToFrame) {
                  {"--environment-turn", "require --environment"});
 }
 
-// A file that begins at level 1 or 2, and the normal map with the finer levels.
+// Draws a file that begins at level 1 or 2, and the normal map with the finer levels.
 class FirstLevelViewTest : public ViewTest {
  protected:
   static constexpr int kSize = 32;
@@ -622,7 +623,7 @@ TEST_F(ViewTest, ThumbnailsAreMadeUntilSomethingFails) {
   const auto make = [&](const std::string& source) {
     fs::remove_all(path("small"));
     fs::create_directory(path("small"));
-    // The service's own command line.
+    // This is the service's own command line.
     std::vector<std::string> arguments = {"thumbnails", "--context=osmesa", "--output=" + path("small")};
     if (!source.empty()) arguments.push_back("--source=" + path(source));
     arguments.insert(arguments.end(), {"--", path("map.ndf.exr")});

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// "drill", a type of job for tests of the farm: it does nothing, or ends as its parameters say.
+// Defines "drill", a type of job for tests of the farm. It does nothing, or ends as its parameters say.
 #pragma once
 
 #include "host/farm/service/workers/job_types.h"

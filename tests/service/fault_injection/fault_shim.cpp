@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // LD_PRELOAD library for fault_injection/failed_calls.py: makes one of the system calls with which a daemon writes
-// files
-// fail. The file that MULTUM_FAULTS names is memory shared with the test:
-//   [0] number of the call to fail, from 1; 0: none   [1] its errno   [2] calls so far   [3] failed calls
+// files fail. The file that MULTUM_FAULTS names is memory shared with the test:
+//   [0] number of the call to fail, from 1; 0 for none   [1] its errno   [2] calls so far   [3] failed calls
 // Workers load the library too, but no call fails in them: fault_injection/kills.py tests how workers end.
 #include <dlfcn.h>
 #include <fcntl.h>

@@ -23,9 +23,8 @@ from service_harness import Service, fail, process_state, with_drill  # noqa: E4
 
 # Reasons that the OpenAPI file cannot express: which queues, jobs and files exist.
 REASONS = ("expected one of default", "which does not exist", "which is ", "not below a folder",
-           "expected the absolute",
-           "not a name for a result", "there is no such file", "its folder does not exist", "expected a name ending in",
-           "unknown state", "not a file")
+           "expected the absolute", "not a valid name for a result", "there is no such file",
+           "its folder does not exist", "expected a name ending in", "unknown state", "not a file")
 STRANGE_TEXTS = ("", " ", "default", "../../etc/passwd", "%2e%2e", "a" * 1000, "a" * 1001, "\u00e9" * 1000,
                  "\u00e9" * 1001, "\U0001f9f1" * 300, "line\nbreak and more", "nul\x00nul", "<script>alert(1)</script>",
                  "' OR 1=1 --", "-1")

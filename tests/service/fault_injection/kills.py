@@ -71,7 +71,7 @@ def main():
                 service.kill()
                 begun = time.monotonic()
                 service.start()
-                # A job that an earlier daemon ran must not be called running without a worker.
+                # A job of an earlier daemon must not count as running if it has no worker.
                 running = service.counts()["running"]
                 longest_restart = max(longest_restart, time.monotonic() - begun)
                 assert running <= 4, f"{running} jobs count as running after a restart"

@@ -8,7 +8,7 @@ and no other file may be left.
   fault_injection/slurm_farm.py MULTUM_DRILL [--jobs 500] [--map 8192] [--faults 3]
 
 It needs root, the right to mount a tmpfs, and Debian's slurmctld, slurmd, slurm-client and munge; faketime for the
-clock. Exit code 77: no Slurm can be started here.
+clock. Exits with 77 (skipped) if no Slurm can be started.
 """
 import argparse
 import collections
@@ -49,7 +49,7 @@ chunk_s = 2
 share_s = {share}
 rounds = 10
 """
-# munge refuses a node with a wrong clock, so slurmd has the right time. Only multum on that node sees the wrong one.
+# munge refuses a node with a wrong clock, so slurmd has the right time. Only multum on that node sees the wrong time.
 PROGRAM = """#!/bin/sh
 [ "$SLURMD_NODENAME" != bake4 ] || exec {faketime} -f +1h {multum} "$@"
 exec {multum} "$@"
@@ -100,7 +100,7 @@ class Farm:
         with open(self.flag + ".pid", "w", encoding="utf-8") as file:
             file.write(str(self.slurm.processes["slurmctld"].pid))
         open(self.flag, "w", encoding="utf-8").close()
-        # Gives the controller a job to accept.
+        # Gives the controller a job that it can accept.
         self.submit_small()
         deadline = time.monotonic() + 20
         while os.path.exists(self.flag) and time.monotonic() < deadline:

@@ -27,7 +27,7 @@ from tiny_animation import SIDE, write_animation  # noqa: E402
 SCENE = ('[[map]]\nname = "m"\nnormal = "map_normal.png"\ngreen = "up"\n[[material]]\nname = "p"\nbrdf = "lambert"\n'
          '[[object]]\nname = "o"\nmap = "m"\nmaterial = "p"\nwidth = 1\ndistance = [1, 2]\n[[light]]\n'
          'direction = [0, 0, 1]\n')
-# For each type, the file of the result that shows its input.
+# Names, for each type of job, the file of the result that shows its input.
 RESULTS = {"bake": "", "scene": "m.ndf.exr", "infer": None, "pack": ""}
 
 
@@ -114,7 +114,8 @@ def main():
             if job["state"] != "succeeded":
                 fail(f"{kind}: {job['message']}")
             right[kind] = result_hash(kind, job["output"])
-        # Files that a download or a job's read would find outside, under the names of results.
+        # These files are outside and have the names of results. A download or a job that follows a link would find
+        # them.
         for name in os.listdir(target):
             result = os.path.join(target, name)
             (shutil.copytree if os.path.isdir(result) else shutil.copy)(result, os.path.join(outside, name))

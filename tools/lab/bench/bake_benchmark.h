@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Times whole programs from file to file: `multum bake` and `maketx --bumpslopes` on one map, alternately (A B A B
-// ...).
+// Times whole programs from file to file. Runs `multum bake` and `maketx --bumpslopes` alternately (A B A B ...) on one
+// map.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -24,8 +24,8 @@ struct BakeBenchmarkOptions {
   std::optional<Instructions> instructions;  // instructions of the kernels; the processor's widest if nullopt
 };
 
-/// Runs each program once untimed first, to compile kernels and to fill the page cache. Throws Error(kVerification) if
-/// two runs of multum give different pixels.
+/// First runs each program once without timing it, to compile kernels and to fill the page cache. Throws
+/// Error(kVerification) if two runs of multum give different pixels.
 nlohmann::ordered_json run_bake_benchmark(const BakeBenchmarkOptions& options, Progress* progress);
 
 ResultView view_bake(const nlohmann::ordered_json& result);

@@ -20,7 +20,7 @@ struct EmBenchmarkOptions {
   int threads = 2;        // threads of the yardstick and of a processor device; the fastest number per level if 0
   std::string device;     // name of a device, as in Device::open()
   bool yardstick = true;  // whether to run the yardstick too
-  std::optional<Instructions> instructions;  // instructions of both programs; the processor's widest if nullopt
+  std::optional<Instructions> instructions;  // instructions that both programs use; the processor's widest if nullopt
 };
 
 /// Returns milliseconds of both programs per level, their ratios, the sums over levels, and the mean difference

@@ -41,7 +41,8 @@ constexpr int kEvaluations[] = {1, 2, 4, 8, 16};
 constexpr float kEvaluatedBiases[] = {-0.5f, -0.79f};
 constexpr int kFlickerEvaluations = 4;  // motions are drawn only with this budget
 constexpr std::size_t kTimedMaps = 4;
-constexpr std::size_t kFlickerEvery = 4;  // motions are drawn only for every fourth map: they take the most time
+constexpr std::size_t kFlickerEvery = 4;  // motions are drawn only for every fourth map, because they take the most
+                                          // time
 constexpr int kTimedRuns = 3;
 constexpr int kFrameCount = 3;  // number of frames per motion
 
@@ -146,7 +147,7 @@ struct Method {
   std::string name;
   gl::Material* material;
   std::optional<gl::Baseline> baseline;  // the baseline that NormalMaterial draws
-  bool flickers;                         // whether flicker is measured too
+  bool flickers;                         // whether flicker is also measured
 };
 
 class MapStudy {
@@ -211,7 +212,7 @@ class MapStudy {
     result["pictures"] = rows;
   }
 
-  // Returns the lowest of several processor times of all threads, which other programs hardly affect.
+  // Returns the lowest of several measured processor times over all threads. Other programs hardly affect this value.
   double frame_processor_ms(const Method& method, const gl::RenderScene& scene) {
     double least = 1e30;
     for (int i = 0; i < kTimedRuns; ++i) {
@@ -223,7 +224,8 @@ class MapStudy {
     return least;
   }
 
-  // Mean over neighbouring frames of sum |(f' - f) - (t' - t)| / sum t, where f is a frame and t its reference.
+  // Returns the mean over neighbouring frames of sum |(f' - f) - (t' - t)| / sum t, where f is a frame and t is its
+  // reference.
   static double flicker_of(const std::vector<gl::FloatImage>& frames, const std::vector<gl::FloatImage>& references) {
     double sum = 0.0;
     for (std::size_t i = 0; i + 1 < frames.size(); ++i) {

@@ -14,21 +14,21 @@
 namespace multum::bench {
 
 struct FilterBenchmarkOptions {
-  std::string maps;  // folder of normal maps; the generated four-quarter map if empty
+  std::string maps;  // folder of normal maps; if empty, the generated four-quarter map is used
   std::vector<int> lobe_counts = {4, 6};
   int width = 320, height = 240;  // size of pictures for errors; pictures for flicker have half the width and height
   int map_size = 256;             // side of the four-quarter map
   int maps_max = 1000;
-  // Largest noise of reference pictures, as relative L1. Blended references can have twice as much noise, and
-  // references for flicker three times as much.
+  // The largest noise of reference pictures, as a relative L1 error. Blended references can have twice as much noise,
+  // and references for flicker three times as much.
   double noise_max = 0.005;
   std::string device;  // device that bakes
   gl::ContextBackend context = gl::ContextBackend::kAuto;
   std::string folder;  // folder for temporary bakes; the system's temporary folder if empty
 };
 
-/// For each map and setting, returns the relative L1 error of the picture against the reference (finest texels as
-/// facets, and blended). For every fourth map, adds flicker over a zoom, a pan and a turn. For the first maps, adds
+/// For each map and setting, returns the relative L1 error of the picture against two references, with finest texels as
+/// facets and blended. For every fourth map, adds flicker over a zoom, a pan and a turn. For the first maps, adds
 /// processor milliseconds per frame, over all threads of a software GL.
 nlohmann::ordered_json run_filter_benchmark(const FilterBenchmarkOptions& options, Progress* progress);
 

@@ -30,7 +30,7 @@ using Json = nlohmann::ordered_json;
 constexpr int kLobesMax = 8;
 constexpr float kAnisotropies[] = {1.0f, 16.0f};
 
-// The default picture of `multum-view`: sixty repetitions of the map across a plane, seen at a glancing angle.
+// Makes the default picture of `multum-view`: sixty repetitions of the map across a plane, seen at a glancing angle.
 constexpr float kRepeats = 60.0f;
 
 gl::RenderScene plane_scene() {
@@ -175,18 +175,16 @@ ResultView view_frames(const Json& result) {
     table.add({row.at("name").get<std::string>(), fmt::format("{:.0f}", row.at("anisotropy").get<double>()),
                rounded_text(row.at("gpu_bytes").get<double>() / (1 << 20)),
                spread_text(parse_spread(row.at("draw_ms"))), spread_text(parse_spread(row.at("ratio")))});
-  return {
-      "Frames",
-      fmt::format(
-          "Pictures of {} x {} pixels show the four-quarter map of {} x {} texels with all levels. The map "
-          "is repeated {:.0f} times across a plane that runs to the horizon, with Blinn-Phong (s = 100) "
-          "and one light. The times were measured with the driver's timer (GL_TIME_ELAPSED). After one untimed run, "
-          "each method ran {} times, alternating with the other methods. Averaged normals are drawn from "
-          "two RGBA32F textures. Engines use BC5 normals and BC4 roughness instead, which draw faster; the "
-          "table lists the memory of these BC5 and BC4 textures.",
-          result.at("width").get<int>(), result.at("height").get<int>(), result.at("size").get<int>(),
-          result.at("size").get<int>(), static_cast<double>(kRepeats), result.at("repetitions").get<int>()),
-      table.text()};
+  return {"Frames",
+          fmt::format("Pictures of {} x {} pixels show the four-quarter map of {} x {} texels with all levels. The map "
+                      "is repeated {:.0f} times across a plane that runs to the horizon, with Blinn-Phong (s = 100) "
+                      "and one light. The times were measured with the driver's timer (GL_TIME_ELAPSED). After one "
+                      "untimed run, each method ran {} times, alternating with the other methods. Averaged normals are "
+                      "drawn from two RGBA32F textures. Engines use BC5 normals and BC4 roughness instead, which draw "
+                      "faster. The table lists the memory of these BC5 and BC4 textures.",
+                      result.at("width").get<int>(), result.at("height").get<int>(), result.at("size").get<int>(),
+                      result.at("size").get<int>(), static_cast<double>(kRepeats), result.at("repetitions").get<int>()),
+          table.text()};
 }
 
 }  // namespace multum::bench

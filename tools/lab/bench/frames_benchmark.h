@@ -21,8 +21,8 @@ struct FramesBenchmarkOptions {
   std::string folder;  // folder for files; the system's temporary folder if empty
 };
 
-/// Returns milliseconds from the driver's timer, texture sizes in bytes, and the ratio to Toksvig's frame of the same
-/// turn.
+/// Returns milliseconds from the driver's timer, texture sizes in bytes, and the ratio to the frame with Toksvig's rule
+/// in the same turn.
 nlohmann::ordered_json run_frames_benchmark(const FramesBenchmarkOptions& options, Progress* progress);
 
 ResultView view_frames(const nlohmann::ordered_json& result);

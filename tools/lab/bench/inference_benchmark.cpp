@@ -31,10 +31,10 @@ struct StackShape {
 };
 constexpr StackShape kStacks[] = {{1, 1}, {2, 1}, {4, 1}, {8, 1}, {1, 2}, {2, 2},
                                   {4, 2}, {8, 2}, {1, 3}, {2, 3}, {1, 4}};
-// Contrast of the textures for timed solves, and for counting iterations. At the low contrast, conjugate gradient
-// keeps rarely seen texels within the bounds, although it overshoots many times, so both solvers do the same work.
+// Contrast of the textures for timed solves, and for counting iterations. At the low contrast, rarely seen texels stay
+// within the bounds even though conjugate gradient overshoots many times, so both solvers do the same work.
 constexpr double kTimedContrast = 0.02, kCountedContrast = 0.3;
-constexpr int kLaunchesATime = 4;  // launches per timed product, so that the final wait hardly counts
+constexpr int kLaunchesATime = 4;  // launches per timed product, so many that the final wait hardly counts
 
 // Pictures of one texture, with their matrices stacked.
 struct Stack {

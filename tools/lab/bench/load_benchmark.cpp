@@ -147,10 +147,10 @@ ResultView view_load(const Json& result) {
   }
   return {
       "Files: size, writing, reading, upload",
-      fmt::format("The file contains the four-quarter map of {0} x {0} texels with {1} lobes and all levels. "
-                  "*Write* includes the checksum, compression and the sync to disk ({2}) with {3} threads. *Read* is "
-                  "the time to read the file from the page cache and to decode it to floats, with one thread and with "
-                  "{3}; multum-view uses all threads. *Upload* is the time to convert the data to GL textures as "
+      fmt::format("The file contains the four-quarter map of {0} x {0} texels with {1} lobes and all levels. *Write* "
+                  "includes the checksum, compression and the sync to disk ({2}) with {3} threads. *Read* is the time "
+                  "to read the file from the page cache and to decode it to floats, with one thread and with {3} "
+                  "threads. multum-view uses all threads. *Upload* is the time to convert the data to GL textures as "
                   "multum-view does, until GL has finished. All encodings ran alternately, {4} times each.",
                   result.at("size").get<int>(), result.at("lobes").get<int>(),
                   result.at("file_system").get<std::string>(), threads, result.at("repetitions").get<int>()),

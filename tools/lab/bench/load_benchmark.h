@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Measures the times to write a baked file, to read it, and to upload it to GL as in multum-view, for every encoding
-// and compression. Also reports file sizes.
+// Measures the time it takes to write a baked file, to read it, and to upload it to GL as multum-view does, for every
+// encoding and compression. Also reports file sizes.
 #pragma once
 
 #include <nlohmann/json.hpp>

@@ -90,7 +90,7 @@ Benchmark add_em(CLI::App& app, EmBenchmarkOptions& em) {
   command->add_option("--lobes", em.lobes, "lobes per texel")->check(CLI::IsMember({4, 6, 8}))->capture_default_str();
   command->add_option("--iterations", em.iterations)->check(CLI::Range(1, 100))->capture_default_str();
   add_repetitions(*command, em, "pairs of runs per level");
-  command->add_option("--threads", em.threads, "0: the fastest number for each level")
+  command->add_option("--threads", em.threads, "the fastest number for each level if 0")
       ->check(CLI::Range(0, 256))
       ->capture_default_str();
   command->add_option("--device", em.device, kDeviceHelp);
@@ -108,7 +108,7 @@ Benchmark add_infer(CLI::App& app, InferenceBenchmarkOptions& infer) {
   command->add_option("--size", infer.size, "side of the texture, a power of two")
       ->check(CLI::IsMember({32, 64, 128, 256, 512, 1024, 2048}))
       ->capture_default_str();
-  command->add_option("--views", infer.views, "views of the largest stack")
+  command->add_option("--views", infer.views, "number of views in the largest stack")
       ->check(CLI::Range(1, 64))
       ->capture_default_str();
   command->add_option("--iterations", infer.iterations, "iterations of a timed solve")
@@ -182,7 +182,7 @@ Benchmark add_filters(CLI::App& app, FilterBenchmarkOptions& filters) {
   command->add_option("--maps-max", filters.maps_max, "number of maps, in the order of their names")
       ->check(CLI::Range(1, 100000));
   add_side(*command, "--size", filters.map_size, "side of the four-quarter map");
-  command->add_option("--reference-noise", filters.noise_max, "noise of reference pictures, relative L1")
+  command->add_option("--reference-noise", filters.noise_max, "largest noise of reference pictures, as relative L1")
       ->check(CLI::Range(1e-4, 1.0))
       ->capture_default_str();
   command->add_option("--device", filters.device, kDeviceHelp);
@@ -201,7 +201,7 @@ CLI::App* add_on_gpu(CLI::App& app, OnGpuOptions& options, std::string& from) {
   command->add_option("-o,--output", options.output, "name of the two files, without extension")->capture_default_str();
   command->add_option("--device", options.device, kDeviceHelp);
   command->add_flag("--any-device", options.any_device, "without a GPU, use a processor and GL in software");
-  command->add_flag("--small", options.small, "few and small maps, to try the command");
+  command->add_flag("--small", options.small, "use few and small maps, to try the command");
   command->add_option("--folder", options.folder, "folder for temporary maps and bakes (default: $TMPDIR, /tmp)")
       ->check(CLI::ExistingDirectory);
   command->add_option("--from", from, "measure nothing; write the page of this OUTPUT.json again to OUTPUT.md")
@@ -219,7 +219,7 @@ CLI::App* add_coverage(CLI::App& app, CoverageDocumentOptions& coverage) {
   command->add_option("--replicates", coverage.replicates, "choices of footprints")
       ->check(CLI::Range(2, 1000))
       ->capture_default_str();
-  command->add_option("--map-count", coverage.map_count, "number of maps, in the order of their names; 0: all")
+  command->add_option("--map-count", coverage.map_count, "number of maps, in the order of their names; all maps if 0")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   command->add_option("--commit", coverage.commit, "commit that the document states")->default_val(built_commit());
@@ -228,7 +228,7 @@ CLI::App* add_coverage(CLI::App& app, CoverageDocumentOptions& coverage) {
 }
 
 void add_allow_dirty(CLI::App& command, bool& allow_dirty) {
-  command.add_flag("--allow-dirty", allow_dirty, "accept uncommitted sources; the document states them");
+  command.add_flag("--allow-dirty", allow_dirty, "accept uncommitted sources, which the document states");
 }
 
 CLI::App* add_accuracy(CLI::App& app, AccuracyDocumentOptions& accuracy) {
@@ -254,8 +254,9 @@ CLI::App* add_document(CLI::App& app, BenchmarksDocumentOptions& document) {
   CLI::App* command = app.add_subcommand("document", "make docs/evidence/BENCHMARKS.md from results; runs nothing");
   command->add_option("-o,--output", document.output, "Markdown file to write")->required();
   command
-      ->add_option("--json", document.results,
-                   "result of em, bake, scale, load, infer or frames; repeatable, in this order")
+      ->add_option(
+          "--json", document.results,
+          "result of em, bake, scale, load, infer or frames; repeat the option for more results, in this order")
       ->required();
   add_allow_dirty(*command, document.allow_dirty);
   return command;

@@ -115,7 +115,7 @@ class OnGpuRun {
     return json;
   }
 
-  // Runs a program for at most this many seconds; its exit code must be one of `expected`.
+  // Runs a program for at most this many seconds. Its exit code must be one of `expected`.
   ChildResult child(const std::vector<std::string>& command, double seconds, const std::vector<int>& expected = {0}) {
     ChildLimits limits;
     limits.time_max = std::chrono::milliseconds(static_cast<long>(seconds * 1000.0));
@@ -161,8 +161,8 @@ class OnGpuRun {
     write_text_file(options_.output + ".md", page_of_run(result_));
   }
 
-  // Chooses a device as Device::open() does, from the list of a child process, so that a crashing driver ends only the
-  // child.
+  // Chooses a device as Device::open() does, but from the list of a child process, so that a crashing driver ends only
+  // the child.
   void choose_device() {
     const std::string listed = folder_ / "devices.json";
     child({neighbouring_program("multum"), "devices", "--report", listed}, 60);
@@ -242,8 +242,8 @@ class OnGpuRun {
     return result;
   }
 
-  // Bakes three times: first to compile kernels, then to measure the whole bake, then with a timer for every launch,
-  // which makes some launches slower.
+  // Bakes three times: to compile kernels, to measure the whole bake, and with a timer for every launch, which makes
+  // some launches slower.
   Json bake(int size, const std::string& device, double left) {
     const std::string map = map_of(size, left);
     if (size <= 4096) bake_once(map, device, {"--no-measure"}, left);

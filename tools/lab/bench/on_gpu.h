@@ -11,7 +11,7 @@
 namespace multum::bench {
 
 struct OnGpuOptions {
-  double minutes = 8.0;           // time for all steps together; steps that do not fit are left out
+  double minutes = 8.0;           // time for all steps together; steps that do not fit are skipped
   std::string output = "on_gpu";  // writes OUTPUT.json and OUTPUT.md
   std::string device;             // name of a device, as in Device::open(); the first GPU if empty
   bool any_device = false;        // use a processor and software GL if there is no GPU
@@ -19,7 +19,7 @@ struct OnGpuOptions {
   std::string folder;             // folder for maps and bakes; the system's temporary folder if empty
 };
 
-/// Returns the exit code: 0 if all started steps succeeded, kVerification if a check failed. Throws
+/// Returns the exit code, which is 0 if all started steps succeeded and kVerification if a check failed. Throws
 /// Error(kEnvironment) without a GPU, unless `any_device` is set.
 int run_on_gpu(const OnGpuOptions& options, const std::string& command, Progress* progress);
 

@@ -19,7 +19,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Up to this size, a cold start would affect the times, so each size starts with an untimed run.
+// Up to this size, a cold start would affect the times, so measurements of such a size start with an untimed run.
 constexpr int kWarmUpSizeMax = 2048;
 
 Json run_size(const ScaleBenchmarkOptions& options, int size, const std::string& map, const std::string& baked,

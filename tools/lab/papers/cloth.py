@@ -14,14 +14,14 @@ GRAVITY = np.array([0.0, 0.0, -9.81])
 
 
 def constraint_sets():
-    """Lists (first vertices, second vertices, rest length, stiffness); no vertex appears twice within one entry."""
+    """Lists (first vertices, second vertices, rest length, stiffness). No vertex appears twice within one entry."""
     index = np.arange(SIDE * SIDE).reshape(SIDE, SIDE)
     spacing = WIDTH / (SIDE - 1)
     sets = []
     for rows, columns, stiffness in ((0, 1, 1.0), (1, 0, 1.0), (1, 1, 0.5), (1, -1, 0.5), (0, 2, 0.15), (2, 0, 0.15)):
         first = index[:SIDE - rows, max(0, -columns):SIDE - max(0, columns)]
         second = index[rows:, max(0, columns):SIDE + min(0, columns)]
-        # pairs that follow each other along the constraint's direction share a vertex, so each set has every other pair
+        # successive pairs along the constraint's direction share a vertex, so each set has every other pair
         place = np.arange(first.shape[0])[:, None] // rows if rows else np.arange(first.shape[1])[None, :] // columns
         odd = np.broadcast_to(place % 2 == 1, first.shape)
         rest = spacing * np.hypot(rows, columns)
@@ -30,7 +30,7 @@ def constraint_sets():
 
 
 def drape(steps):
-    """Yields positions [SIDE, SIDE, 3] at each of `steps`, which ascend."""
+    """Yields positions [SIDE, SIDE, 3] at each of `steps`, which are in ascending order."""
     along = np.linspace(-WIDTH / 2, WIDTH / 2, SIDE)
     # slightly rotated, so that folds are not symmetric
     here = np.dstack([np.broadcast_to(along[None, :], (SIDE, SIDE)), np.broadcast_to(along[:, None], (SIDE, SIDE)),
@@ -66,7 +66,7 @@ def rest_on_sphere(here, before):
 
 
 def write_obj(path, positions, repeats):
-    """Writes a mesh with smooth normals; the map is repeated `repeats` times along each side."""
+    """Writes a mesh with smooth normals. The map is repeated `repeats` times along each side."""
     right, up = np.gradient(positions, axis=1), np.gradient(positions, axis=0)
     normals = np.cross(right, up)
     normals /= np.linalg.norm(normals, axis=2, keepdims=True)
@@ -79,7 +79,7 @@ def write_obj(path, positions, repeats):
                       "vn {:.6f} {:.6f} {:.6f}".format(*normals[row, column])]
     for row in range(SIDE - 1):
         for column in range(SIDE - 1):
-            first = row * SIDE + column + 1  # OBJ counts from 1
+            first = row * SIDE + column + 1  # OBJ files count from 1
             corners = (first, first + 1, first + SIDE + 1, first + SIDE)
             lines.append("f " + " ".join(f"{k}/{k}/{k}" for k in corners))
     path.write_text("\n".join(lines) + "\n")

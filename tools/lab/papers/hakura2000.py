@@ -64,7 +64,7 @@ class FieldStudy:
         return self.infer(job, f"{self.name}_combined")
 
     def packed(self, label, ratio, options, inferred=None):
-        """Packs textures; returns (ratio, MSE, frames)."""
+        """Packs textures and returns (ratio, MSE, frames)."""
         name = f"{self.name}_{re.sub(r'[^a-z0-9]+', '_', label)}_{ratio}"
         file, unpacked = self.study.path(f"{name}.mpt"), self.study.path(f"{name}_unpacked")
         self.study.run("multum", "pack", inferred or self.inferred, "-o", file, "--ratio", ratio, "--quiet", *options)
@@ -72,13 +72,13 @@ class FieldStudy:
         return self.field.raw_bytes / file.stat().st_size, mse(frames, self.traced), frames
 
     def video(self, ratio):
-        """Codes the best AV1 that fits into the size of the raw frames / ratio, or the smallest AV1 if none fits."""
+        """Codes the best AV1 whose size is at most that of the raw frames / ratio, or the smallest AV1 if none fits."""
         best = video_codecs.best_within(video_codecs.CODECS[0], self.field.raw_bytes / ratio, self.traced)
         return self.field.raw_bytes / best[0], mse(best[1], self.traced), best[1]
 
     def page_that_plays(self):
-        """Writes NAME_plays.html: player, field at the first of TARGETS, geometry and decoder in one file. Returns
-        the bytes of the page and of the field."""
+        """Writes NAME_plays.html, which contains the player, the field at the first of TARGETS, the geometry and the
+        decoder. Returns the bytes of the page and of the field."""
         packed, page = self.study.path(f"{self.name}_plays.mpt"), self.study.path(f"{self.name}_plays.html")
         self.study.run("multum", "pack", self.inferred, "-o", packed, "--ratio", TARGETS[0], "--quiet")
         self.study.run("multum", "player", packed, "-o", page)
@@ -90,7 +90,7 @@ class FieldStudy:
         return (slice(height // 6, 5 * height // 6), slice(width // 4, 3 * width // 4))
 
     def strip(self, name, shown):
-        """Writes a strip with the middle sample of each entry of `shown`, (frames, caption)."""
+        """Writes a strip with the middle sample of each entry (frames, caption) of `shown`."""
         middle = len(self.traced) // 2
         self.study.strip(name, [(frames[middle].astype(np.float32) / 255, caption) for frames, caption in shown],
                          zoom=2, crop=self.crop(), kind="jpg")
@@ -164,7 +164,7 @@ def pages_that_play(study, fields):
     for field in fields:
         try:
             page, packed = field.page_that_plays()
-        except StepFailed as failure:  # as by a multum without the decoder for browsers
+        except StepFailed as failure:  # this multum was built without the decoder for browsers
             study.paragraph(f"{DEMOS[field.name]}: left out. {str(failure).splitlines()[-1]}")
             continue
         file, title = f"{field.name}_plays.html", DEMOS[field.name]
@@ -186,7 +186,7 @@ def reproduce(study):
         for figure in figures:
             figure(study, field)
     study.paragraph("docs/evidence/ANIMATION.md compares the errors of inferred textures with the errors of forward",
-                    "mapping. This forward mapping splats pixels bilinearly; the paper resamples with a",
+                    "mapping. This forward mapping splats pixels bilinearly, whereas the paper resamples with a",
                     "Lanczos-windowed sinc of 16 x 16 taps. This page therefore gives no ratio relative to the "
                     "paper's forward mapping. docs/evidence/PLAYBACK.md plots error against size, and shows the effect "
                     "of each part of the coder.")

@@ -184,7 +184,7 @@ def environment_light(study):
 
 
 def changing_light(study):
-    """Section 8's dynamic lighting: an environment that turns and fades into another."""
+    """Section 8, dynamic lighting: an environment that turns and fades into another."""
     study.heading("Section 8: an environment that changes at run time")
     frames = 5
     study.paragraph("A sky turns by 90 degrees and fades into dusk. Harmonics up to order 2 and filtered maps are "

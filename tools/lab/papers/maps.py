@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Compares every representation on every map with other methods: a table of picture errors and a table of frame times.
+"""Compares every representation on every map with other methods, in a table of picture errors and a table of frame
+times.
 
 With MULTUM_SHARED_DATA, the maps are the normal maps of its folder normal/. Otherwise multum generates them.
 """
@@ -20,7 +21,7 @@ REPRESENTATIONS = (("vmf, 4 lobes", "vmf", ()), ("vmf, 6 lobes", "vmf6", ("--lob
 # The last two methods are shaded at as many points per pixel as four lobes need evaluations.
 BASELINES = (("Toksvig", "toksvig"), ("LEAN with the Jacobian", "lean-jacobian"), ("averaged normals", "mip"),
              ("LEAN with the Jacobian, 4 points", "lean-jacobian-points"), ("averaged normals, 4 points", "points"))
-MATERIAL_RUNS = 5  # of each material
+MATERIAL_RUNS = 5  # number of runs of each material
 NORMAL_MAP = re.compile(r"^(pm_\d+|.*(normal|_norm|_nm?|flakes5n))\.(png|jpg|webp)$")
 
 
@@ -36,7 +37,8 @@ def maps(study):
 
 
 def reading_of(study, path):
-    """Returns --green up for all representations if the map's statistics do not show the direction, else nothing."""
+    """Returns --green up for all representations if the map's statistics do not show the direction, otherwise
+    nothing."""
     try:
         study.bake("probe", path, "--ndf", "moments", "--no-measure")
         return ()
@@ -63,7 +65,7 @@ def draw_every_map(study):
         for _, option, bake_options in REPRESENTATIONS:
             baked = f"{name}_{option}"
             study.bake(baked, path, *read, *bake_options, "--no-measure")
-            first = reference is None  # the reference and the baselines are the same for all
+            first = reference is None  # the reference and the baselines are the same for all representations
             compare = ("reference", *[b for _, b in BASELINES]) if first else ("toksvig",)
             view = study.view(baked, baked, "--source", path, *SCENE, compare=compare)
             if first:
@@ -84,7 +86,8 @@ def draw_every_map(study):
                                    for name, row in errors] +
                 [["median", *[percent(e) for e in np.median([row for _, row in errors], axis=0)]]])
     counts = [one["samples"] for one in references]
-    study.paragraph(f"References have {min(counts)} to {max(counts)} samples per pixel; their noise is at most",
+    study.paragraph(f"References have {min(counts)} to {max(counts)} samples per pixel. The noise of the references "
+                    f"is at most",
                     f"{percent(max(one['noise_relative_l1'] for one in references))}.")
     if guessed:
         study.paragraph("Read with --green up, because their statistics do not show green's direction:",
@@ -125,7 +128,7 @@ def draw_every_material(study):
                                                  "320x240", "--repeat", "40", *options, compare=("toksvig",)))
                           for _ in range(MATERIAL_RUNS)]
                 row.append(f"{np.median(ratios):.2f}")
-            except StepFailed as failure:  # what this representation does not carry
+            except StepFailed as failure:  # this representation does not support the material
                 if "exit code 2" not in str(failure):
                     raise
                 row.append("refused")
@@ -138,7 +141,7 @@ def draw_every_material(study):
 
 
 def draw_same_filter(study):
-    """Compares errors against two references: one averages over the texels that the filter reads, the other over the
+    """Compares errors against two references. One averages over the texels that the filter reads, the other over the
     pixel."""
     normal = study.testmap("same_filter")
     study.bake("same_filter", normal, "--green", "up", "--no-measure")
@@ -161,7 +164,7 @@ def draw_same_filter(study):
 
 
 def reproduce(study):
-    study.samples = None  # as many as the reference's noise takes
+    study.samples = None  # the noise of the reference determines the number of samples
     study.paragraph("The scene is the oblique plane under one light, with Blinn-Phong and s = 100. All pictures use "
                     "multum-view's own filter. Errors are relative L1 errors against samples of the map itself.")
     draw_every_map(study)

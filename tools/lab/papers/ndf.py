@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Draws distributions of normals: the normals of a texel, and their lobes or planar Gaussians.
+"""Draws distributions of normals: of the normals of a texel, and of its lobes or planar Gaussians.
 
 The density is shown over the disk of (n_x, n_y), seen from above. At the rim, normals are parallel to the surface.
 """
@@ -7,7 +7,7 @@ import numpy as np
 import OpenImageIO as oiio
 from study import read_picture
 
-SMOOTHING = 300.0  # kappa of the kernel that turns single normals into a density to look at
+SMOOTHING = 300.0  # kappa of the kernel that turns single normals into a visible density
 
 
 def read_normals(path):
@@ -59,7 +59,7 @@ def density_of_normals(normals, directions):
 
 
 def density_of_lobes(lobes, directions):
-    """Returns the density of a texel's lobes [lobe, 4], convolved with the same kernel: mean cosines multiply
+    """Returns the density of a texel's lobes [lobe, 4], convolved with the same kernel. Mean cosines multiply
     (docs/contributing/ALGORITHMS.md)."""
     total = np.zeros(directions.shape[:2])
     smoothing_cosine = 1 / np.tanh(SMOOTHING) - 1 / SMOOTHING
@@ -72,7 +72,7 @@ def density_of_lobes(lobes, directions):
 
 
 def picture(density, inside, peak):
-    """Draws a density in grey: a quarter of the peak is half as bright as the peak."""
+    """Draws a density in grey. A quarter of the peak is half as bright as the peak."""
     grey = np.where(inside, np.sqrt(np.clip(density / peak, 0, 1)), 0.0)
     rgb = np.dstack([grey, grey, grey])
     rgb[~inside] = (0.02, 0.03, 0.06)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Makes one paper's comparisons: runs multum and multum-view, keeps their pictures as arrays, and writes a page.
+"""Makes the comparisons of one paper. Runs multum and multum-view, keeps their pictures as arrays, and writes a page.
 
 Pictures are linear RGB, float32 [height, width, 3], as multum-view writes them to EXR files. The page has PNGs of the
 same numbers. Every figure of the page comes from a file next to the page.
@@ -18,11 +18,11 @@ import OpenImageIO as oiio
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
 from report_page import STYLE, machine, machine_words, table, text  # noqa: E402
 
-# multum-view's name of the picture to which others are compared: many samples of the finest normals per pixel.
+# multum-view's name of the reference picture, which has many samples of the finest normals per pixel.
 REFERENCE = "reference"
 # A filter with elongated footprints, for every method that supports one.
 ELONGATED_FILTER = ("--taps", "8")
-ROUND_FILTER = ("--taps", "1", "--level-bias", "0")  # plain trilinear
+ROUND_FILTER = ("--taps", "1", "--level-bias", "0")  # a plain trilinear filter
 
 
 class StepFailed(Exception):
@@ -48,7 +48,7 @@ def srgb(linear):
 
 
 def write_picture(path, pixels, kind=oiio.UINT8):
-    """Writes `pixels` in the range of the file: 0..1 for integers."""
+    """Writes `pixels` in the range of the file, which is 0..1 for integers."""
     height, width, channels = pixels.shape
     output = oiio.ImageOutput.create(str(path))
     if output is None or not output.open(str(path), oiio.ImageSpec(width, height, channels, kind)):
@@ -58,8 +58,8 @@ def write_picture(path, pixels, kind=oiio.UINT8):
 
 
 def write_sky(path, width=256):
-    """Writes a generated latitude-longitude environment, linear: sky, ground, a sun of five degrees, three bright
-    windows."""
+    """Writes a generated linear latitude-longitude environment with sky, ground, a sun of five degrees, and three
+    bright windows."""
     height = width // 2
     polar = (np.arange(height) + 0.5)[:, None] / height * np.pi
     azimuth = (np.arange(width) + 0.5)[None, :] / width * 2 * np.pi
@@ -94,8 +94,8 @@ def colour_distance(picture, reference):
 
 
 def flicker(frames, references):
-    """Mean over neighbouring frames of sum |(f' - f) - (r' - r)| / sum r: the change of frames that the reference
-    does not have. At 0, frames are as steady as the reference."""
+    """Returns the mean over neighbouring frames of sum |(f' - f) - (r' - r)| / sum r, the change between frames that
+    the reference does not have. At 0, frames are as steady as the reference."""
     changes = [np.abs((frames[i + 1] - frames[i]) - (references[i + 1] - references[i])).sum() / references[i].sum()
                for i in range(len(frames) - 1)]
     return float(np.mean(changes))
@@ -114,14 +114,14 @@ class View:
 
 class Study:
     def __init__(self, title, folder, programs, data, size, samples):
-        """`programs`: folder of multum and multum-view; `data`: folder of shared real data, or None; `size`: texels
-        per side of generated maps; `samples`: per pixel of the reference."""
+        """`programs` is the folder of multum and multum-view. `data` is the folder of shared real data, or None. `size`
+        is the number of texels per side of generated maps. `samples` is the number per pixel of the reference."""
         self.title, self.folder, self.programs, self.data = title, folder, programs, data
         self.size, self.samples, self.picture_count = size, samples, 0
         self.has_made_maps = True
         self.parts, self.commands, self.devices, self.contexts, self.versions = [], [], set(), set(), set()
         self.strips = []  # (file of the folder, its name in docs/evidence/images)
-        self.markdown = []  # the same for docs/evidence/PAPERS.md: headings, paragraphs, tables and strips
+        self.markdown = []  # headings, paragraphs, tables and strips for docs/evidence/PAPERS.md
         folder.mkdir(parents=True, exist_ok=True)
 
     # ---- steps
@@ -144,14 +144,14 @@ class Study:
         return self.folder / name
 
     def testmap(self, name, *options, size=None):
-        """Makes NAME_normal.png and NAME_albedo.png with options of `multum testmap`; returns the path of the normal
+        """Makes NAME_normal.png and NAME_albedo.png with options of `multum testmap`. Returns the path of the normal
         map."""
         normal = self.path(f"{name}_normal.png")
         self.run("multum", "testmap", self.path(name), "--size", size or self.size, *options)
         return normal
 
     def torus(self):
-        """Makes a mesh that shows all angles; returns its path."""
+        """Makes a mesh that shows all angles, and returns its path."""
         mesh = self.path("torus.obj")
         if not mesh.is_file():
             subprocess.run([sys.executable, pathlib.Path(__file__).resolve().parents[2] / "torus_mesh.py", mesh],
@@ -168,8 +168,8 @@ class Study:
         return loaded
 
     def view(self, name, baked, *options, compare=(), samples=None):
-        """Draws BAKED.ndf.exr as NAME_*.exr: "multum" and the methods in `compare`. `samples`: samples per pixel of the
-        reference."""
+        """Draws BAKED.ndf.exr as NAME_*.exr: "multum" and the methods in `compare`. `samples` is the number of samples
+        per pixel of the reference."""
         report = self.path(f"{name}.view.json")
         command = [self.path(f"{baked}.ndf.exr"), "-o", self.path(f"{name}.exr"), "--pictures", self.path(name),
                    "--report", report, *options]
@@ -204,7 +204,7 @@ class Study:
         self.parts.append(markup)
 
     def figures(self, shown, exposure=1.0, name="figure", small=False):
-        """Puts pictures next to each other. `shown`: (linear picture, caption)."""
+        """Puts pictures next to each other. `shown` lists (linear picture, caption)."""
         files = []
         for picture, caption in shown:
             self.picture_count += 1
@@ -213,7 +213,8 @@ class Study:
         self.picture_files(files, small)
 
     def picture_files(self, files, small=False):
-        """Puts pictures of the folder next to each other: (file, caption). `small`: no larger than a tile."""
+        """Puts pictures of the folder, given as (file, caption), next to each other. If `small`, they are no larger
+        than a tile."""
         cells = [f'<figure><a href="{text(file)}"><img src="{text(file)}" alt="{text(caption)}"></a>'
                  f"<figcaption>{text(caption)}</figcaption></figure>" for file, caption in files]
         self.parts.append(f'<div class="pictures{"" if small else " first"}">' + "".join(cells) + "</div>")
@@ -249,11 +250,11 @@ class Study:
     def section(self):
         """Returns the section of docs/evidence/PAPERS.md for this page."""
         of_maps = f"Generated maps have {self.size} x {self.size} texels. " if self.has_made_maps else ""
-        # Leaves out paragraphs that introduce a picture of the HTML page.
+        # Omits paragraphs that introduce a picture of the HTML page.
         parts = [part for part, behind in zip(self.markdown, [*self.markdown[1:], ""])
                  if not part.endswith(":") or behind.startswith(("|", "!"))]
-        return "\n\n".join([f"## {self.title}", of_maps + "Measured with " +
-                            machine_words(self.devices, self.contexts, self.versions),
+        return "\n\n".join([f"## {self.title}", of_maps + "Measured on this system (" +
+                            machine_words(self.devices, self.contexts, self.versions) + ").",
                             *parts]) + "\n"
 
     def write_document_pictures(self, folder):

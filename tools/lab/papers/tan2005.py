@@ -16,7 +16,7 @@ from study import ELONGATED_FILTER, REFERENCE, ROUND_FILTER, box_reduced, colour
 TITLE = "Tan et al. 2005: multiresolution reflectance filtering"
 WIDTH, HEIGHT = 400, 300
 FRAME = ("--size", f"{WIDTH}x{HEIGHT}")
-FINER = 8  # pixels a side that stand for one where the filter's own share is taken out
+FINER = 8  # each pixel is divided into this many pixels per side, to separate the error of the filter
 SILVER = ("--brdf", "cook-torrance:0.07,0.95,0.93,0.88", "--diffuse", "0.5", "--specular", "0.2")
 GOLD = ("--brdf", "cook-torrance:0.07,1.0,0.77,0.34", "--diffuse", "0.5", "--specular", "0.25")
 DISK = ("--repeat", "1", "--up", "0,0,1", "--light", "0.2,0.6,1", "--light", "-0.5,0.1,0.8,1.5", *SILVER)
@@ -38,13 +38,13 @@ def mean(measure, shown, targets):
 
 
 def beside(rows, label):
-    """Returns the colour error of `label`, and in brackets its ratio to the first row. `rows`: label to error."""
+    """Returns the colour error of `label`, and in brackets its ratio to the first row. `rows` maps labels to errors."""
     return f"{rows[label]:.3f} ({rows[label] / next(iter(rows.values())):.2f})"
 
 
 def factors(study, rows, published):
-    """Makes a table of colour errors next to the paper's errors. `rows`: label to (colour error, further cells);
-    `published`: label to the paper's colour error. The first row is the paper's method."""
+    """Makes a table of colour errors next to the paper's errors. `rows` maps labels to (colour error, further cells).
+    `published` maps labels to the paper's colour errors. The first row is the paper's method."""
     head, further = next(iter(rows)), [name for name, _ in next(iter(rows.values()))[1]]
     study.table(["method", "colour error", "ratio to the paper's method", "published", "published ratio", *further],
                 [[label, f"{error:.3f}", f"{error / rows[head][0]:.2f}",
@@ -140,7 +140,7 @@ def fournier(study):
                              ("frame, ms", f"{view.frame_ms['multum']:.1f}")]) for label, picture, view in rows},
             {rows[0][0]: 0.041, rows[-1][0]: 0.123})
     study.paragraph("Many small lookups per pixel act like a filter with the shape of the pixel. The row with 8 x 8 "
-                    "lookups therefore lists the error of the Gaussians alone. The other rows include the errors of "
+                    "lookups therefore lists only the error of the Gaussians. The other rows include the errors of "
                     "their filters. The picture of the",
                     "elongated filter differs from the picture of the round filter by",
                     f"{percent(relative_l1(wide['multum'], round_filter['multum']))} of its light. The factor in the "
@@ -193,8 +193,8 @@ def reproduce(study):
     study.paragraph("The disk and the armour of the paper are not published. A map of rings replaces the disk, and a "
                     "map of hemispherical scales replaces the armour. The paper defines the colour error only in "
                     "words: the mean distance between displayed colours, divided by the distance between black and "
-                    "white. The colour error depends on the scene; the ratio between two methods depends less on the "
-                    "scene.")
+                    "white. The colour error depends on the scene, but the ratio between two methods depends less on "
+                    "it.")
     zoom(study)
     alignment(study)
     fournier(study)

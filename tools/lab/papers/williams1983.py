@@ -13,7 +13,7 @@ TITLE = "Williams 1983: pyramidal parametrics"
 
 
 def sheet(study, name, caption, *options):
-    """Runs multum-view to write a sheet; returns the rows of its report."""
+    """Runs multum-view to write a sheet, and returns the rows of its report."""
     study.run("multum-view", *options, "-o", study.path(f"{name}.png"), "--report", study.path(f"{name}.view.json"))
     study.picture_files([(f"{name}.png", caption)], name != "colours")
     loaded = json.loads(study.path(f"{name}.view.json").read_text())
@@ -36,7 +36,7 @@ def colours(study):
 
 
 def bumpy_ball(path, steps=192, bumps=0.05):
-    """Writes a ball with bumps as OBJ: pixels of a small picture cannot resolve its curvature."""
+    """Writes a ball with bumps as OBJ. The pixels of a small picture cannot resolve its curvature."""
     def point(i, j):
         polar, azimuth = math.pi * i / steps, 2 * math.pi * j / steps
         radius = 1 + bumps * math.sin(9 * polar) * math.sin(9 * azimuth) * math.sin(polar)
@@ -116,7 +116,7 @@ def limited_curvature(study):
     study.strip("limited", [shown[0], shown[1], shown[4], shown[2], shown[5]], zoom=5)
 
 
-HILL_SIDE, OCTAVES = 257, 7  # the finest octave has a wave of 6 points
+HILL_SIDE, OCTAVES = 257, 7  # in the finest octave, a wave is 6 points long
 
 
 def hills(study):
@@ -143,7 +143,7 @@ def camera(distance):
 
 def boiling(study):
     study.heading("The surface's level from its projection")
-    study.paragraph("The camera zooms out over 14 frames; in each frame, the distance grows by 8 %. Boiling is the "
+    study.paragraph("The camera zooms out over 14 frames. In each frame, the distance grows by 8 %. Boiling is the "
                     "change between frames that does not occur in the reference. The reference is the finest surface "
                     "with 6 x 6 samples per pixel. If the level keeps points at a constant distance in pixels, the "
                     "level changes smoothly. Whole levels change in visible jumps.")

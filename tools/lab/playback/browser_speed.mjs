@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// Measures how fast a player's page plays in headless Chromium with its software renderer, SwiftShader; prints JSON.
+// Measures how fast a player's page plays in headless Chromium with its software renderer, SwiftShader, and prints
+// JSON.
 // tools/lab/playback/playing.py runs it.
 //
 //   node browser_speed.mjs CHROMIUM PAGE.html [SECONDS]
 //
-// cached: the first two samples along the first parameter are decoded, and the position moves between them.
-// diagonal: every frame moves one sample further along all parameters, wrapped around, until all samples were shown
-// once.
-// Textures are dropped before. Each frame waits for all of its textures.
+// On the path "cached", the first two samples along the first parameter are decoded, and the position moves between
+// them.
+// On the path "diagonal", every frame moves one sample further along all parameters, wrapped around, until all samples
+// were shown once. Before that, all textures are dropped. Each frame waits for all of its textures.
 import { pathToFileURL } from "node:url";
 import { chromium } from "../../tests/service/web/node_modules/playwright-core/index.mjs";
 
@@ -44,7 +45,7 @@ async function measure(patience) {
     await player.settled();
   }
 
-  // Only draws: decodes nothing and shows nothing.
+  // Only draws. Decodes nothing and shows nothing.
   result.draw = [];
   for (const isSmooth of [false, true]) {
     player.isSmooth = isSmooth;
@@ -93,7 +94,8 @@ async function measure(patience) {
     smallMs: drawnWith((all) => ({ ...all, width: 16, height: 12 })),
     twoLevelsMs: drawnWith((all) => ({ ...all, hasOneLevel: false })) };
 
-  // The page as a person sees it: frames at the browser's rate, with the number of sub-pixels that the page chooses.
+  // Measures the page as a person sees it, with frames at the browser's rate and the number of sub-pixels that the page
+  // chooses.
   result.cached = [];
   for (const isSmooth of [false, true]) {
     player.setSmooth(isSmooth);

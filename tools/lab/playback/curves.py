@@ -9,7 +9,7 @@ WIDTH, HEIGHT, LEFT, RIGHT, TOP, BOTTOM = 820, 430, 56, 262, 20, 44
 
 
 def value_at(points, ratio):
-    """Interpolates the error at a ratio between neighbouring points, with both axes logarithmic. `points`: (ratio,
+    """Interpolates the error at a ratio between neighbouring points, with both axes logarithmic. `points` are (ratio,
     error) in any order. Returns None beyond the ends of the curve."""
     points = sorted(points)
     for (left, low), (right, high) in zip(points, points[1:]):
@@ -36,8 +36,8 @@ def apart(places, distance):
 
 
 def picture(title, curves, marks):
-    """Draws a self-contained SVG for light and dark pages. `curves`: (name, colour number, dash number, points (ratio,
-    error)); `marks`: ratios that are marked by a line."""
+    """Draws a self-contained SVG for light and dark pages. `curves` are (name, colour number, dash number, points
+    (ratio, error)). `marks` are ratios that are marked by a line."""
     curves = [one for one in curves if one[3]]
     ratios = [ratio for *_, points in curves for ratio, _ in points]
     errors = [error for *_, points in curves for _, error in points]

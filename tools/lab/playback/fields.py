@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Fields of ray-traced frames from jobs of `multum infer`: their frames in the order of a video, in 8-bit values as
-on a screen, and errors against other frames."""
+"""Reads fields of ray-traced frames from jobs of `multum infer`: the frames in the order of a video, in 8-bit values as
+on a screen, and their errors compared with other frames."""
 import json
 import pathlib
 import sys
@@ -10,7 +10,7 @@ import numpy as np
 import OpenImageIO as oiio
 
 GAMMA = 2.2
-WHOLE = 1 - 1 / 512  # coverage of a pixel that one object has to itself
+WHOLE = 1 - 1 / 512  # least coverage of a pixel that only one object covers
 
 
 def read_channels(path, names):
@@ -34,12 +34,12 @@ def eight_bit(linear):
 
 
 def squared_errors(frames, others):
-    """Returns the mean over red, green and blue for each pixel: float32 [frame, height, width]."""
+    """Returns the mean over red, green and blue for each pixel, as float32 [frame, height, width]."""
     return np.stack([((a.astype(np.int32) - b) ** 2).mean(axis=2, dtype=np.float32) for a, b in zip(frames, others)])
 
 
 def mse(frames, others):
-    """Mean squared error over all values of all frames."""
+    """Returns the mean squared error over all values of all frames."""
     return float(squared_errors(frames, others).mean(dtype=np.float64))
 
 
@@ -68,8 +68,8 @@ class Field:
                          for one in self.samples])
 
     def object_numbers(self):
-        """Returns the number of the job's object that covers most of each pixel, from 1; 0: none. uint8 [frame, height,
-        width]."""
+        """Returns the number of the job's object that covers most of each pixel, from 1, or 0 for none, as uint8
+        [frame, height, width]."""
         known, frames = {}, []
         for one in self.samples:
             path = self.file(one, "object_index" if "object_index" in one else "geometry")

@@ -26,7 +26,7 @@ def count_of(table):
 
 
 def with_value(table, key, value):
-    """Sets a key; `value` is written as JSON, which TOML can read."""
+    """Sets a key. `value` is written as JSON, which TOML can read."""
     changed, count = re.subn(rf"^{key} = (\[.*?\]|\"[^\"]*\"|\S+)", lambda _: f"{key} = {json.dumps(value)}", table,
                              count=1, flags=re.MULTILINE)
     if count != 1:
@@ -39,7 +39,7 @@ def list_of(table, key):
 
 
 def with_split_parameter(job, name, parts):
-    """Replaces the parameter `name` by `parts`, (name, count); the last part changes fastest."""
+    """Replaces the parameter `name` with `parts`, (name, count). The last part changes fastest."""
     parameters = [table for table in tables(job) if is_a(table, "parameter")]
     place = next((k for k, table in enumerate(parameters) if name_of(table) == name), None)
     if place is None:

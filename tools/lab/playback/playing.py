@@ -21,10 +21,10 @@ from fields import mse
 from measured_run import run, succeed
 from video_seeks import VideoSeeks
 
-ROUNDS = 5  # of both programs in turns
+ROUNDS = 5  # rounds in which both programs run alternately
 SEED = 26
 MEMORIES = ("256M", "128M", "64M", "48M", "40M", "32M")
-SIDES = (1, 2, 4)  # sub-pixels along a pixel
+SIDES = (1, 2, 4)  # sub-pixels along each side of a pixel
 BLOCKED = {"blocks of 4": ("--block", "4"), "blocks of 4, staggered": ("--block", "4", "--stagger", "yes")}
 BROWSERS = ("chromium-headless-shell", "chromium")
 ROOT = pathlib.Path(__file__).resolve().parents[3]
@@ -37,7 +37,7 @@ def quantile(values, p):
 
 
 def diagonals(counts):
-    """Lists every cell of the grid once, one diagonal after another: each frame is a step further along all
+    """Lists every cell of the grid once, one diagonal after another. Each frame is one step further along all
     parameters."""
     places = {}
     for begin in itertools.product(*map(range, counts)):
@@ -117,8 +117,8 @@ def frame_times(frames):
 
 
 def measure_playing(measurement, video_codecs, quality_of):
-    """`measurement`: a FieldMeasurement. `quality_of(codec)`: the -crf with the error most similar to the packed
-    file."""
+    """`measurement` is a FieldMeasurement. `quality_of(codec)` returns the -crf whose error is most similar to that of
+    the packed file."""
     field, programs = measurement.field, measurement.programs
 
     def packed(label, options):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Runs multum and multum-view on a field and measures each run: infers textures, packs, unpacks, draws frames."""
+"""Runs multum and multum-view on a field to infer textures, pack, unpack and draw frames, and measures each run."""
 import pathlib
 import re
 import shutil
@@ -11,7 +11,7 @@ from fields import eight_bit, read_channels
 from measured_run import run, succeed
 
 USAGE = 2  # the exit code of a wrong command line
-SAMPLES_A_RUN = 64  # drawn by one run of multum-view
+SAMPLES_A_RUN = 64  # number of samples that one run of multum-view draws
 
 
 class Programs:
@@ -35,7 +35,7 @@ class Programs:
                         self.context, *options])
 
     def unknown_option(self, options):
-        """Returns the first option that `multum pack` does not know; None if it knows all."""
+        """Returns the first option that `multum pack` does not know, or None if it knows all."""
         return next((one for one in options
                      if one.startswith("--") and not re.search(rf"(?<![\w-]){one}(?![\w-])", self.pack_help)), None)
 
@@ -60,7 +60,8 @@ class Programs:
         return np.stack(frames)
 
     def unpacked_frames(self, file, field, scratch):
-        """Draws a packed field. `scratch`: a folder, not the file's own, that is emptied before and after."""
+        """Draws a packed field. `scratch` is a folder that is emptied before and after. It must not be the file's own
+        folder."""
         shutil.rmtree(scratch, ignore_errors=True)
         succeed([self.multum, "unpack", file, "-o", scratch, "--quiet"])
         frames = self.drawn_frames(scratch, field)

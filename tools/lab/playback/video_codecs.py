@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Codes frames with video and picture codecs of Debian's ffmpeg: bytes of the stream without container, and the decoded
-frames. Colours are BT.709 YCbCr, full range, 4:4:4, 10 bit. This module converts colours, exactly and equally for all
-codecs.
+"""Codes frames with video and picture codecs of Debian's ffmpeg. Gives the bytes of the stream without container, and
+the decoded frames. Colours are BT.709 YCbCr, full range, 4:4:4, 10 bit. This module converts colours, exactly and
+equally for all codecs.
 """
 import os
 import pathlib
@@ -33,8 +33,8 @@ def rgb(planes):
 
 class Codec:
     def __init__(self, name, kind, key_distance, qualities, options, overhead):
-        """`kind`: ffmpeg's format of a bare stream; `qualities`: values of -crf, the best first; `overhead`: bytes
-        per frame that mark its beginning, as in a container."""
+        """`kind` is ffmpeg's format of a bare stream. `qualities` are values of -crf, the best first. `overhead` is the
+        number of bytes per frame that mark its beginning, as in a container."""
         self.name, self.kind, self.qualities, self.overhead = name, kind, qualities, overhead
         self.key_distance, self.options = key_distance, options
 
@@ -54,7 +54,7 @@ def x265(key_distance):
 AVIF = Codec("AVIF, each frame by itself", "obu", 1, (30, 40, 48, 54, 58, 61, 63),
              ["-c:v", "libaom-av1", "-cpu-used", "4", "-b:v", "0", "-usage", "allintra", "-g", "0"], 2)
 CODECS = (av1(64), av1(8), x265(64), x265(8), AVIF)
-LEADING = CODECS[0].name  # the one that multum has to beat
+LEADING = CODECS[0].name  # the codec with which multum is compared
 
 
 def require_ffmpeg():
@@ -94,7 +94,7 @@ def best_within(codec, size_max, frames):
     """Returns bytes and frames of the best quality within this many bytes, or of the smallest stream if none fits."""
     low, high = 1, 63
     best = coded(codec, high, frames)
-    while low < high:  # sizes fall as the number of the quality rises
+    while low < high:  # sizes decrease as the quality number increases
         middle = (low + high) // 2
         found = coded(codec, middle, frames)
         if found[0] <= size_max:

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Measures how long dav1d takes to seek a frame of an AV1 stream: it decodes from the previous key frame to this frame.
-It runs on one thread of this process, so that starting a program does not count. Only decoding is timed, not the
-conversion of colours. The library fills all structures of libdav1d 1.0, except for the first members of its settings.
+"""Measures how long dav1d takes to seek a frame of an AV1 stream, for which it decodes from the previous key frame to
+this frame. It runs on one thread of this process, so that starting a program does not count. Only decoding is timed,
+not the conversion of colours. The library fills all structures of libdav1d 1.0, except for the first members of its
+settings.
 """
 import ctypes
 import os
@@ -13,7 +14,7 @@ import time
 
 import video_codecs
 
-SETTINGS_BYTES, DATA_BYTES, PICTURE_BYTES = 4096, 512, 4096  # at least what the structures take
+SETTINGS_BYTES, DATA_BYTES, PICTURE_BYTES = 4096, 512, 4096  # at least as large as the structures
 AGAIN = -11  # -EAGAIN
 
 

@@ -55,9 +55,9 @@ HttpClient client_of(const ClientOptions& o) {
 }
 
 void add_client_options(CLI::App& command, ClientOptions& o) {
-  command.add_option("--server", o.server,
-                     "address of the service: http://HOST:PORT or unix:PATH (default: $MULTUM_SERVER, else "
-                     "http://127.0.0.1:8470)");
+  command.add_option(
+      "--server", o.server,
+      "address of the service, http://HOST:PORT or unix:PATH (default: $MULTUM_SERVER, else http://127.0.0.1:8470)");
   command.add_option("--token-file", o.token_file,
                      "file with the service token in its first line (default: $MULTUM_TOKEN_FILE)");
   add_json_option(command, o.json);
@@ -121,10 +121,11 @@ struct SubmitOptions {
   std::map<std::string, bool> flags;
 };
 
-// Returns the value as JSON. A string that does not parse is sent unchanged: the service's error says what it expected.
+// Returns the value as JSON. A string that cannot be parsed is sent unchanged, because the service's error states what
+// was expected.
 Json value_of(const Parameter& parameter, const std::string& text) {
   if (parameter.kind == ParameterKind::kFile) {
-    // Also works for FILE:CHANNEL: the channel still follows the last colon.
+    // Also works for FILE:CHANNEL, because the channel still follows the last colon.
     return text_of_path(fs::absolute(text).lexically_normal().string());
   }
   const std::optional<ParameterValue> value = parse_value(parameter, text);
@@ -229,7 +230,7 @@ void add_submit(CLI::App& app, int* exit_code) {
 
 // ---- wait, tail
 
-// Time for which a waiting client tries to reach a service that does not answer: long enough for a restart.
+// Time for which a waiting client tries to reach a service that does not answer. It is long enough for a restart.
 constexpr auto kPatience = std::chrono::seconds(60);
 
 // Calls `body`, which talks to the service, until it returns true. `body` calls `answered` after each answer.
@@ -267,7 +268,7 @@ bool wait_for(HttpClient& client, std::set<std::int64_t> ids, PrintedJobs& print
   };
   if (ids.empty()) return true;
   persist([&](const std::function<void()>& answered) {
-    // Asks for the jobs that are already done while the event stream is open: events report only changes.
+    // Asks for the jobs that are already done while the event stream is open, because events report only changes.
     const auto ask_all = [&] {
       answered();
       const std::set<std::int64_t> asked = ids;
@@ -315,7 +316,7 @@ int run_wait(WaitOptions& o) {
 
 int run_tail(ClientOptions& o, std::int64_t id) {
   HttpClient client = client_of(o);
-  std::size_t shown = 0;  // bytes
+  std::size_t shown = 0;  // number of bytes shown
   std::string state, log;
   Json job;
   const auto show = [&] {
@@ -323,7 +324,7 @@ int run_tail(ClientOptions& o, std::int64_t id) {
     log = client.text(fmt::format("/v1/jobs/{}/log", id));
     state = job["state"].get<std::string>();
     const bool is_done = state == "succeeded" || state == "dead" || state == "cancelled";
-    // A character that is cut in half would be shown as two invalid ones, so the first half is kept until the rest
+    // A character that is cut in two would be shown as two invalid characters, so its first part is kept until the rest
     // arrives.
     const std::size_t ready = is_done ? log.size() : whole_characters(log);
     if (ready > shown && !o.json) write_shown(stdout, std::string_view(log).substr(shown, ready - shown));
@@ -407,7 +408,7 @@ void add_retry(CLI::App& app, int* exit_code) {
   CLI::App* retry = app.add_subcommand("retry", "queue dead or cancelled jobs again");
   retry->add_option("job", o->ids, "numbers of the jobs");
   retry->add_flag("--all-dead", o->all_dead, "retry all dead jobs");
-  retry->add_option("--queue", o->queue, "with --all-dead: retry only jobs of this queue");
+  retry->add_option("--queue", o->queue, "with --all-dead, retry only jobs of this queue");
   add_client_options(*retry, o->client);
   retry->callback([o, exit_code] {
     if (o->all_dead == !o->ids.empty())
@@ -435,7 +436,8 @@ void add_purge(CLI::App& app, int* exit_code) {
     std::int64_t age = -1;
   };
   auto o = std::make_shared<Options>();
-  CLI::App* purge = app.add_subcommand("purge", "forget finished jobs and their logs; keep their results");
+  CLI::App* purge = app.add_subcommand(
+      "purge", "remove finished jobs, their logs, and their results in the folder of the service; keep other results");
   purge->add_option("job", o->ids, "numbers of the jobs");
   purge->add_option("--older-than", o->age, "purge all jobs that ended at least this many seconds ago")
       ->check(CLI::NonNegativeNumber);

@@ -6,7 +6,7 @@
 
 namespace multum {
 
-/// openjd: writes another command as a job bundle for render farms.
+/// openjd: writes a job bundle that runs another command on a render farm.
 void add_openjd_command(CLI::App& app, int* exit_code, CheckWords check_words);
 /// serve, and the hidden commands that the service starts.
 void add_serve_commands(CLI::App& app, int* exit_code);

@@ -43,7 +43,7 @@ JobType pack_type() {
                      .words = {"player", "-q"},
                      .takes_roots = true,
                      .shown = {{"player.html", "Play it", "Save a player"}}}},
-          .no_other_view = "it has a player, and no pictures"};
+          .no_other_view = "it has a player, but no pictures"};
 }
 
 }  // namespace

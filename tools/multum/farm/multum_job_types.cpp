@@ -9,7 +9,7 @@ namespace multum {
 namespace {
 
 constexpr std::int64_t kMiB = 1 << 20;
-constexpr std::size_t kLooksMax = 16;  // maximum number of stored pages; the page of the largest map is 37 MB large
+constexpr std::size_t kLooksMax = 16;  // maximum number of stored pages; the page of the largest map has 37 MB
 
 constexpr const char* kNoScene = "a map; for a scene, submit a job of type scene";
 
@@ -46,7 +46,7 @@ JobType bake_type() {
 
 JobType scene_type() {
   return {.name = "scene",
-          .summary = "bake the maps of a scene as far as the scene needs them",
+          .summary = "bake only what a scene shows of its maps",
           .command = "bake",
           .input = "scene",
           .output_is_folder = true,

@@ -29,7 +29,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Commands that a farm can run: they need no user input, and they read and write files.
+// Commands that a farm can run, because they need no user input and only read and write files.
 const std::set<std::string> kCommands = {"bake", "export", "infer", "pack", "mip", "reflectance", "tradeoff"};
 const std::set<std::string> kResumable = {"bake", "pack"};
 const std::set<std::string> kOutputOptions = {"-o",        "--output", "--report", "--junit",
@@ -38,7 +38,7 @@ const std::set<std::string> kOutputOptions = {"-o",        "--output", "--report
 struct OpenJdOptions {
   CommonOptions common;
   std::string output, name;
-  int shards = 0;  // 0: one share per map, or one for an inference
+  int shards = 0;  // if 0, one share per map, or a single share for an inference
   std::vector<std::string> words;
 };
 
@@ -78,7 +78,7 @@ std::optional<FarmWord> path_of_word(const std::vector<std::string>& words, std:
   const std::string& word = words[at];
   FarmWord found{at, word, false, at > 0 && kOutputOptions.contains(words[at - 1])};
   if (found.is_output && word != "-") {
-    // A name without an extension is a folder that the command will make.
+    // An output name without an extension is a folder that the command will make.
     found.is_folder = is_folder(word) || fs::path(word).extension().empty();
     if (!has_udim(word)) return found;
   }
@@ -100,7 +100,7 @@ void check_input_is_there(const std::vector<std::string>& words) {
   throw Error(ErrorCode::kInput, words[1] + ": does not exist, expected the input of " + words[0]);
 }
 
-// The program is one parameter of the job; each path is another parameter.
+// The program is one parameter of the job, and each path is another.
 void check_path_count(const FarmCommand& command, const std::string& kind) {
   constexpr std::size_t kPathsMax = kOpenJdParametersMax - 1;
   if (command.paths.size() <= kPathsMax) return;
@@ -161,7 +161,7 @@ BakedMaps maps_of_bake(const std::vector<std::string>& words, const std::vector<
   return scene;
 }
 
-// Collects the folders that a command writes to, and the files that it reads although its words do not name them.
+// Collects the folders to which a command writes, and files that it reads although its words do not name them.
 void collect_files(FarmCommand& command, const BakedMaps& bakes) {
   std::vector<std::string>& files = command.inputs;
   for (const FarmWord& path : command.paths) {
@@ -266,8 +266,8 @@ void add_openjd_command(CLI::App& app, int* exit_code, CheckWords check_words) {
   openjd->add_option("-o,--output", options->output, "folder to write the bundle to")->required();
   openjd
       ->add_option("--shards", options->shards,
-                   "divide the work into this many tasks (default: one per map; one for an inference), or a single map "
-                   "into this many bands (default: not divided)")
+                   "divide the work into this many tasks (default: one per map, or one for an inference), or a single "
+                   "map into this many bands (default: not divided)")
       ->check(CLI::Range(1, 999999));
   openjd->add_option("--name", options->name, "set the name of the job (default: the name of the command)");
   add_common_options(*openjd, options->common);

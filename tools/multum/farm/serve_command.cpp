@@ -37,7 +37,7 @@ struct ServeOptions {
   bool begins_anew = false, rescues = false;
 };
 
-// Reads the settings file; options of the command line replace its settings.
+// Reads the settings file. Options of the command line replace its settings.
 ServiceSettings settings_of(const ServeOptions& o) {
   ServiceSettings settings;
   settings.data = std::filesystem::absolute(o.data).string();
@@ -84,8 +84,8 @@ struct WorkerOptions {
   std::vector<std::string> roots;
 };
 
-// Limits a job to files below the roots and in the daemon's data folders for jobs. So no picture, scene or link can
-// lead to another folder.
+// Limits a job to files below the roots and in the daemon's data folders for jobs. Therefore no picture, scene or link
+// can lead to another folder.
 void confine_worker(const WorkerOptions& o, const std::string& scratch) {
   Confinement allowed = system_confinement(variable);
   allowed.writable.insert(allowed.writable.end(), o.roots.begin(), o.roots.end());
@@ -132,7 +132,7 @@ struct ConfinedOptions {
   std::vector<std::string> readable, writable, command;
 };
 
-// Confines this process, then replaces it by another program.
+// Confines this process, then replaces it with another program.
 int run_confined(const ConfinedOptions& o) {
   Confinement allowed = system_confinement(variable);
   allowed.readable.insert(allowed.readable.end(), o.readable.begin(), o.readable.end());
@@ -156,7 +156,7 @@ void add_serve_commands(CLI::App& app, int* exit_code) {
                     "listen on HOST:PORT, [::1]:PORT or unix:PATH (default: 127.0.0.1:8470)");
   serve
       ->add_option("--root", options->roots,
-                   "folder below which jobs may read and write; repeatable; must not hold files of the service")
+                   "folder below which jobs may read and write; repeatable; it must not contain files of the service")
       ->allow_extra_args(false);
   serve->add_option("--workers", options->workers, "run this many jobs at once (default: 2)")
       ->check(CLI::Range(1, 256));

@@ -33,7 +33,7 @@ struct InferOptions {
   AnimationInferSettings settings;
   ParameterValues values{infer_parameters()};
   std::string job;
-  std::string shard;  // empty: infer all textures
+  std::string shard;  // share to infer; empty to infer all textures
   int merged_shards = 0;
 };
 
@@ -59,7 +59,7 @@ void print_results(const InferOptions& o, const InferenceReport& report) {
     if (!texture.file.empty()) (texture.was_there ? there : written) += 1;
   const StageSeconds& s = report.result.seconds;
   print_shown(stdout,
-              "%s: %d textures written, %d already there; mapping %.1f s, probing %.1f s, segmentation %.1f s, "
+              "%s: %d textures written, %d already existed; mapping %.1f s, probing %.1f s, segmentation %.1f s, "
               "systems %.1f s, solving %.1f s, baseline %.1f s, frames %.1f s; %llu of %llu rows rejected\n",
               o.settings.output.c_str(), written, there, s.mapping, s.probing, s.segmentation, s.systems, s.solving,
               s.baseline, s.rendering, static_cast<unsigned long long>(report.result.rows_rejected),

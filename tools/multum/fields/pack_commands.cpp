@@ -67,10 +67,10 @@ std::string field_folder(const std::string& named) {
 
 void print_parts(const FieldPackReport& report) {
   if (report.chunks_resumed > 0)
-    print_shown(stdout, "%zu chunks were taken from a stopped packing\n", report.chunks_resumed);
+    print_shown(stdout, "%zu chunks were taken from an interrupted packing\n", report.chunks_resumed);
   for (const PackedObjectReport& object : report.objects)
-    print_shown(stdout, "object '%s': MSE %.3f of its pixels, %.2f of the mean; lambda %.5g\n", object.object.c_str(),
-                object.mse, object.mse / report.mse_covered, object.lambda);
+    print_shown(stdout, "object '%s': its pixels have an MSE of %.3f, %.2f times the mean; lambda %.5g\n",
+                object.object.c_str(), object.mse, object.mse / report.mse_covered, object.lambda);
   for (const PackedChunkReport& chunk : report.chunks)
     print_shown(stdout, "%8zu bytes, MSE %.3f: layer '%s' of object '%s', block %zu\n", chunk.bytes, chunk.mse,
                 chunk.layer.c_str(), chunk.object.c_str(), chunk.block);
@@ -95,8 +95,8 @@ void warn_of_errors(const PackOptions& o, const FieldPackReport& report) {
                             "({:.3g}). {}",
                             report.mse, report.mse / std::max(*report.inferred_mse, 1e-9), *report.inferred_mse,
                             o.settings.target.is_default()
-                                ? "No smaller error was found; the limit is 3 times"
-                                : "Without --ratio, --bytes and --lambda, packing stays below 3 times"));
+                                ? "No smaller error was found; the limit is a factor of 3"
+                                : "Without --ratio, --bytes and --lambda, the factor stays below 3"));
 }
 
 OrderedJson pack_json(const PackOptions& o, const FieldPackReport& report) {
@@ -182,18 +182,16 @@ void add_pack(CLI::App& app, int* exit_code) {
   pack->footer(
       "Example:\n"
       "  multum pack inferred -o field.mpt --page field.html\n"
-      "Give at most one of --ratio, --bytes, --mse-max and --lambda. With --lambda everything is coded once,\n"
-      "else several times. A page holds at most 16 MiB of field and geometry. If --memory is too small\n"
-      "for one chunk, an error says how much is needed. Threads, memory and device do not change the file.\n"
-      "--verbose prints the bytes and the error of every chunk.");
+      "Give at most one of --ratio, --bytes, --mse-max and --lambda. With --lambda, chunks are coded\n"
+      "only once. A page holds at most 16 MiB of field and geometry. If --memory is too small for one chunk, an\n"
+      "error says how much is needed. Threads, memory and device do not change the file.");
   pack->add_option("folder", o.settings.folder, "folder written by `multum infer`, or its inferred.json")->required();
   pack->add_option("-o,--output", o.settings.output, "file to write, *.mpt")->required();
   pack->add_option("--player", o.player.folder,
                    "also write a player for browsers to this folder, which any static web server can serve");
   pack->add_option("--page", o.player.page, "also write this page, *.html: player, field and geometry in one file");
   add_parameter_options(*pack, o.values);
-  pack->add_option("--device", o.device,
-                   "use this OpenCL device: its number in `multum devices`, or a part of its name");
+  pack->add_option("--device", o.device, "use this OpenCL device: its number in `multum devices`, or part of its name");
   add_common_options(*pack, o.common);
   pack->callback([options, exit_code] { *exit_code = run_pack(*options); });
 }

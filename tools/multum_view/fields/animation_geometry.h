@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The objects of an animation, as multum-view draws them: meshes with the texture coordinates of every mapping, and the
-// position of each object.
+// The objects of an animation as multum-view draws them. They consist of meshes, with the texture coordinates of every
+// mapping, and the position of each object.
 #pragma once
 
 #include <memory>

@@ -16,26 +16,25 @@ std::vector<ViewCommand> field_commands() {
        "  multum-view sample out/ --at 3,5 -o frame.png\n"
        "  multum-view sample field.mpt --at 3,5 -o frame.png\n"
        "  multum-view sample out/ --at 0,0 -o a.exr --at 0,1 -o b.exr\n\n"
-       "Chunks of a packed field are decoded when a sample needs them. Damaged chunks are left out and named; the\n"
-       "exit code is then 5.",
+       "Chunks of a packed field are decoded when a sample needs them. If a chunk is damaged, its name is printed,\n"
+       "the rest is drawn, and the exit code is 5.",
        [](CLI::App& app, CommandOptions& o) { add_sample_options(app, o.sample); },
        [](const CommandOptions& o) { return draw_samples(o.sample); }},
       {"play", "Draw frames along a path through the parameters of a packed field, and decode it on the way",
        "  multum-view play field.mpt --path 'view=0..7,light=3.5+3.5*sin(t)' --frames 90 -o frames/\n\n"
-       "A path sets each parameter to a sample index from 0, such as 2.5. Other parameters stay at 0. An\n"
-       "index beyond the last sample counts as the last one. A value is made of numbers, + - * / ( ), sin, cos, pi\n"
-       "and t, the seconds since the first frame (--rate). a..b goes from a in the first frame to b in the last.\n"
-       "Between samples, camera and objects move smoothly. Textures come from the nearest sample, or from a mix\n"
-       "with --linear. --linear mixes gamma-coded values, and leaves out samples of another texture size.\n\n"
-       "Without --no-wait a frame waits for all of its images; threads and memory do not change pictures. --memory is\n"
-       "never exceeded: a chunk may use a quarter of it, and a chunk that needs more is left out and named.\n"
+       "A path sets parameters to sample indices from 0, such as 2.5. Other parameters stay at 0. An index beyond\n"
+       "the last sample counts as the last sample. A value is a formula with numbers, + - * / ( ), sin, cos, pi and\n"
+       "t, the seconds since the first frame (--rate). a..b changes from a in the first frame to b in the last frame.\n"
+       "Between samples, camera and objects move smoothly. Textures come from the nearest sample. --linear mixes the\n"
+       "gamma-coded textures of the samples around a point, but omits samples of another texture size.\n\n"
+       "Without --no-wait, a frame waits for all of its images, so threads and memory do not change pictures.\n"
+       "A chunk may use a quarter of --memory. Chunks that need more are omitted, and their names are printed.\n"
        "--upload does not count the coarsest image of each layer. For --lifetime-factor, an image of `S` samples has\n"
        "level `log4(S)`.\n\n"
-       "The debug picture has a band per layer, from the top: green for available images, yellow for the share\n"
-       "that was late, red for images of an earlier frame. Below are decoded images (blue) and decoded chunks\n"
+       "The debug picture shows one band per layer, from the top. Green means available images, yellow the share of\n"
+       "late images, and red images of an earlier frame. Below are decoded images (blue) and decoded chunks\n"
        "(violet), one pixel each, and memory (white at its peak).\n\n"
-       "FILE.json is a path that the player in a browser saved. If --frames exceeds the path, the path starts\n"
-       "again.",
+       "If --frames exceeds the path of FILE.json, the path starts again.",
        [](CLI::App& app, CommandOptions& o) { add_play_options(app, o.play); },
        [](const CommandOptions& o) { return play_field(o.play); }},
       {"probe", "Measure the weights of the GL texture filter for texture inference",

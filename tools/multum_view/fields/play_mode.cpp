@@ -99,7 +99,7 @@ void check_play_outputs(const PlayOptions& options, const std::string& geometry,
   for (const std::string& output : outputs) check_writable(output);
 }
 
-/// Returns a quantile of the values by the nearest rank; `p` is in 0..1.
+/// Returns a quantile of the values by the nearest rank. `p` is in 0..1.
 double quantile(std::vector<double> values, double p) {
   std::sort(values.begin(), values.end());
   const double rank = std::ceil(p * static_cast<double>(values.size())) - 1.0;
@@ -237,13 +237,13 @@ void add_play_options(CLI::App& app, PlayOptions& options) {
       ->check(number_in(0.001f, 1e6f))
       ->capture_default_str();
   app.add_option("--supersampling", options.supersampling,
-                 "draw this many sub-pixels along each side of a pixel (default: as the field says)")
+                 "draw this many sub-pixels along each side of a pixel (default: from the field)")
       ->check(CLI::Range(1, 8));
   app.add_flag("--linear", options.is_linear,
-               "mix the samples around a point linearly along each parameter, instead of using the nearest sample");
-  app.add_flag("--no-wait", options.draws_what_is_there,
-               "draw decoded images only, coarsest first, without waiting; pictures then depend on the speed of the "
-               "machine");
+               "interpolate linearly between samples along each parameter, instead of using the nearest sample");
+  app.add_flag(
+      "--no-wait", options.draws_what_is_there,
+      "draw only decoded images, coarsest first, without waiting; pictures then depend on the speed of the machine");
   app.add_flag("--cold", options.is_cold, "forget all decoded data before each frame, to measure jumps");
   app.add_option("--ahead", options.ahead, "also decode this many frames ahead on the path")
       ->check(CLI::Range(0, 1000))
@@ -251,16 +251,16 @@ void add_play_options(CLI::App& app, PlayOptions& options) {
   app.add_option("--memory", options.memory,
                  "keep decoded data within this memory, including GPU memory, such as 800M or 2G")
       ->capture_default_str();
-  app.add_option("--upload", options.upload, "with --no-wait: send at most this many bytes per frame to the GPU")
+  app.add_option("--upload", options.upload, "with --no-wait, send at most this many bytes per frame to the GPU")
       ->capture_default_str();
   app.add_option("--lifetime", options.lifetime, "keep an unused image of one sample for this many frames")
       ->check(number_in(0.0f, 1e6f))
       ->capture_default_str();
   app.add_option("--lifetime-factor", options.lifetime_factor,
-                 "keep images of each coarser level of the pyramid this many times longer")
+                 "keep images this many times longer for each coarser level of the pyramid")
       ->check(number_in(1.0f, 64.0f))
       ->capture_default_str();
-  app.add_option("--threads", options.threads, "decode with this many threads; 0: one per core")
+  app.add_option("--threads", options.threads, "decode with this many threads; 0 means one per core")
       ->check(CLI::Range(0, 1024))
       ->capture_default_str();
   app.add_option("--debug-picture", options.debug_picture,
@@ -280,7 +280,7 @@ int play_field(const PlayOptions& options) {
   const InferredManifest field = PackedFieldFile(options.file).description().field;
   const std::vector<std::vector<double>> points = path_points(options, field.parameters);
   check_play_outputs(options, (fs::path(options.file).parent_path() / field.geometry_file).string(), points.size());
-  keep_freed_memory();  // the memory of each decoded image
+  keep_freed_memory();  // so that decoded images reuse memory
   const auto context = gl::make_headless_context(options.context, gl::DebugOutput::kOff);
   log_info(context->description());
   PathPlayer player(context->functions(), options, settings);
@@ -290,7 +290,7 @@ int play_field(const PlayOptions& options) {
   if (!options.debug_picture.empty())
     write_picture(options.debug_picture, debug_picture(player.frames(), settings.playback.memory_max), 1.0f);
   const PlaybackCounts counts = player.player().counts();
-  print_shown(stdout, "%s: written: %zu frames, %zu images of %zu chunks decoded, at most %zu bytes at once\n",
+  print_shown(stdout, "%s: written: %zu frames; decoded %zu images of %zu chunks; used at most %zu bytes at once\n",
               options.folder.c_str(), points.size(), counts.images_decoded, counts.chunks_decoded, counts.bytes_most);
   const std::vector<std::string> damaged = player.player().damaged();
   if (damaged.empty()) return 0;

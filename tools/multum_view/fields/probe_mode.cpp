@@ -29,8 +29,8 @@ std::string matrices_hash(const std::vector<gl::PlacedMesh>& placed) {
   return hash.finish();
 }
 
-// Returns the object of each task. Before measuring, refuses tasks that could not finish, and output files that would
-// overwrite each other or an input.
+// Returns the object of each task. Before the measurement, refuses tasks that could not finish, and output files that
+// would overwrite each other or an input.
 std::vector<std::size_t> check_tasks(const ProbeRequest& request, const ProbeOptions& options,
                                      const std::vector<ObjectMesh>& meshes) {
   std::vector<std::size_t> objects;

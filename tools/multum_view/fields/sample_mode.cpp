@@ -29,7 +29,7 @@ class TextureSource {
  public:
   virtual ~TextureSource() = default;
   virtual const InferredManifest& manifest() const = 0;
-  /// The folder that the manifest's names are relative to.
+  /// The folder to which the manifest's names are relative.
   virtual fs::path folder() const = 0;
   /// Returns all input files, including the files of samples that this run does not draw.
   virtual std::set<fs::path> files() const = 0;
@@ -47,7 +47,7 @@ class FolderTextures : public TextureSource {
     std::set<std::string> names = {kInferredManifestName};
     for (const InferredObject& object : manifest_.objects)
       for (const InferredLayer& layer : object.layers) names.insert(layer.textures.begin(), layer.textures.end());
-    std::set<fs::path> paths;  // without duplicates: a folder can contain one texture per sample
+    std::set<fs::path> paths;  // a set, to remove duplicates; a folder can contain one texture per sample
     for (const std::string& name : names)
       if (!name.empty()) paths.insert(folder_ / name);
     return paths;
@@ -67,7 +67,7 @@ class FolderTextures : public TextureSource {
   InferredManifest manifest_;
 };
 
-/// The textures of a packed field. Reads chunks on demand, leaves out damaged chunks, and reports them.
+/// The textures of a packed field. Reads chunks on demand, skips damaged chunks, and reports them.
 class PackedTextures : public TextureSource {
  public:
   explicit PackedTextures(const std::string& path) : path_(path), file_(path) {}
@@ -87,7 +87,7 @@ class PackedTextures : public TextureSource {
     }
     return found;
   }
-  /// Throws Error(kVerification), naming the chunks that were left out.
+  /// Throws Error(kVerification) that names the chunks that were skipped.
   void refuse_damage() const {
     if (damaged_.empty()) return;
     throw Error(ErrorCode::kVerification, fmt::format("damaged parts are left out; everything else is drawn:\n"
@@ -110,7 +110,7 @@ class PackedTextures : public TextureSource {
 
   std::string path_;
   PackedFieldFile file_;
-  std::map<std::pair<std::size_t, std::size_t>, std::unique_ptr<TextureChunk>> chunks_;  // by layer, block
+  std::map<std::pair<std::size_t, std::size_t>, std::unique_ptr<TextureChunk>> chunks_;  // by layer and block
   std::vector<std::string> damaged_;
 };
 
@@ -199,12 +199,13 @@ void add_sample_options(CLI::App& app, SampleOptions& options) {
   app.add_option("folder", options.folder,
                  "folder written by `multum infer`, its inferred.json, or a packed field, *.mpt")
       ->required();
-  app.add_option(
-         "--at", options.samples,
-         "draw this sample: its index along each parameter, such as 3,5, or its name; repeatable, with an -o each")
+  app.add_option("--at", options.samples,
+                 "draw the sample with this name or with these indices along the parameters, such as 3,5; repeatable, "
+                 "with one -o per sample")
       ->required()
       ->allow_extra_args(false);  // otherwise the option would also take the folder at the end
-  app.add_option("-o,--output", options.outputs, "picture of each sample to write: .png (sRGB) or .exr (linear floats)")
+  app.add_option("-o,--output", options.outputs,
+                 "picture to write for each sample: .png (sRGB) or .exr (linear floats)")
       ->required()
       ->allow_extra_args(false);
   app.add_option("--exposure", options.exposure, "multiply the brightness of PNG pictures by this")

@@ -39,8 +39,8 @@ int draw_lod(const LodOptions& options) {
   check_paths_differ({options.file}, {picture.output.path, picture.output.report});
   ViewScenes scenes = make_scenes(picture);
   const Pyramid pyramid = read_surface_pyramid(options.file);
-  // The camera does not depend on the level: a given camera is kept, and the default camera shows the whole finest
-  // level.
+  // The camera does not depend on the level. A given camera is used unchanged, and the default camera shows the whole
+  // finest level.
   frame_mesh(to_triangle_mesh(surface_at_level(pyramid, 0.0)), options.file, picture.output, scenes);
   const double level = detail_level(options.detail, pyramid, scenes.first.camera, picture.output.height());
   const PyramidSurface surface =

@@ -37,15 +37,15 @@ std::optional<PyramidLookup> lookup_of(const std::string& name) {
   if (name == "bilinear") return PyramidLookup::kBilinear;
   if (name == "level") return PyramidLookup::kLevel;
   if (name == "driver") return PyramidLookup::kDriver;
-  return std::nullopt;  // reference
+  return std::nullopt;  // the reference
 }
 
 glm::vec3 vector_of(const nlohmann::json& json) {
   return {json.at(0).get<float>(), json.at(1).get<float>(), json.at(2).get<float>()};
 }
 
-/// Returns the lights that a reflectance map was baked from. Returns none if the map holds an environment, or more
-/// lights than a shader supports: the map's finest level is then the best available reference.
+/// Returns the lights from which a reflectance map was baked. Returns none if the map holds an environment, or more
+/// lights than a shader supports. The map's finest level is then the best available reference.
 std::optional<gl::PhongLights> baked_lights(const PyramidHeader& header, const std::string& path) {
   const nlohmann::json json = nlohmann::json::parse(header.map.provenance.settings, nullptr, false);
   if (!header.map.provenance.source_hash.empty()) return std::nullopt;
@@ -71,7 +71,7 @@ gl::Camera viewer_camera(const TriangleMesh& mesh, const ReflectanceFrame& frame
     low = glm::min(low, p);
     high = glm::max(high, p);
   }
-  constexpr float kFieldOfView = 8.0f;  // narrow, like a distant view: the map has only one view direction
+  constexpr float kFieldOfView = 8.0f;  // narrow, like a distant view, because the map has only one view direction
   const float radius = std::max(0.5f * glm::length(high - low), 1e-6f);
   const float distance = radius / std::sin(glm::radians(0.5f * kFieldOfView));
   camera.fov_y_degrees = kFieldOfView;
@@ -86,7 +86,7 @@ gl::Camera viewer_camera(const TriangleMesh& mesh, const ReflectanceFrame& frame
 /// The surfaces that the pyramid colours.
 struct Surfaces {
   gl::MeshData drawn;
-  std::optional<gl::MeshData> finest;  // the reference's surface; unset: the same as `drawn`
+  std::optional<gl::MeshData> finest;  // the reference's surface; the same as `drawn` if not set
 };
 
 class PyramidPictures {
@@ -217,8 +217,9 @@ Surfaces make_surfaces(const PyramidOptions& options, const PyramidHeader& heade
 void check_surface(const PyramidOptions& options, const PyramidHeader& header) {
   const bool by_normal = header.kind == PyramidKind::kReflectance;
   if (!by_normal && header.kind != PyramidKind::kColour)
-    throw Error(ErrorCode::kInput, fmt::format("{}: found a pyramid of {}, expected one of colours or reflected light",
-                                               options.file, pyramid_kind_name(header.kind)));
+    throw Error(ErrorCode::kInput,
+                fmt::format("{}: found a pyramid of {}, expected a pyramid of colours or reflected light", options.file,
+                            pyramid_kind_name(header.kind)));
   if (by_normal && options.surface.mesh.empty() == options.surface_pyramid.empty())
     throw Error(ErrorCode::kUsage,
                 fmt::format("{}: a map over normals needs one surface, found {}, expected {}", options.file,
@@ -261,9 +262,9 @@ void add_pyramid_options(CLI::App& app, PyramidOptions& options) {
       ->required();
   add_picture_option(app, options.output)->required();
   add_lookup_options(app, options);
-  add_level_bias_option(app, options.level_bias,
-                        "add this to the level (default: 0 for colours; -0.79, the width of a pixel, for reflected "
-                        "light)");
+  add_level_bias_option(
+      app, options.level_bias,
+      "add this to the level (default: 0 for colours; -0.79 for reflected light, which blurs like one pixel)");
   app.add_option("--samples", options.samples, "draw the reference with this many samples per pixel")
       ->check(CLI::Range(1, 65536))
       ->capture_default_str();

@@ -37,8 +37,8 @@ void add_surface_detail_options(CLI::App& app, DetailOptions& options) {
 Pyramid read_surface_pyramid(const std::string& path) {
   Pyramid pyramid = read_pyramid(path);
   if (pyramid.header.kind != PyramidKind::kHeight && pyramid.header.kind != PyramidKind::kPosition)
-    throw Error(ErrorCode::kInput, fmt::format("{}: found a pyramid of {}, expected one of heights or positions", path,
-                                               pyramid_kind_name(pyramid.header.kind)));
+    throw Error(ErrorCode::kInput, fmt::format("{}: found a pyramid of {}, expected a pyramid of heights or positions",
+                                               path, pyramid_kind_name(pyramid.header.kind)));
   return pyramid;
 }
 

@@ -13,7 +13,7 @@
 namespace multum {
 
 struct DetailOptions {
-  std::optional<float> level;    // unset: 0, or the level that `spacing` chooses
+  std::optional<float> level;    // if not set, 0 or the level that `spacing` chooses
   std::optional<float> spacing;  // pixels between neighbouring points
 };
 

@@ -7,7 +7,7 @@ const milliseconds = (seconds) => (1000 * seconds).toFixed(0);
 const mebibytes = (bytes) => (bytes / MIB).toFixed(2);
 const frameTime = (ms) => (ms === undefined ? "-" : ms.toFixed(1));
 
-// Costs in plots and fronts: the key in `fronts`, and the cost of a row, which is > 0 if known.
+// Costs in plots and fronts. Each has its key in `fronts`, and the cost of a row, which is > 0 if known.
 const COSTS = [
   { title: "Work of a bake", unit: "milliseconds", front: "bake_work", of: (row) => 1000 * row.bake_work_seconds },
   { title: "Memory on the GPU", unit: "MiB", front: "gpu_bytes", of: (row) => row.gpu_bytes / MIB },
@@ -53,7 +53,7 @@ function choice() {
     node("pre", {}, row.command)];
 }
 
-// Shapes also distinguish the groups on paper. Each shape lists corners around the mark's centre; a circle has no
+// Shapes also distinguish the groups on paper. Each shape lists corners around the mark's centre. A circle has no
 // corners.
 const SHAPES = [
   null,
@@ -75,7 +75,8 @@ function mark(shape, x, y, classes, title) {
   return svgNode("polygon", { class: classes, points }, titled);
 }
 
-// Ticks of a logarithmic axis: 1, 2 and 5 times powers of ten within the range; for many decades, only the powers.
+// Ticks of a logarithmic axis are 1, 2 and 5 times powers of ten within the range. If there are many decades, only the
+// powers are used.
 function ticks(low, high) {
   const all = [];
   for (let decade = Math.floor(Math.log10(low)); 10 ** decade <= high; ++decade)

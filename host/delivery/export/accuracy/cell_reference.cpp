@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kViewAngles[] = {0.0, 17.5, 35.0, 52.5, 70.0};  // angle to the map's z axis, degrees
 constexpr double kWideLightAngle = 10.0;                         // half angle of a wide light, degrees
-// Share of point lights that are drawn from the wide lobe.
+// The share of point lights that are drawn from the wide lobe.
 constexpr double kWideShare = 0.25;
 
 struct Frame3 {
@@ -57,7 +57,8 @@ std::vector<LightSet> empty_views(SplitMix64& random) {
   return views;
 }
 
-// Only lights above the surface count, because the surface itself hides lights below it, whatever the mapped normal is.
+// Only lights above the surface count, because the surface itself hides lights below it, even if the mapped normal
+// faces them.
 bool is_lit(const glm::dvec3& view, const glm::dvec3& half, const glm::dvec3& light) {
   return light.z > 0.0 && glm::dot(view, half) > 1e-6;
 }
@@ -141,7 +142,7 @@ ReferenceLights point_lights(const CoveredFacets& facets, int lights_per_view, s
     for (int k = 0; k < lights_per_view; ++k) {
       glm::dvec3 half;
       if (k < narrow_count) {
-        // Facets are used in turn; the number of samples of a texel is proportional to its weight.
+        // Facets are used in turn. The number of samples of a texel is proportional to its weight.
         const double place = (k + random.uniform()) / narrow_count;
         while (i + 1 < facets.weights.size() && covered + facets.weights[i] < place) covered += facets.weights[i++];
         half = random_half_vector(facets.normals[i], std::sqrt(facets.alpha_squared[i]), random);

@@ -14,22 +14,22 @@
 
 namespace multum {
 
-/// Returns the length of finest texel [index, index + 1) that lies within texel `texel` of a coarser side. The finest
-/// side has `from` texels and the coarser side has `to` texels.
+/// Returns how much of finest texel [index, index + 1) is within texel `texel` of a coarser side. The finest side has
+/// `from` texels and the coarser side has `to` texels.
 double covered_length(int index, int texel, int from, int to);
 
 /// The finest texels under a texel, and their means.
 struct CoveredFacets {
-  std::vector<glm::dvec3> normals;    // unit
+  std::vector<glm::dvec3> normals;    // unit vectors
   std::vector<double> alpha_squared;  // >= kAlphaMin^2
-  std::vector<double> weights;        // area shares; their sum is 1
+  std::vector<double> weights;        // shares of the area; their sum is 1
   glm::dvec3 mean_normal{0.0};
-  double mean_roughness = 0.0;  // perceptual
+  double mean_roughness = 0.0;  // perceptual roughness
   double mean_alpha_squared = 0.0;
 };
 
 /// Returns the facets under texel (x, y) of a level of `width` by `height` texels. The first plane of `material` is
-/// alpha^2; without `material` all texels have `alpha_squared`.
+/// alpha^2. Without `material`, all texels have `alpha_squared`.
 CoveredFacets covered_facets(const PlaneStore& normals, const PlaneStore* material, double alpha_squared, int width,
                              int height, int x, int y);
 
@@ -41,25 +41,25 @@ struct ReferenceLights {
   double noise = 0.0;                       // standard error of `total`, relative to `total`
 };
 
-/// Draws point lights. Three quarters come from the covered facets, by the distribution of visible half vectors. One
+/// Draws point lights. Three quarters come from the distribution of visible half vectors of the covered facets. One
 /// quarter comes from a lobe that is wider than all facets together. Different seeds give different lights.
 ReferenceLights point_lights(const CoveredFacets& facets, int lights_per_view, std::uint64_t seed);
 
-/// Draws lights 20 degrees across. Each light consists of `points` neighbours in the list, whose shares refer to the
-/// whole light.
+/// Draws lights that are 20 degrees wide. Each light consists of `points` neighbours in the list, whose shares refer to
+/// the whole light.
 ReferenceLights wide_lights(const CoveredFacets& facets, int lights_per_view, std::uint64_t seed);
 constexpr std::size_t kWideLightPoints = 16;
 
 /// The difference between a lobe's highlight and the reference.
 struct LobeError {
-  double error = 0.0;   // relative L1 error: integral of |lobe - reference| divided by that of the reference
+  double error = 0.0;   // relative L1 error: integral of |lobe - reference| divided by the integral of the reference
   double energy = 0.0;  // integral of the lobe divided by the integral of the reference
 };
 
 /// Computes the highlight of each light of a view.
 using HighlightsOf = std::function<void(const LightSet& lights, std::vector<double>& values)>;
 
-/// Returns the error of highlights. `points`: how many neighbours make one light, 1 or kWideLightPoints.
+/// Returns the error of highlights. `points` is how many neighbours make up one light, 1 or kWideLightPoints.
 LobeError error_of_highlights(const ReferenceLights& lights, const HighlightsOf& highlights_of, std::size_t points = 1);
 LobeError error_of_lobe(const ReferenceLights& lights, const GgxLobe& lobe, std::size_t points = 1);
 

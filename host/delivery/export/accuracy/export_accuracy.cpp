@@ -19,7 +19,7 @@
 namespace multum {
 namespace {
 
-// Texel number `k` of `count` texels that are spread over a level by the R2 sequence (Roberts 2018).
+// Returns texel number `k` of `count` texels that are spread over a level by the R2 sequence (Roberts 2018).
 struct Place {
   int x, y;
 };
@@ -112,8 +112,8 @@ CellAccuracy ExportMeter::measure(const Cell& cell, const OneLobeInputs& inputs,
   const double alpha = settings.base_roughness * settings.base_roughness;
   const CoveredFacets facets = covered_facets(inputs.fitted_normals(), inputs.has_roughness ? inputs.material : nullptr,
                                               alpha * alpha, cell.width, cell.height, cell.x, cell.y);
-  // All exports use the same lights, so that exports of one map can be compared. A search uses different lights from
-  // those that measure the results.
+  // All exports use the same lights, so that exports of one map can be compared. The lights of a search differ from the
+  // lights with which its results are measured.
   const std::uint64_t seed = split_mix(static_cast<std::uint64_t>(cell.level) << 40 |
                                        static_cast<std::uint64_t>(cell.y) << 20 | static_cast<std::uint64_t>(cell.x));
   const ReferenceLights points = point_lights(facets, settings_.lights_per_view, 2 * seed);

@@ -19,15 +19,15 @@
 namespace multum {
 
 struct ExportAccuracySettings {
-  std::vector<int> levels = {2, 4, 6};  // levels that the map does not have are skipped
+  std::vector<int> levels = {2, 4, 6};  // levels to measure; levels that the map does not have are skipped
   int cells_per_level = 16;             // measured texels per level
   // With this number, the standard error of the integral per map and level is below 1 % for the median of the maps in
   // docs/evidence/EXPORT.md.
   int lights_per_view = 256;
   int wide_lights_per_view = 24;
-  bool finds_optimum = false;  // also search the best single lobe
-  // Rounds the engines' textures like these texels, so that no row has more precision than another. nullopt: no
-  // rounding.
+  bool finds_optimum = false;  // also search for the best single lobe
+  // Rounds the engines' textures like these texels, so that no row has more precision than another. If nullopt, they
+  // are not rounded.
   std::optional<MaterialTexels> texels;
 };
 
@@ -39,7 +39,7 @@ struct RuleError {
 struct CellAccuracy {
   int level, x, y;
   double noise;                   // standard error of the reference's integral, relative to the integral
-  std::vector<RuleError> errors;  // by rule
+  std::vector<RuleError> errors;  // errors by rule
 };
 
 /// All cells of a level together.
@@ -57,25 +57,25 @@ struct ExportAccuracy {
 
   /// Prints a table with one rule per line.
   std::string to_text() const;
-  /// Returns a JSON array of levels, and one of cells.
+  /// Returns a JSON array of levels and a JSON array of cells.
   std::string to_json() const;
 };
 
-/// Collects the stored rows of an export, then measures them.
+/// Collects the stored rows of an export and then measures them.
 class ExportMeter : public MaterialSink {
  public:
-  /// `baked`: a file with the levels, whose lobes are also measured; null: none. The file must outlive this object.
+  /// `baked` is a file with the levels whose lobes are also measured, or null. The file must outlive this object.
   ExportMeter(int width, int height, const ExportAccuracySettings& settings, BakedLobes* baked = nullptr);
   void add_level(int level, int first_row, MaterialRows rows) override;
-  /// Measures after all rows have arrived. Progress: gets the name of the stage, and can cancel between cells; counts
-  /// no units.
+  /// Measures the error after all rows have arrived. Progress receives the name of the stage and can cancel between
+  /// cells, but counts no units.
   ExportAccuracy run(const OneLobeInputs& inputs, const OneLobeSettings& settings, Progress* progress);
 
  private:
   struct Cell {
     int level, x, y;
     int width, height;  // size of the level
-    GgxLobe lobe;       // as exported
+    GgxLobe lobe;       // the exported lobe
     std::vector<glm::dvec4> baked;
   };
   CellAccuracy measure(const Cell& cell, const OneLobeInputs& inputs, const OneLobeSettings& settings) const;

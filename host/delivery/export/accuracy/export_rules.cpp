@@ -11,8 +11,8 @@ namespace {
 
 double averaged(double, double roughness) { return roughness; }
 
-// V is the Toksvig variance of the normals, less the error of 8-bit storage. V lowers the Beckmann exponent that
-// corresponds to alpha. a2: alpha^2.
+// V is the Toksvig variance of the normals minus the error of 8-bit storage. V lowers the Beckmann exponent that
+// corresponds to alpha. a2 is alpha^2.
 double unreal(double length, double roughness) {
   const double a2 = std::pow(std::max(roughness, 1e-3), 4.0);
   if (a2 >= 1.0) return 1.0;
@@ -21,7 +21,7 @@ double unreal(double length, double roughness) {
   return std::pow(std::clamp((b - a2) / (b - 1.0), 0.0, 1.0), 0.25);
 }
 
-// TextureNormalVariance is 0.25 / kappa. NormalFiltering adds twice this variance, at most the squared threshold; the
+// TextureNormalVariance is 0.25 / kappa. NormalFiltering adds twice this variance, at most the squared threshold. The
 // default threshold is 0.2.
 double unity(double length, double roughness) {
   constexpr double kThreshold = 0.2;
@@ -29,12 +29,12 @@ double unity(double length, double roughness) {
   return std::pow(std::min(1.0, alpha * alpha + std::min(2.0 * variance, kThreshold * kThreshold)), 0.25);
 }
 
-// Acts on perceptual roughness, not on alpha.
+// This rule acts on perceptual roughness, not on alpha.
 double godot(double length, double roughness) {
   return std::min(1.0, std::sqrt(roughness * roughness + std::min(0.75 / kappa_of_length(length), 0.4 * 0.4)));
 }
 
-// Acts on the stored value, which is perceptual roughness.
+// This rule acts on the stored value, which is perceptual roughness.
 double filament(double length, double roughness) {
   return std::min(1.0, std::sqrt(roughness * roughness + 2.0 / kappa_of_length(length)));
 }
@@ -43,7 +43,7 @@ double filament(double length, double roughness) {
 
 const std::vector<EngineRule>& engine_rules() {
   static const std::vector<EngineRule> rules = {
-      {"averaged", "averaged normals", "no rule: base roughness at every level", averaged},
+      {"averaged", "averaged normals", "no rule: the base roughness is used at every level", averaged},
       {"unreal", "Unreal", "TextureCompressorModule.cpp, ApplyCompositeTexture, but without its blur of normals",
        unreal},
       {"unity", "Unity HDRP", "CommonMaterial.hlsl, TextureNormalVariance and NormalFiltering", unity},

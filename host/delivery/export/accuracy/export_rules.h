@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Implements the rules by which engines make the mips of a normal map. The rules average and renormalize the normals;
-// shorter averages get a higher roughness. Each rule follows its source code as read in October 2026.
+// Implements the rules by which engines make the mips of a normal map. The rules average and renormalize the normals.
+// Shorter averages get a higher roughness. Each rule follows the engine's source code of October 2026.
 #pragma once
 
 #include <vector>
@@ -13,13 +13,13 @@ namespace multum {
 
 /// The input of a rule for one texel.
 struct RuleInput {
-  glm::dvec3 mean_normal{0.0, 0.0, 1.0};  // average of unit normals, length 0 to 1
-  double roughness = 0.5;                 // perceptual, averaged, 0..1
+  glm::dvec3 mean_normal{0.0, 0.0, 1.0};  // average of unit normals; its length is 0 to 1
+  double roughness = 0.5;                 // averaged perceptual roughness, 0..1
 };
 
 struct EngineRule {
-  const char* id;      // name in JSON: "unreal"
-  const char* name;    // "Unreal"
+  const char* id;      // name in JSON, such as "unreal"
+  const char* name;    // human-readable name, such as "Unreal"
   const char* source;  // source file and function
   /// Returns perceptual roughness from the normal's length and the base roughness.
   double (*roughness)(double length, double roughness);

@@ -12,8 +12,8 @@
 namespace multum {
 namespace {
 
-// Isotropic: x and y of the slope that moves the normal, and log alpha. Anisotropic: also log (wide / narrow) and the
-// angle of the axis.
+// The parameters of an isotropic lobe are x and y of the slope that moves the normal, and log alpha. An anisotropic
+// lobe also has log (wide / narrow) and the angle of the axis.
 using Point = std::vector<double>;
 
 GgxLobe lobe_at(const GgxLobe& start, const Point& p, double alpha_min) {

@@ -11,14 +11,15 @@
 namespace multum {
 namespace {
 
-// Added to divisors, so that 0 / 0 is 0.
+// Added to divisors, so that 0 / 0 becomes 0.
 constexpr double kNotZero = 1e-300;
 
 struct Planes {
   const double *x, *y, *z, *hx, *hy, *hz;
 };
 
-// Height-correlated: V = 1 / (2 ((n . l) sqrt(a2 + (1 - a2) (n . v)^2) + (n . v) sqrt(a2 + (1 - a2) (n . l)^2))).
+// The height-correlated visibility is V = 1 / (2 ((n . l) sqrt(a2 + (1 - a2) (n . v)^2) + (n . v) sqrt(a2 + (1 - a2) (n
+// . l)^2))).
 MULTUM_VECTOR_CLONES void add_all(const Planes& at, std::size_t count, const glm::dvec3& n, double nv, double a2,
                                   double weight, double* values, double* densities) {
   const double view_side = std::sqrt(a2 + (1.0 - a2) * nv * nv), peak = a2 * weight / std::numbers::pi;

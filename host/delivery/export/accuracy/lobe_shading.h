@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Computes the highlights of GGX lobes under many lights at once, in double precision: D V (n . l). V is the
-// height-correlated visibility of Smith (Heitz 2014, "Understanding the masking-shadowing function", eq. 99), in the
-// form of Filament and glTF, V = G / (4 (n . v) (n . l)). The Fresnel term is left out: it is equal for all lobes that
-// are compared.
+// Computes the highlights D V (n . l) of GGX lobes under many lights at once, in double precision. V is the
+// height-correlated visibility of Smith (Heitz 2014, "Understanding the masking-shadowing function", eq. 99). Its form
+// is that of Filament and glTF, V = G / (4 (n . v) (n . l)). The Fresnel term is omitted, because it is equal for all
+// lobes that are compared.
 #pragma once
 
 #include <vector>
@@ -13,10 +13,10 @@ namespace multum {
 
 /// One lobe as a renderer reads it.
 struct GgxLobe {
-  glm::dvec3 normal{0.0, 0.0, 1.0};  // unit
+  glm::dvec3 normal{0.0, 0.0, 1.0};  // unit vector
   double alpha_wide = 1.0;           // along the axis
-  double alpha_narrow = 1.0;         // across it
-  glm::dvec3 axis{1.0, 0.0, 0.0};    // unit, perpendicular to the normal
+  double alpha_narrow = 1.0;         // across the axis
+  glm::dvec3 axis{1.0, 0.0, 0.0};    // unit vector, perpendicular to the normal
 
   static GgxLobe isotropic(const glm::dvec3& normal, double alpha);
 };
@@ -25,10 +25,10 @@ struct GgxLobe {
 /// tangent.
 glm::dvec3 tangent_about(const glm::dvec3& normal);
 
-/// Lights of one view, stored as planes. A light behind the surface may have no half vector; its `share` is 0.
+/// Lights of one view, stored as planes. A light behind the surface may have no half vector. Its `share` is then 0.
 struct LightSet {
-  glm::dvec3 view{0.0, 0.0, 1.0};  // unit
-  std::vector<double> x, y, z;     // unit
+  glm::dvec3 view{0.0, 0.0, 1.0};  // unit vector
+  std::vector<double> x, y, z;     // unit vectors towards the lights
   std::vector<double> hx, hy, hz;  // unit half vectors
   std::vector<double> share;       // 1 / (pdf * count): weight of the light in an integral over directions
 
@@ -37,7 +37,7 @@ struct LightSet {
   void add(const glm::dvec3& light);
 };
 
-/// Adds weight * D V (n . l) of an isotropic lobe to `values`, and weight * D (n . h) to `densities`, per light.
+/// Adds weight * D V (n . l) of an isotropic lobe to `values`, and weight * D (n . h) to `densities`, for each light.
 void add_highlights(const LightSet& lights, const glm::dvec3& normal, double alpha_squared, double weight,
                     double* values, double* densities);
 

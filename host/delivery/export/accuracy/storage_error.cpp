@@ -18,22 +18,22 @@
 namespace multum {
 namespace {
 
-// Places per level, views per place and lights per view. The results of two such sets differ by a twentieth of the
-// error.
+// Places per level, views per place and lights per view. The results of two sets of this size differ by a twentieth of
+// the error.
 constexpr int kRows = 96, kPlacesPerRow = 16, kViews = 2, kLights = 8;
 constexpr double kViewAngleMax = 70.0;  // angle to the map's z axis, degrees
 constexpr double kAlbedo = 0.5;         // albedo where the surface is not metal
-// Ambient light relative to unit lights: both cause the same amount of scattered light. Real pictures contain both.
+// Ambient light relative to unit lights. Both cause the same amount of scattered light. Real pictures contain both.
 constexpr double kAmbient = 0.5 / std::numbers::pi;
 // Relative L1 error of a picture with exact textures, which comes from edges and sampling. In
-// docs/evidence/GLTF_EXAMPLE.md the error is 1 to 2 % where level 0 is visible. The medians from 5, 25 and 50 m, at
+// docs/evidence/GLTF_EXAMPLE.md, the error is 1 to 2 % where level 0 is visible. The medians from 5, 25 and 50 m, at
 // about levels 3, 5 and 6, are 9, 14 and 20 %.
 constexpr double kFinestPictureError = 0.012, kPictureErrorPerLevel = 0.03;
 constexpr double kDielectric = 0.04, kMetal = 0.9;  // reflectance at normal incidence
 
 // The values that a sampler returns at a place.
 struct SampledSurface {
-  glm::dvec3 normal{0.0, 0.0, 1.0};  // unit
+  glm::dvec3 normal{0.0, 0.0, 1.0};  // unit vector
   double alpha = 1.0, metalness = 0.0;
 };
 
@@ -107,7 +107,7 @@ Reflection reflection_of(const SampledSurface& surface, const LightSet& set) {
   return made;
 }
 
-// Sums of differences, and sums of the values that the differences are relative to.
+// Sums of differences, and sums of the values to which the differences are relative.
 struct DifferenceSum {
   double difference = 0.0, total = 0.0;
 
@@ -118,7 +118,8 @@ struct DifferenceSum {
       total += set.share[i] * value;
     }
   }
-  // Returns how much storage raises a picture's error at this level. Both errors are independent.
+  // Returns how much storage raises a picture's error at this level. The errors of storage and of the picture are
+  // independent.
   double added(int level) const {
     const double own = total > 0.0 ? difference / total : 0.0;
     const double picture = kFinestPictureError + kPictureErrorPerLevel * level;
@@ -204,7 +205,7 @@ class SampledMaterial {
   SampledLevel finer_, coarser_;
 };
 
-// Calls `look` at places (x, y), 0 to 1. Rows are spread over the map and places over each row.
+// Calls `look` at places (x, y) from 0 to 1. Rows are spread over the map, and places over each row.
 template <typename Look>
 void each_place(SplitMix64& random, const Look& look) {
   for (int row = 0; row < kRows; ++row) {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Measures how much a texel format raises a picture's error. Shades a material's levels once as they are stored and
-// once exactly, at many places and from many views, under a light and ambient light. Samples midway between two levels,
-// as a trilinear sampler does. The texture's metalness selects metal; elsewhere, half of the incoming light is
-// scattered. Errors of normals are most visible in metals and in smooth materials.
+// Measures how much a texel format raises a picture's error. Shades a material's stored levels and its exact levels at
+// many places and from many views, under a light and ambient light. Samples midway between two levels, as a trilinear
+// sampler does. Metalness comes from the texture. Surfaces that are not metal scatter half of the incoming light.
+// Errors of normals are most visible in metals and in smooth materials.
 #pragma once
 
 #include <functional>
@@ -16,9 +16,9 @@ namespace multum {
 
 /// The textures of `multum gltf`. All have the same level sizes.
 struct MaterialLevels {
-  const LevelFile* normal = nullptr;   // xyz as 0 to 255
-  const LevelFile* surface = nullptr;  // green: roughness, blue: metalness; null: the constants below
-  double roughness = 1.0;              // perceptual
+  const LevelFile* normal = nullptr;   // xyz, stored as 0 to 255
+  const LevelFile* surface = nullptr;  // green: roughness, blue: metalness; if null, the constants below are used
+  double roughness = 1.0;              // perceptual roughness
   double metalness = 1.0;
 };
 
@@ -31,12 +31,13 @@ struct StorageError {
   }
 };
 
-/// Compares `stored` with `exact`, levels of the same material. Throws Error(kEnvironment) if a file cannot be read.
+/// Compares `stored` with `exact`, which are levels of the same material. Throws Error(kEnvironment) if a file cannot
+/// be read.
 StorageError storage_error(const MaterialLevels& exact, const MaterialLevels& stored);
 
-/// The surface properties under lobes, the same at every place.
+/// The surface properties that apply to lobes. They are the same at every place.
 struct LobeSurface {
-  double roughness = 1.0;  // perceptual
+  double roughness = 1.0;  // perceptual roughness
   double metalness = 1.0;
 };
 

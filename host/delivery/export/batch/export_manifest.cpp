@@ -35,7 +35,7 @@ std::vector<std::string> map_keys() {
   return keys;
 }
 
-// Rejects the names that make_export_jobs() would reject; the error names the line.
+// Rejects names that make_export_jobs() would reject. The error names the line.
 void check_names(const StrictTable& table, const ExportJob& job) {
   const bool is_set = has_udim(job.input);
   if (is_set && !has_udim(fs::path(job.input).filename().string()))
@@ -71,7 +71,7 @@ ManifestEntry read_export_entry(const std::string& path, const toml::table& toml
   } catch (const Error& error) {
     entry.table.refuse("output", std::string("is ") + error.what());
   }
-  // A set without tiles counts as one map; reading this map fails later.
+  // A set without tiles counts as one map, which cannot be read later.
   const bool is_one = !has_udim(job.input) || find_tiles(job.input).empty();
   for (ExportJob& one : is_one ? std::vector<ExportJob>{job} : make_export_jobs(job, {job.input})) {
     const std::string name = fs::path(one.output).lexically_proximate(fs::path(path).parent_path()).string();

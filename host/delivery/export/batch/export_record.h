@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Records the inputs of an export in a hidden file next to its outputs. A manifest run then exports only what has
-// changed. File times are not used: a fresh checkout has new times.
+// changed. File times are ignored, because a fresh checkout has new ones.
 #pragma once
 
 #include <string>
@@ -11,8 +11,8 @@
 namespace multum {
 
 enum class ExportFinding {
-  kInPlace,  // made from these files with these settings by this program, and unchanged since
-  kMissing,  // no record, or a file is missing
+  kInPlace,  // made by this program from these files with these settings, and unchanged since then
+  kMissing,  // there is no record, or a file is missing
   kStale,    // made from other files, with other settings or by another program
   kDamaged,  // a file differs from the file that was written
 };
@@ -22,13 +22,13 @@ struct ExportState {
   std::string why;
 };
 
-/// Returns the hidden record file: FOLDER/.multum-export, or .NAME.multum-export next to NAME_normal.ktx2.
+/// Returns the path of the hidden record: FOLDER/.multum-export, or .NAME.multum-export next to NAME_normal.ktx2.
 std::string export_record_file(const ExportJob& job);
 
 /// Throws Error(kInput) if a record exists and a file that the job reads cannot be read.
 ExportState find_export_state(const ExportJob& job);
 
-/// Writes the record after an export. Throws Error(kInput, kEnvironment).
+/// Writes the record after an export. Throws Error(kInput) and Error(kEnvironment).
 void write_export_record(const ExportJob& job, const ExportReport& report);
 
 }  // namespace multum

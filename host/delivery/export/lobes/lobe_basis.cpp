@@ -13,8 +13,8 @@
 namespace multum {
 namespace {
 
-// The spread at which a lobe's weight is one half: about the spread of a highlight of s = 100. Errors are more visible
-// in sharper lobes.
+// The spread at which a lobe's weight is one half, about the spread of a highlight with s = 100. Errors are more
+// visible in sharper lobes.
 constexpr float kHalfSpread = 0.02f;
 
 float weight_of(const glm::vec4& lobe) {
@@ -50,7 +50,7 @@ LobeBasis fit_lobe_basis(const MovmfMipmap& mipmap, int first_level, int lobe) {
   LobeBasis basis;
   const double amplitude = normal[2][2];
   if (amplitude <= 0.0) return basis;  // the lobe has no amplitude in any texel
-  // A ridge of 1e-6, so that x or y predicts nothing if it is 0 everywhere.
+  // Adds a ridge of 1e-6, so that x or y predicts nothing if it is 0 everywhere.
   for (int i = 0; i < 3; ++i) normal[i][i] += 1e-6 * amplitude;
   basis.mean = glm::dvec2(normal[2]) / amplitude;
   basis.predictor = glm::inverse(normal) * right;
@@ -66,7 +66,7 @@ LobeBasis fit_lobe_basis(const MovmfMipmap& mipmap, int first_level, int lobe) {
 }
 
 LobeUnpacking unpacking_of(const LobeBasis& basis) {
-  // Returns the lobe (x, y, z, a) of the moments (x, y, s, a) that one channel contributes.
+  // Returns the lobe (x, y, z, a) for the moments (x, y, s, a) that one channel contributes.
   const auto lobe_of = [&](float x, float y, float s, float a) {
     const float full_x = x + basis.mean.x * a, full_y = y + basis.mean.y * a;
     const float full_s = s + glm::dot(basis.predictor, glm::vec3(full_x, full_y, a));

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // Chooses the contents of the channels of a lobe's layers (docs/reference/lobe_textures.md, "Lobes for GPUs"). A lobe
-// has x, y, z = a r and the amplitude a. Its channels are x, y, s = a - z and a; each channel stores only the part that
-// the others do not predict:
+// has x, y, z = a r and the amplitude a. Its channels are x, y, s = a - z and a. Each channel stores only the part
+// that the others do not predict:
 //
 //     x' = x - m_x a,   y' = y - m_y a,   s' = s - (c_x x + c_y y + c_a a),   a
 //
 // The coefficients come from weighted least squares over all texels of the lobe. s is a second moment: 1 - r_z is half
 // the mean square of the normals' x and y, up to fourth-order terms. The spread 1 - |r| is therefore s without the
-// squares of x and y divided by a. s' is small if the lobes of one index point in one direction; eight or sixteen bits
-// then keep the spread. Filtering gives the exact s of a mixture. A filtered spread would not include the differences
-// between the texels.
+// squares of x and y divided by a. s' is small if the lobes of one index all point in similar directions. Eight or
+// sixteen bits are then enough for the spread. Filtering gives the exact s of a mixture, whereas a filtered spread
+// would not include the differences between the texels.
 #pragma once
 
 #include <array>
@@ -28,7 +28,7 @@ glm::vec4 moments_of(const glm::vec4& lobe);
 struct LobeBasis {
   glm::vec2 mean{0.0f};             // m_x, m_y
   glm::vec3 predictor{0.0f};        // c_x, c_y, c_a
-  glm::vec4 low{0.0f}, high{1.0f};  // of x', y', s', a
+  glm::vec4 low{0.0f}, high{1.0f};  // ranges of x', y', s', a
 
   glm::vec4 reduced(const glm::vec4& moments) const;
 };
@@ -36,7 +36,7 @@ struct LobeBasis {
 /// Fits the basis of lobe `lobe` over all stored levels from `first_level` on.
 LobeBasis fit_lobe_basis(const MovmfMipmap& mipmap, int first_level, int lobe);
 
-/// Returns how to unpack four channels in the order x', y', s', a.
+/// Returns the unpacking of four channels in the order x', y', s', a.
 LobeUnpacking unpacking_of(const LobeBasis& basis);
 
 /// Returns the unpacking of channels that hold x, y, s and a directly.

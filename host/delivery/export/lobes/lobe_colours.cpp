@@ -20,7 +20,8 @@ namespace {
 
 // Lobes per pair of layers. Readers without BC5 store a pair in one RGBA layer.
 constexpr std::size_t kLobesPerPair = 4;
-constexpr float kTintsMax = 4.0f;  // largest tint, times the texel's luminance: lobes do not emit light
+constexpr float kTintsMax = 4.0f;  // limit for a lobe's luminance relative to the texel's luminance, because lobes do
+                                   // not emit light
 constexpr float kLeastLuminance = 1e-4f;
 const glm::vec3 kLuminance(0.2126f, 0.7152f, 0.0722f);
 
@@ -90,7 +91,7 @@ std::uint64_t export_lobe_colours(const LobeColourJob& job, Device& device, Prog
                      {"", job.zstd_level, {{kLobeColourKey, tints_text(full_header(mipmap), lobe_count, range)}}});
   BlockEncoder encoder(device);
   for (int l = 0; l < level_count; ++l) {
-    progress_advance(progress, 0);  // cancels
+    progress_advance(progress, 0);  // lets the caller cancel
     const MovmfLevel& level = mipmap.levels[size_of(l + kLobeColourFirstLevel)];
     const auto blocks = encode_tints(encoder, level.width, level.height, range, tints[size_of(l)]);
     file->write_rows(l, block_rows(texture, l), blocks.data());

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Exports colours of lobes (Han et al. 2007, section 7.3) for GPUs. Colour depends on the normal if, for example,
-// bricks are red and mortar is grey, or dents are dark. The stored tint of a lobe is its amplitude a times the
+// bricks are red and mortar is grey, or if dents are dark. The stored tint of a lobe is its amplitude a times the
 // luminance of its colour divided by the texel's luminance, minus a. The tints of a texel add up to 0, and are small
 // and smooth. At half of the lobes' resolution, 4 bits per texel and lobe lose almost no accuracy
 // (docs/evidence/GLTF_TEXTURES.md, "Colours of lobes").
@@ -20,18 +20,19 @@ constexpr char kLobeColourKey[] = "multumLobeColours";  // key in the key/value 
 constexpr int kLobeColourVersion = 1;
 constexpr int kLobeColourFirstLevel = 2;  // map level that is level 0 of the texture
 
-/// Returns the tints of a level with colours, [lobe][y * width + x].
+/// Returns the tints [lobe][y * width + x] of a level with colours.
 std::vector<std::vector<float>> lobe_tints(const MovmfLevel& level);
 
 struct LobeColourJob {
   std::string input;   // *.ndf.exr of vMF lobes with colours
-  std::string output;  // NAME.ktx2: BC5, lobes 2 k and 2 k + 1 in red and green of layer k, an even number of layers
+  std::string output;  // NAME.ktx2 in BC5, with lobes 2 k and 2 k + 1 in red and green of layer k, and an even number
+                       // of layers
   int zstd_level = 0;
   int threads = 1;
 };
 
-/// Returns the file's bytes. If the map has no such level, returns 0 and writes no file. Holds the lobes in memory.
-/// Throws Error, Cancelled; leaves no partial file.
+/// Returns the file's bytes. If the map has no level kLobeColourFirstLevel, returns 0 and writes no file. Holds the
+/// lobes in memory. Throws Error and Cancelled. Leaves no partial file.
 std::uint64_t export_lobe_colours(const LobeColourJob& job, Device& device, Progress* progress);
 
 }  // namespace multum

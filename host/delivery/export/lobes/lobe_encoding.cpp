@@ -17,7 +17,7 @@ constexpr int kBandRows = 64;  // rows of a level per band: a multiple of a bloc
 
 // Weights of errors. A lobe's error is weighted by its amplitude, so that small lobes keep their direction and spread,
 // and large lobes compensate errors of the sums. Broader lobes have less weight, because errors of their moments are
-// less visible. For a real map (a barrel, 2048 x 2048, BC5) at level 3, these weights of the sums lower the error of
+// less visible. At level 3 of a real map (a barrel, 2048 x 2048, BC5), these weights of the sums lower the error of
 // the sum of amplitudes from 2.9 % to 1.5 % rms, and the error of the mean normal from 1.6 to 1.4 degrees. The table
 // lists the error that storage adds to a picture of metal of roughness 0.4 (accuracy/storage_error.h), in points.
 // Columns: lobes one by one; lobes together with weights of 1 / amplitude; these weights.
@@ -35,7 +35,7 @@ struct StoredMoments {
 
 // Returns the moment s that gives a lobe of amplitude `a` the wanted spread, for the given x and y.
 float s_of_spread(const glm::vec4& lobe, float x, float y, float a) {
-  if (lobe.w <= 0.0f) return a;  // no lobe: an amplitude from rounding errors has no direction
+  if (lobe.w <= 0.0f) return a;  // there is no lobe, only an amplitude from rounding errors without a direction
   const float scale = a / lobe.w;
   const float square = scale * scale * glm::dot(glm::vec3(lobe), glm::vec3(lobe)) - x * x - y * y;
   const float z = std::sqrt(std::max(square, 0.0f));

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Encodes the lobes of a level as layers of a lobe texture. Channels are encoded one after the other; each compensates
-// the errors of the earlier channels. The order is: the amplitude a; x and y for the stored amplitude; s for the wanted
-// spread with the stored a, x and y. Errors of the channels then do not add up in the spread, which is a small
-// difference of channels and determines the highlight's width. All lobes of a channel are rounded together
-// (host/delivery/export/lobes/lobe_rounding.h), so that a texel keeps its sum of amplitudes and its mean normal.
+// Encodes the lobes of a level as layers of a lobe texture. Channels are encoded one after the other, and each
+// compensates the errors of the earlier channels. The amplitude a comes first, then x and y for the stored amplitude,
+// then s for the wanted spread with the stored a, x and y. Errors of the channels then do not add up in the spread,
+// which is a small difference of channels and determines the highlight's width. All lobes of a channel are rounded
+// together (host/delivery/export/lobes/lobe_rounding.h), so that a texel keeps its sum of amplitudes and its mean
+// normal.
 #pragma once
 
 #include <cstdint>
@@ -20,10 +21,10 @@ class LobeEncoder {
   /// `device` must outlive this object.
   LobeEncoder(LobeTexels texels, Device& device) : texels_(texels), encoder_(device) {}
 
-  /// Returns how a lobe's layers are unpacked.
+  /// Returns the unpacking of a lobe's layers.
   LobeUnpacking unpacking(const LobeBasis& basis) const;
-  /// Returns the layers of a level one after the other, lobe by lobe. `bases`: one per lobe; `lobes`: width * height
-  /// values (a r, a) per lobe. Progress: one unit per texel and lobe.
+  /// Returns the layers of a level one after the other, lobe by lobe. `bases` has one entry per lobe. `lobes` has width
+  /// * height values (a r, a) per lobe. Progress: one unit per texel and lobe.
   std::vector<std::uint8_t> encode(const std::vector<LobeBasis>& bases, int width, int height,
                                    const std::vector<std::vector<glm::vec4>>& lobes, Progress* progress = nullptr);
 

@@ -29,7 +29,7 @@ TexelFormat lobe_format(LobeTexels texels) {
   MULTUM_CHECK(false);
 }
 
-// Reads the lobes to export. Level 0 is left out: the normal map has it.
+// Reads the lobes to export. Omits level 0, which is the normal map.
 MovmfMipmap read_lobes(const LobeExportJob& job) {
   const BakedHeader header = read_baked_header(job.input);
   const auto refuse = [&](const std::string& found, const char* expected) {

@@ -27,7 +27,7 @@ struct StorablePair {
   float wanted, weight;
 };
 
-// Returns the best combination; if bit j is set, lobe j uses the upper value. Tries all 2^n combinations: 16 for four
+// Returns the best combination. If bit j is set, lobe j uses the upper value. Tries all 2^n combinations, 16 for four
 // lobes.
 std::pair<unsigned, float> best_combination(const std::vector<StorablePair>& pairs, float sum, float sum_weight) {
   unsigned best = 0;
@@ -117,7 +117,7 @@ class ByteRounding : public LobeRounding {
 class RechosenBlock {
  public:
   explicit RechosenBlock(std::uint8_t* block) : block_(block) {
-    // A block with the texel codes 0 to 7 shows all eight values.
+    // A block with the texel codes 0 to 7 decodes to all eight values.
     std::array<std::uint8_t, kScalarBytes> all{};
     std::copy(block, block + 2, all.begin());
     std::uint64_t codes = 0;

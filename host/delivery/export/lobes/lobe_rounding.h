@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Rounds a channel of all lobes of some rows to values that a lobe texture can store. The lobes of a texel are rounded
-// together: each lobe uses the storable value below or above the target value, in the combination with the least error
-// of the values and of their sum. If lobes were rounded separately, their errors would add up in the sum of amplitudes
-// and in the mean normal.
+// together. Each lobe uses the storable value below or above its target value. The chosen combination has the lowest
+// error of the values and of their sum. If lobes were rounded separately, their errors would add up in the sum of
+// amplitudes and in the mean normal.
 #pragma once
 
 #include <cstdint>
@@ -14,27 +14,27 @@
 
 namespace multum {
 
-/// A channel of a lobe: texels store low + range * c + offset, c from 0 to 1.
+/// A channel of a lobe. Texels store c from 0 to 1, which means low + range * c + offset.
 struct RoundedChannel {
   float low = 0.0f, range = 1.0f;
-  std::vector<float> offset;  // offsets by texel; empty: 0
-  std::vector<float> weight;  // weights of squared errors by texel
+  std::vector<float> offset;  // offsets by texel; 0 if empty
+  std::vector<float> weight;  // weights of squared errors, by texel
   std::vector<float> wanted;  // wanted values by texel; replaced by the stored values
 };
 
-/// Rounds rows of a level, all lobes and channels.
+/// Rounds rows of a level, for all lobes and channels.
 class LobeRounding {
  public:
   virtual ~LobeRounding() = default;
-  /// Rounds `channel` of all lobes. `sums`: exact sums of the lobes' values, by texel; `sum_weight`: weight of an error
-  /// of the sum, relative to errors of the lobes.
+  /// Rounds `channel` of all lobes. `sums` are the exact sums of the lobes' values, by texel. `sum_weight` is the
+  /// weight of an error of the sum, relative to errors of the lobes.
   virtual void round(int channel, std::vector<RoundedChannel>& lobes, const std::vector<float>& sums,
                      float sum_weight) = 0;
   /// Returns the stored rows of a lobe's layer.
   virtual const std::vector<std::uint8_t>& layer(int lobe, int layer) const = 0;
 };
 
-/// Rounds `row_count` rows: a multiple of 4, except for the last rows of a level. `encoder` must outlive the result.
+/// Rounds `row_count` rows, a multiple of 4 except for the last rows of a level. `encoder` must outlive the result.
 std::unique_ptr<LobeRounding> make_lobe_rounding(LobeTexels texels, BlockEncoder& encoder, int lobe_count, int width,
                                                  int row_count);
 

@@ -50,7 +50,7 @@ std::vector<std::uint8_t> tiled(const std::vector<std::vector<std::uint8_t>>& pi
   return tiles;
 }
 
-// Returns one video with all motions in sequence; empty if ffmpeg is missing.
+// Returns one video with all motions in sequence, or an empty result if ffmpeg is missing.
 std::string video_of(const SurfaceStudy& study, const std::string& page, const std::string& folder) {
   VideoFrames video;
   const int rows = (static_cast<int>(study.ids.size()) + 1 + kTileColumns - 1) / kTileColumns;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writes the page of an export. The page shows the measured tables, the surface drawn from three distances by every
-// filtering method with energy and error, and moving pictures. It is one self-contained file.
+// Writes the page of an export. The page shows the measured tables, moving pictures, and the surface drawn from three
+// distances by every filtering method, with energy and error. It is one self-contained file.
 #pragma once
 
 #include <map>
@@ -16,7 +16,8 @@ namespace multum {
 const std::map<std::string, std::string_view>& export_templates();
 
 /// Draws the pictures, encodes the moving pictures and writes the job's page `path` atomically. `report` is the report
-/// of the finished export. Without ffmpeg, warns and writes only the numbers of the motions. Throws Error, Cancelled.
+/// of the finished export. Without ffmpeg, warns and writes only the numbers of the motions. Throws Error and
+/// Cancelled.
 void write_export_page(const ExportJob& job, const ExportReport& report, const std::string& path, Device& device,
                        Progress* progress);
 

@@ -14,7 +14,7 @@ struct TextureLevel {
   std::vector<float> texels;  // [row][column][channel]
 };
 
-/// Levels `first_level` and coarser, each repeated in both directions.
+/// Levels `first_level` and coarser. Each level repeats in both directions.
 class LevelTexture {
  public:
   LevelTexture(int channel_count, int first_level) : channel_count_(channel_count), first_level_(first_level) {}
@@ -23,8 +23,8 @@ class LevelTexture {
   int first_level() const { return first_level_; }
   std::vector<TextureLevel>& levels() { return levels_; }
   const std::vector<TextureLevel>& levels() const { return levels_; }
-  /// Samples trilinearly. `u`, `v`: in units of the map, row 0 at v = 0; `level`: clamped to the stored levels.
-  /// `values`: one number per channel.
+  /// Samples trilinearly. `u` and `v` are in units of the map, with row 0 at v = 0. `level` is clamped to the stored
+  /// levels. `values` receives one number per channel.
   void sample(double level, double u, double v, double* values) const;
 
  private:
@@ -34,8 +34,8 @@ class LevelTexture {
   std::vector<TextureLevel> levels_;
 };
 
-/// Averages the finest texels under each texel: three channels of normals, not normalized, and perceptual roughness.
-/// The first plane of `material` is alpha^2; if `material` is null, all texels have `alpha_squared`.
+/// Averages the finest texels under each texel: three channels of normals that are not normalized, and perceptual
+/// roughness. The first plane of `material` is alpha^2. If `material` is null, all texels have `alpha_squared`.
 LevelTexture averaged_levels(const PlaneStore& normals, const PlaneStore* material, double alpha_squared,
                              int first_level);
 

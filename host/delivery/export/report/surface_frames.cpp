@@ -27,7 +27,7 @@ glm::dvec3 eye() {
   return {0.0, std::sin(kTilt), std::cos(kTilt)};
 }
 
-// Returns the light of a pixel, which its half vector reflects to the eye. y points up; rows are counted downwards.
+// Returns the light of a pixel, which its half vector reflects to the eye. y points up, but rows are counted downwards.
 glm::dvec3 light_of(const FrameView& view, int x, int y) {
   const auto place = [](int pixel) { return 2.0 * (pixel + 0.5) / kFrameSide - 1.0; };
   const glm::dvec3 half = glm::normalize(glm::dvec3(view.half_vector.x + kHalfVectorReach * place(x),
@@ -43,7 +43,7 @@ LightSet one_light(const glm::dvec3& light) {
 }
 
 // Adds the weighted highlights of adjacent facets under one light, as add_highlights() does, with an inner loop over
-// facets. `base`: alpha^2 of each facet; null: all have `alpha_squared`.
+// facets. `base` holds alpha^2 of each facet. If it is null, all facets have `alpha_squared`.
 MULTUM_VECTOR_CLONES double facets_highlight(const glm::dvec3& l, const glm::dvec3& v, const glm::dvec3& h,
                                              const float* x, const float* y, const float* z, const float* base,
                                              double alpha_squared, const double* shares, std::size_t count) {
@@ -153,7 +153,7 @@ FramePixels draw_reference(const PlaneStore& normals, const PlaneStore* material
         const CoveredSide& column = columns[size_of(x)];
         const glm::dvec3 light = light_of(view, x, y), half = glm::normalize(light + eye());
         double& pixel = pixels[size_of(y) * size_of(kFrameSide) + size_of(x)];
-        for (std::size_t c = 0; c < column.texels.size();) {  // runs end at the map's border
+        for (std::size_t c = 0; c < column.texels.size();) {  // runs of adjacent texels end at the map's border
           const std::size_t at = size_of(column.texels[c]);
           const std::size_t count = std::min(column.texels.size() - c, size_of(width) - at);
           pixel += rows.shares[r] * facets_highlight(light, eye(), half, &nx[at], &ny[at], &nz[at],

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Draws one surface under one light by every filtering method. A picture is a square of pixels; the distance determines
+// Draws one surface under one light by every filtering method. A picture is a square of pixels. The distance determines
 // how many finest texels are under one pixel. The reference shades every finest texel under a pixel.
 #pragma once
 
@@ -14,7 +14,7 @@
 
 namespace multum {
 
-constexpr int kFrameSide = 96;  // pixels
+constexpr int kFrameSide = 96;  // side of a picture in pixels
 
 /// The camera and the light.
 struct FrameView {
@@ -23,7 +23,7 @@ struct FrameView {
   glm::dvec2 half_vector{0.0};  // slopes in the middle of the picture
 };
 
-/// Highlights, D V (n . l), row by row.
+/// The highlights D V (n . l), row by row.
 using FramePixels = std::vector<double>;
 
 /// A filtering method with its textures.
@@ -34,12 +34,12 @@ struct SurfaceModel {
   LevelTexture texture;
 };
 
-/// Draws a model from `texture`. kOneLobe: normal and roughness, plus axis and strength if there are 7 channels.
-/// kBakedLobes: (a r, a) per lobe, with the roughness of `averages` (averaged_levels()).
+/// Draws a model from `texture`. For kOneLobe, it holds normal and roughness, and with 7 channels also axis and
+/// strength. For kBakedLobes, it holds (a r, a) per lobe, and the roughness is that of `averages` (averaged_levels()).
 FramePixels draw_model(const SurfaceModel& model, const LevelTexture& averages, const FrameView& view, int map_width,
                        int map_height, int threads);
 
-/// Draws all finest texels under each pixel. `alpha_squared`: used if `material` is null.
+/// Draws all finest texels under each pixel. `alpha_squared` is used if `material` is null.
 FramePixels draw_reference(const PlaneStore& normals, const PlaneStore* material, double alpha_squared,
                            const FrameView& view, int threads);
 

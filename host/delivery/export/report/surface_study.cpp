@@ -92,7 +92,7 @@ SurfaceModel baked_model(BakedLobes& lobes) {
 // All inputs of the frames.
 struct Stage {
   ExportSource source;
-  const PlaneStore* material = nullptr;  // with a roughness
+  const PlaneStore* material = nullptr;  // set if the map has a roughness
   double alpha_squared = 0.0;
   LevelTexture averages{4, kStudyFirstLevel};
   std::vector<SurfaceModel> models = {};
@@ -111,7 +111,7 @@ struct Stage {
   }
 };
 
-// Returns the divisor of shown values; it brings most of the reference below 1.
+// Returns the number by which displayed values are divided, so that most of the reference is below 1.
 double white_of(FramePixels reference) {
   const auto place =
       reference.begin() + static_cast<std::ptrdiff_t>(kWhiteShare * static_cast<double>(reference.size()));
@@ -141,7 +141,7 @@ double difference_of(const FramePixels& a, const FramePixels& b) {
   return sum;
 }
 
-// Returns the sum of |(now - before) - (reference's change)|.
+// Returns the sum of |(now - before) - (change of the reference)|.
 double flicker_of(const FramePixels& now, const FramePixels& before, const FramePixels& reference,
                   const FramePixels& reference_before) {
   double sum = 0.0;

@@ -13,14 +13,14 @@
 
 namespace multum {
 
-/// Grey sRGB pixels to show, and their errors.
+/// Grey sRGB pixels for display, and their errors.
 struct StudyPicture {
-  std::vector<std::uint8_t> grey;  // kFrameSide * kFrameSide
-  double error = 0.0;              // relative L1 of the highlight
+  std::vector<std::uint8_t> grey;  // kFrameSide * kFrameSide pixels
+  double error = 0.0;              // relative L1 error of the highlight
   double energy = 1.0;             // energy relative to the reference
 };
 
-/// Pictures from one distance: the reference, then each model.
+/// Pictures from one distance. The reference comes first, then each model.
 struct StudyDistance {
   double level;
   std::vector<StudyPicture> pictures;
@@ -28,29 +28,29 @@ struct StudyDistance {
 
 /// The flicker of one model in one motion, over all frames.
 struct StudyFlicker {
-  double error = 0.0;  // relative L1
+  double error = 0.0;  // relative L1 error
   // Sum over frames and pixels of |change of the model - change of the reference|, divided by the sum of the reference.
-  // The value measures false or missing flicker per frame; the value of the reference is 0.
+  // This value measures false or missing flicker per frame. It is 0 for the reference.
   double flicker = 0.0;
   double change = 0.0;  // the same sum with only |change of the model|
 };
 
 struct StudyMotion {
-  std::string id;  // "zoom", "turn"
+  std::string id;  // "zoom" or "turn"
   int frame_count = 0;
   double reference_change = 0.0;  // StudyFlicker::change of the reference
   std::vector<StudyFlicker> models;
-  // [frame][picture][pixel]: the reference, then the models.
+  // [frame][picture][pixel]. The reference is the first picture, then the models follow.
   std::vector<std::vector<std::vector<std::uint8_t>>> frames;
 };
 
 struct SurfaceStudy {
-  std::vector<std::string> ids, names;  // of models
+  std::vector<std::string> ids, names;  // ids and names of the models
   std::vector<StudyDistance> distances;
   std::vector<StudyMotion> motions;
 };
 
-/// Finest level in the pictures. At finer levels all methods give the same result.
+/// The finest level in the pictures. At finer levels, all methods give the same result.
 constexpr int kStudyFirstLevel = 2;
 
 /// Reads the job's source again, and fits isotropic and anisotropic lobes. Throws the same errors as export_file().

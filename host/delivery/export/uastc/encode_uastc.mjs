@@ -6,19 +6,20 @@
 //
 // PLAN: {"encoder": FOLDER or "", "threads": 2, "effort": 1, "input": FILE, "output": FILE, "decoded": FILE, "levels":
 // [{"width": 4, "height": 4}, ...]}. The input is RGBA of 8 bits, level after level (level_file.h). The output is rows
-// of 16-byte blocks, level after level. "normals": true is for normal maps: their blocks are chosen by the angle errors
-// of the normals. "decoded" is optional; this file gets the decoded texels in the format of the input. Without "input"
-// the script only searches for the package. Exit code 3: the package is missing.
+// of 16-byte blocks, level after level. "normals": true is for normal maps, whose blocks are chosen by the angle
+// errors of the normals. "decoded" is optional. This file gets the decoded texels in the format of the input. Without
+// "input", the script only searches for the package. Exit code 3: the package is missing.
 import { closeSync, existsSync, openSync, readFileSync, readSync, writeSync } from "node:fs";
 import path from "node:path";
 import { pathToFileURL } from "node:url";
 import { Worker, isMainThread, workerData } from "node:worker_threads";
 
-const STRIP_TEXELS = 1 << 17; // texels of a strip; the encoder takes at most 12 million
+const STRIP_TEXELS = 1 << 17; // texels of a strip; the encoder accepts at most 12 million
 const BLOCK_SIDE = 4;
 const BLOCK_BYTES = 16;
 
-// Lists folders that may hold the package, in node's order: the given folder, the parent folders, the system folders.
+// Lists folders that may hold the package, in node's order: the given folder, the parent folders, and the system
+// folders.
 function findEncoder(said) {
   const above = [];
   for (let at = process.cwd(); ; at = path.dirname(at)) {
@@ -67,7 +68,7 @@ function levelOf(file) {
   return file.subarray(offset, offset + Number(view.getBigUint64(LEVEL_INDEX + 8, true)));
 }
 
-// Decodes the texels of such a file with the package's own decoder.
+// Decodes the texels of a KTX2 file with one level, using the package's own decoder.
 async function texelsOf(file, { width, rows }, encoder) {
   const RGBA32 = 13; // a format code of the decoder
   const decoder = new (await encoder.init()).KTX2File(file);
@@ -137,8 +138,8 @@ function squaredAngles(one, other) {
 }
 
 // Returns the same directions with other lengths, which the encoder stores differently. The encoder minimizes the error
-// of all three numbers; on a plane this is an angle error. The plane is perpendicular to `axis`. Returns null if a
-// normal is behind the plane.
+// of all three numbers. If the ends of all normals are on one plane, this is an angle error. The plane is perpendicular
+// to `axis`. Returns null if a normal is behind the plane.
 function onPlane(v, axis) {
   const unit = normalized(v), made = new Float64Array(48);
   let most = 1;

@@ -13,14 +13,14 @@ namespace multum {
 /// Holds small levels in memory, and reads texels of the others from disk.
 class LevelFileTexture : public SharesTexture {
  public:
-  /// `file` must outlive this object. `bytes_max`: limit for the levels in memory.
+  /// `file` must outlive this object. `bytes_max` limits the size of the levels in memory.
   LevelFileTexture(const LevelFile& file, const TextureFrame& frame, std::uint64_t bytes_max);
 
   glm::dvec4 texel(int level, int x, int y) const override;
 
  private:
   const LevelFile& file_;
-  std::vector<std::vector<std::uint8_t>> held_;  // levels in memory; empty: on disk
+  std::vector<std::vector<std::uint8_t>> held_;  // levels in memory; empty for a level on disk
 };
 
 }  // namespace multum

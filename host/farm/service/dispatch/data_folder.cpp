@@ -70,7 +70,7 @@ std::int64_t DataFolder::bytes() {
     const std::lock_guard lock(mutex_);
     if (counted_ != Clock::time_point() && Clock::now() - counted_ <= kCountedFor) return bytes_;
   }
-  // Small requests do not wait for a walk over the folder.
+  // Small requests do not wait until the files of the folder are counted.
   std::int64_t counted = 0;
   std::error_code error;
   for (const fs::directory_entry& entry : fs::directory_iterator(path_, error))
@@ -183,7 +183,7 @@ struct DataFolder::Sweep {
   std::int64_t last_job = 0;
   std::string last_upload;
   bool are_there_more = true;
-  // State of the last commit.
+  // The state at the last commit.
   std::vector<FileNotes::LeftOver> left_overs;
   std::vector<std::string> uploads;
   FileNotes::Uses uses;
@@ -196,8 +196,8 @@ void DataFolder::sweep(QueueThread& ledger, std::chrono::hours upload_age, std::
   sweep_some(ledger, sweep);
 }
 
-// A purge must be committed to disk before any of its files is removed, so files are found in one commit and removed in
-// a later one.
+// A purge must be on disk before any of its files is removed. Files are therefore found in one commit and removed after
+// it.
 void DataFolder::sweep_some(QueueThread& ledger, const std::shared_ptr<Sweep>& sweep) {
   const auto end = [sweep] {
     if (sweep->done) sweep->done();

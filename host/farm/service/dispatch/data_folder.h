@@ -17,12 +17,12 @@
 
 namespace multum {
 
-/// Returns the bytes of a file, or of all files below a folder; 0 for a link or a missing path. Blocks.
+/// Returns the bytes of a file, or of all files below a folder, or 0 for a link or a missing path. Blocks.
 std::int64_t bytes_on_disk(const std::string& path);
 
 class DataFolder {
  public:
-  /// `bytes_max`: limit of the whole folder except for the ledger; 0: no limit.
+  /// `bytes_max` limits the size of the whole folder except for the ledger; 0 means no limit.
   DataFolder(std::string path, std::int64_t bytes_max);
   DataFolder(const DataFolder&) = delete;
   DataFolder& operator=(const DataFolder&) = delete;
@@ -52,12 +52,12 @@ class DataFolder {
 
   /// Returns whether the folder was at its limit at the last count. Does not access the disk.
   bool is_full() const;
-  /// Counts a new result if the result is in this folder.
+  /// Counts a new result if it is in this folder.
   void count_result(const std::string& output);
 
-  /// Runs on the ledger's thread, which publishes results too. Removes results and logs of purged jobs that no other
-  /// job uses, and uploads that are older than `upload_age` and that no unfinished job names. Files that are not
-  /// recorded in a ledger stay.
+  /// Runs on the ledger's thread, which publishes results too. Removes results and logs of purged jobs if no other job
+  /// uses them, and uploads that are older than `upload_age` if no unfinished job names them. Does not remove files
+  /// that are not recorded in a ledger.
   void sweep(QueueThread& ledger, std::chrono::hours upload_age, std::function<void()> done = nullptr);
 
  private:
@@ -73,7 +73,7 @@ class DataFolder {
   const ResultSeal seal_;
   mutable std::mutex mutex_;
   std::int64_t bytes_ = 0, bytes_coming_ = 0;
-  std::chrono::steady_clock::time_point counted_;  // default value: never
+  std::chrono::steady_clock::time_point counted_;  // the default value means never
   std::mutex storing_;                             // prevents the removal of a new folder before its file exists
 };
 

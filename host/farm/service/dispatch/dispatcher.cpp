@@ -20,7 +20,7 @@ namespace {
 using Json = nlohmann::json;
 using Clock = std::chrono::steady_clock;
 
-constexpr int kSlurmClaimsMax = 200;  // per commit
+constexpr int kSlurmClaimsMax = 200;  // most claims per commit
 
 // Returns which exit codes of multum (docs/reference/service.md) allow another attempt.
 AttemptOutcome outcome_of(int code) {
@@ -201,8 +201,8 @@ void Dispatcher::claim_for_slurm() {
         &Dispatcher::claim_for_slurm);
 }
 
-// A finished claim queues only itself again. If it queued both kinds of claims, each kind would find the other one
-// waiting, and both would loop.
+// A finished claim queues only its own kind again. If it queued both kinds of claims, each kind would find the other
+// one waiting, and both would loop.
 void Dispatcher::claim(Claims& claims, std::vector<std::string> owners, ClaimLimits limits,
                        void (Dispatcher::*again)()) {
   if (owners.empty()) return;
@@ -282,7 +282,7 @@ void Dispatcher::settle(JobQueue& queue, const ClaimLimits& limits, const std::v
 void Dispatcher::take(const std::vector<std::string>& owners, const Outcome& outcome) {
   for (const std::string& owner : owners) reserved_.erase(owner);
   wake_at(outcome.due);
-  give_out(outcome.claimed);  // first, because nothing else can start a claimed job
+  give_out(outcome.claimed);  // comes first, because nothing else can start a claimed job
   if (slurm_) slurm_->flush();
   for (const Job& job : outcome.touched) events_.publish("job", job.id, job_text(job));
   end_drain_if_idle();
@@ -381,9 +381,8 @@ void Dispatcher::on_ended(std::int64_t id, const std::string& owner, int attempt
   note_end(id, owner, attempt, {outcome_of(code), code, result.message});
 }
 
-// First, the ledger records that this attempt counts, and the place of its result. Then the result gets its name. Then
-// the ledger records that the result is published. After a crash in between, the next daemon knows which step was
-// reached.
+// First, the ledger records that this attempt counts, and where its result is. Then the result gets its name. Then the
+// ledger records that the result is published. After a crash in between, the next daemon knows which step was reached.
 void Dispatcher::publish_result(std::int64_t id, const std::string& owner, int attempt, bool have_inputs_changed) {
   const Job job = running_.at(id).job;
   std::string identity;
@@ -404,7 +403,7 @@ void Dispatcher::publish_result(std::int64_t id, const std::string& owner, int a
       [=, this] {
         if (*is_mine && have_inputs_changed && !job.key.empty())
           service_log(LogSeverity::kInfo, id,
-                      "its input has changed since the job was submitted, so other jobs will not reuse its result");
+                      "the input has changed since the job was submitted, so other jobs will not reuse the result");
         if (*is_mine) return finish_publishing(job, identity);
         note_end(id, owner, attempt, {AttemptOutcome::kFailed, 4, "another attempt has replaced this one"});
       });
@@ -441,7 +440,7 @@ void Dispatcher::note(std::int64_t id, QueueThread::Work work, std::function<voi
   const auto settled = [this, id, work, done](const std::exception_ptr& error) {
     --unsettled_;
     if (!error) return done();
-    if (ledger_.is_lost()) {  // the ledger has reported this; a restored ledger treats the job as interrupted
+    if (ledger_.is_lost()) {  // the ledger has reported this; after it is restored, the job counts as interrupted
       running_.erase(id);
       progress_.erase(id);
       return end_drain_if_idle();
@@ -457,7 +456,7 @@ void Dispatcher::note(std::int64_t id, QueueThread::Work work, std::function<voi
     });
   };
   ledger_.run(work, settled);
-  ++unsettled_;  // only now, because no code would decrement it after an exception above
+  ++unsettled_;  // comes last, because no code would decrement it after an exception above
 }
 
 StagedResult Dispatcher::staged(const Job& job) const {
@@ -470,13 +469,13 @@ void Dispatcher::publish(const Job& job, const std::string& identity) const {
   if (!kept.empty())
     service_log(
         LogSeverity::kWarning, job.id,
-        fmt::format("{} held files that this service did not publish; they were moved to {}", job.output, kept));
+        fmt::format("{} contained files that this service did not publish; they were moved to {}", job.output, kept));
 }
 
 void Dispatcher::remove_staging(const Job& job) const {
   try {
     staged(job).remove();
-  } catch (const Error&) {  // the folder is missing or replaced: the next start tries again
+  } catch (const Error&) {  // the folder is missing or replaced, so the next start tries again
   }
 }
 
@@ -503,7 +502,7 @@ void Dispatcher::note_end(std::int64_t id, const std::string& owner, int attempt
         queue.ended(id, owner, attempt, result, wall_clock_ms());
         const std::optional<Job> job = queue.find(id);
         *is_final_state = !job || is_final(job->state);
-        // Claims the worker's next job in the same transaction: one commit per job.
+        // Claims the worker's next job in the same transaction, which saves a commit per job.
         settle(queue, limits, owners, *outcome);
       },
       [=, this] {
@@ -583,7 +582,7 @@ void Dispatcher::on_due() {
         if (error) return wake_at(wall_clock_ms() + 5000);
         for (const std::int64_t id : overdue->running)
           stop_job(id, "its deadline passed while the job ran", AttemptOutcome::kRefused);
-        // Running jobs that have passed their deadlines remain due until they stop.
+        // Running jobs stay overdue from their deadline until they stop.
         wake_at(overdue->running.empty() ? *due : std::optional<TimeMs>(wall_clock_ms() + 1000));
         changed({overdue->dead.begin(), overdue->dead.end()});
       });

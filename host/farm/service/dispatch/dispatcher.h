@@ -33,8 +33,8 @@ class Dispatcher {
     double busy_seconds = 0.0;  // sum over all workers
   };
 
-  /// `worker_command`: command line of a worker, without its socket. Results are published below the output roots.
-  /// `data` counts the results in its folder; while it is full, no job with a result in that folder starts.
+  /// `worker_command` is the command line of a worker, without its socket. Results are published below the output
+  /// roots. `data` counts the results in its folder. While the folder is full, no job with a result in it starts.
   Dispatcher(boost::asio::io_context& io, QueueThread& ledger, EventHub& events, DataFolder& data,
              ServiceSettings settings, const JobRoots& roots, std::string instance,
              std::vector<std::string> worker_command);
@@ -44,25 +44,25 @@ class Dispatcher {
   void start();
   /// Called whenever there may be work.
   void pump();
-  /// Called when other code has changed jobs: tells listeners, and pumps.
+  /// Called when other code has changed jobs. Tells listeners, and looks for work.
   void changed(const std::set<std::int64_t>& ids);
   /// Tells the worker of a running job to stop; the attempt ends with `outcome`.
   void stop_job(std::int64_t id, const std::string& why, AttemptOutcome outcome);
   void set_paused(const std::string& queue, bool is_paused);
   /// Takes new limits from the settings.
   void reload(const ServiceSettings& settings);
-  /// Starts no more jobs; calls `done` when none is running, at the latest after the grace period. Jobs that are still
-  /// running at that time are handed back to the queue.
+  /// Starts no more jobs. Calls `done` when no job is running, at the latest after the grace period. Jobs that are
+  /// still running at that time are handed back to the queue.
   void drain(std::function<void()> done);
 
   const std::map<std::int64_t, JobProgress>& progress() const { return progress_; }
   const Counters& counters() const { return counters_; }
   const WorkerPool& workers() const { return pool_; }
-  /// Null: no jobs are sent to Slurm.
+  /// Null if no jobs are sent to Slurm.
   SlurmPool* slurm() const { return slurm_.get(); }
   bool uses_slurm(const std::string& queue) const;  // whether Slurm runs at least one of its job types
   bool goes_to_slurm(const std::string& queue, const std::string& type) const;
-  /// Returns whether any job runs on this machine; false: Slurm runs all jobs.
+  /// Returns whether any job runs on this machine, or false if Slurm runs all jobs.
   bool bakes_here() const;
   const ClaimLimits& limits() const { return limits_; }
   bool is_draining() const { return is_draining_; }
@@ -83,10 +83,10 @@ class Dispatcher {
     std::vector<Claimed> claimed;
     std::optional<TimeMs> due;
   };
-  /// On the ledger's thread: records changes, and claims jobs for these workers.
+  /// Runs on the ledger's thread: records changes, and claims jobs for these workers.
   void settle(JobQueue& queue, const ClaimLimits& limits, const std::vector<std::string>& owners,
               Outcome& outcome) const;
-  /// Afterwards, on the dispatcher's thread: tells listeners, and starts the claimed jobs.
+  /// Runs afterwards, on the dispatcher's thread: tells listeners, and starts the claimed jobs.
   void take(const std::vector<std::string>& owners, const Outcome& outcome);
   void end_drain_if_idle();
   /// Runs `work` in the ledger until it is committed, even if the disk is full for a time; then runs `done`.
@@ -102,7 +102,7 @@ class Dispatcher {
   ClaimLimits limits_of_slurm() const;
   struct Claims {
     bool is_under_way = false;
-    bool is_wanted = false;  // a claim must run again, for changes since
+    bool is_wanted = false;  // a claim must run again, because of later changes
   };
   void claim_here();
   void claim_for_slurm();

@@ -27,26 +27,26 @@ class EventHub {
  public:
   using Listener = std::function<void(const ServiceEvent&)>;
 
-  /// Numbers events from `first` on; a later daemon must use larger numbers than an earlier one.
+  /// Numbers events from `first` on. A restarted daemon must use larger numbers than before.
   explicit EventHub(std::uint64_t first);
-  /// Ends the hub's thread, whatever the thread is running.
+  /// Ends the hub's thread, even if it still has work.
   ~EventHub();
   EventHub(const EventHub&) = delete;
   EventHub& operator=(const EventHub&) = delete;
 
-  /// Always called on the same thread. `kind`: "job" or "progress"; `data`: JSON on one line.
+  /// Always called on the same thread. `kind` is "job" or "progress", and `data` is JSON on one line.
   void publish(const std::string& kind, std::int64_t job, const std::string& data);
   /// The number of the last published event.
   std::uint64_t last() const { return last_; }
 
-  /// Bytes of all event texts that the hub or its listeners keep.
+  /// The number of bytes of all event texts that the hub or its listeners keep.
   std::size_t bytes() const { return *bytes_; }
 
   /// The hub's thread runs this io_context. Use listeners, and make the calls below, only on that thread.
   boost::asio::io_context& io() { return io_; }
-  /// Hands out the kept events after number `after` (0: all), and then new ones until remove(). Begins with an event of
-  /// the kind "missed", which belongs to no job, if events in between are no longer kept or if `after` is a number from
-  /// another daemon.
+  /// Hands out the kept events after number `after` (all of them if it is 0), and then new ones until remove(). If some
+  /// of these events are lost, or if `after` is a number from another daemon, begins with an event of the kind
+  /// "missed", which belongs to no job.
   std::uint64_t add(std::uint64_t after, Listener listener);
   void remove(std::uint64_t key) { listeners_.erase(key); }
 

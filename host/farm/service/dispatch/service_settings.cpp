@@ -24,7 +24,7 @@ const std::vector<std::string> kKeys = {
     "upload_max", "retention_days", "data_max",       "upload_days",      "connections_max",  "request_memory_max",
     "queue",      "device",         "slurm"};
 
-// Parses "800M" or "2G", in the syntax of --memory.
+// Parses sizes such as "800M" or "2G", in the syntax of --memory.
 std::optional<std::int64_t> parse_bytes(const std::string& text) {
   double value = 0.0;
   const char* end = text.data() + text.size();
@@ -68,7 +68,7 @@ void read_queues(const StrictTable& root, const std::string& path, ServiceSettin
     limits.is_paused = table.boolean("paused", false);
     const std::string name = table.text("name");
     if (!settings.queues.emplace(name, limits).second)
-      table.refuse("name", fmt::format("is \"{}\", the name of another queue", name));
+      table.refuse("name", fmt::format("is \"{}\", which is the name of another queue", name));
   }
 }
 
@@ -208,12 +208,14 @@ void check_roots(const ServiceSettings& settings, const std::string& settings_fi
     const std::string root = canonical_name(named);
     for (const auto& [what, path] : own)
       if (!path.empty() && is_in(canonical_name(path), root))
-        throw Error(ErrorCode::kUsage,
-                    fmt::format("{} {} is in the root {}, where jobs could write to it; expected a path outside", what,
-                                path, named));
+        throw Error(
+            ErrorCode::kUsage,
+            fmt::format("{} {} is in the root {}, where jobs could write to it; expected a path outside of that root",
+                        what, path, named));
     if (is_in(root, canonical_name(settings.data)))
-      throw Error(ErrorCode::kUsage,
-                  fmt::format("the root {} is in the data folder {}, expected a folder outside", named, settings.data));
+      throw Error(
+          ErrorCode::kUsage,
+          fmt::format("the root {} is in the data folder {}, expected a folder outside of it", named, settings.data));
   }
 }
 
@@ -226,9 +228,10 @@ void check_slurm(const SlurmSettings& settings) {
         ErrorCode::kUsage,
         fmt::format("the folder of [slurm] {}: expected a folder with the same path on all nodes", settings.folder));
   if (found.st_uid != ::geteuid() || (found.st_mode & 022) != 0)
-    throw Error(ErrorCode::kUsage, fmt::format("the folder of [slurm] {}: other users own it or may write there, "
-                                               "expected a folder for only the service's user (chmod 700)",
-                                               settings.folder));
+    throw Error(ErrorCode::kUsage,
+                fmt::format("the folder of [slurm] {}: other users own it or may write to it, expected a folder that "
+                            "only the user of the service may use (chmod 700)",
+                            settings.folder));
 }
 
 }  // namespace

@@ -34,7 +34,7 @@ std::string resolved(const std::string& path) {
   return target;
 }
 
-// The group may write if root owns the folder: volumes of containers have such permissions.
+// The group may write if root owns the folder, because volumes of containers have such permissions.
 void check_owner(const OpenFile& folder, const std::string& path) {
   struct stat found {};
   if (::fstat(folder.descriptor(), &found) != 0) fail_by_errno(path, "cannot be examined");

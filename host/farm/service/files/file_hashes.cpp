@@ -7,7 +7,7 @@
 namespace multum {
 namespace {
 
-constexpr std::size_t kKnownMax = 100000;  // files: about 30 MB
+constexpr std::size_t kKnownMax = 100000;  // number of files, which take about 30 MB
 
 }  // namespace
 

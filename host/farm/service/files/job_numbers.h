@@ -7,7 +7,7 @@
 
 namespace multum {
 
-/// Returns the highest job number in the name of a log, pictures or a staging folder; 0 if there is none.
+/// Returns the highest job number in the name of a log, of pictures or of a staging folder, or 0 if there is none.
 std::int64_t highest_job_number(const std::string& data);
 
 }  // namespace multum

@@ -43,7 +43,7 @@ constexpr std::array<std::pair<std::uint32_t, const char*>, 22> kNetworkDisks = 
 }  // namespace
 
 std::string network_disk_name(std::int64_t type) {
-  // Sign and width of f_type depend on the machine; the numbers have 32 bits.
+  // The sign and width of f_type depend on the machine. The numbers themselves have 32 bits.
   const auto number = static_cast<std::uint32_t>(type);
   const auto found =
       std::find_if(kNetworkDisks.begin(), kNetworkDisks.end(), [&](const auto& one) { return one.first == number; });

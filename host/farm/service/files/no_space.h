@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Errors of a disk without space: the disk is full, or a quota or the file size limit (ulimit -f) is reached.
+// Defines the error of a disk without space: the disk is full, or a quota or the file size limit (ulimit -f) is
+// reached.
 #pragma once
 
 #include <string>
@@ -8,7 +9,7 @@
 
 namespace multum {
 
-/// Is answered with 507: there may be room later. The request has had no effect.
+/// The request is answered with status 507, because there may be room later. The refused request has no effect.
 class NoSpaceError : public Error {
  public:
   using Error::Error;

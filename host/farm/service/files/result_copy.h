@@ -9,7 +9,8 @@
 namespace multum {
 
 /// Copies a finished result, a file or folder, to another name, and syncs it. Follows no links on either side. Throws
-/// Error(kEnvironment), also if the result contains a link or a device, and throws like PathRoots::open_folder_of().
+/// Error(kEnvironment), for example if the result contains a link or a device. Also throws like
+/// PathRoots::open_folder_of().
 void copy_result(const PathRoots& roots, const std::string& from, const std::string& to);
 
 }  // namespace multum

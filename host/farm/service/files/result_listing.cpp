@@ -64,7 +64,7 @@ bool is_same(const std::string& a, const std::string& b) {
   return a.size() == b.size() && CRYPTO_memcmp(a.data(), b.data(), a.size()) == 0;
 }
 
-// Returns the lines of the listed files; nothing if the seal is not from the service.
+// Returns the lines of the listed files, or nothing if the seal is not from the service.
 std::string sealed_lines(const OpenFile& folder, const std::string& text, const ResultSeal& seal) {
   if (seal.key.empty()) return text;
   const std::size_t before = text.rfind(std::string("\n") + kSealWord);
@@ -73,7 +73,7 @@ std::string sealed_lines(const OpenFile& folder, const std::string& text, const 
   return is_same(text.substr(begin), seal_line(folder, lines, seal)) ? lines : "";
 }
 
-// An entry of an open folder; the entry is not a folder. `path`: relative to the start of the walk.
+// An entry of an open folder that is not itself a folder. `path` is relative to the start of the walk.
 struct Found {
   int folder;
   const std::string& name;
@@ -82,15 +82,17 @@ struct Found {
 };
 
 struct Walk {
-  std::function<bool(const Found&)> at_file;  // false: ends the walk
+  std::function<bool(const Found&)> at_file;  // ends the walk by returning false
   std::function<void(int above, const std::string& name)> after_folder = nullptr;
 
   bool run(const OpenFile& folder, const std::string& prefix = "", int depth = 0) const {
     if (depth > kDepthMax)
-      throw Error(ErrorCode::kEnvironment, fmt::format("{}: folders are nested more than {} deep", prefix, kDepthMax));
+      throw Error(ErrorCode::kEnvironment,
+                  fmt::format("{}: folders are nested more than {} levels deep", prefix, kDepthMax));
     for (const std::string& name : names_in(folder, prefix)) {
       struct stat found {};
-      if (::fstatat(folder.descriptor(), name.c_str(), &found, AT_SYMLINK_NOFOLLOW) != 0) continue;  // gone
+      if (::fstatat(folder.descriptor(), name.c_str(), &found, AT_SYMLINK_NOFOLLOW) != 0)
+        continue;  // removed meanwhile
       const std::string path = prefix + name;
       if (S_ISDIR(found.st_mode)) {
         const OpenFile below = open_folder(folder.descriptor(), name);
@@ -175,7 +177,7 @@ void write_result_listing(const std::string& folder, const ResultSeal& seal) {
   const OpenFile file = opened(folder);
   std::string text;
   Walk{[&](const Found& found) {
-    // Removes a file of an attempt that could neither finish the file nor find it again, because folders were swapped.
+    // Removes a temporary file whose writer could neither finish it nor find it again, because folders were swapped.
     if (is_temporary_name(found.name) && ::unlinkat(found.folder, found.name.c_str(), 0) == 0) return true;
     if (found.path.find('\n') == std::string::npos) text += fmt::format("{} {}\n", found.state, found.path);
     return true;

@@ -6,7 +6,7 @@
 
 namespace multum {
 
-/// Key of the service. Empty for workers, which only read: any listing is then accepted.
+/// Key of the service. The key is empty for workers, which only read. Any listing is then accepted.
 struct ResultSeal {
   std::string key;
 };

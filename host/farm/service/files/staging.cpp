@@ -43,7 +43,7 @@ std::string identity_at(int folder, const std::string& name) {
 // Returns a path to the open folder, for functions that need a path.
 std::string name_of(const OpenFile& folder) { return fmt::format("/proc/self/fd/{}", folder.descriptor()); }
 
-// Leaves entries that belong to other users.
+// Does not touch entries that belong to other users.
 bool remove_staging(const OpenFile& folder, const std::string& name, const std::string& path) {
   try {
     const OpenFile staging = find_own_folder(folder, name, path);
@@ -80,7 +80,7 @@ std::string file_identity(const std::string& path) {
 
 namespace {
 
-// Opens the folder of a result; nullopt if it is missing, or behind a link.
+// Opens the folder of a result. Returns nullopt if it is missing, or behind a link.
 std::optional<OpenFile> open_place(const PathRoots& roots, const std::string& path) {
   try {
     return roots.open_folder_of(path);
@@ -154,7 +154,8 @@ std::string StagedResult::publish(const std::string& identity) const {
     throw Error(ErrorCode::kEnvironment,
                 fmt::format("{}: the finished result is neither at this path nor in {}", output_, staging_));
   }
-  // Empties the staging folder even if another step fails: otherwise the next attempt would resume from its contents.
+  // Empties the staging folder even if another step fails, because otherwise the next attempt would resume from its
+  // contents.
   const int sync_error = ::fsync(folder) == 0 ? 0 : errno;
   const std::string kept = staging.is_open() ? put_aside(staging) : "";
   remove();
@@ -165,8 +166,8 @@ std::string StagedResult::publish(const std::string& identity) const {
   return kept;
 }
 
-// After an exchange, the staging folder holds the previous folder: removes its published files, and renames everything
-// that was added since.
+// After an exchange, the staging folder holds the previous folder. Removes the published files of that folder, and
+// renames everything that was added to it since.
 std::string StagedResult::put_aside(const OpenFile& staging) const {
   const std::optional<struct stat> old = state_of(staging.descriptor(), name_);
   if (!old || !S_ISDIR(old->st_mode)) return "";
@@ -208,7 +209,7 @@ std::vector<std::string> sweep_staging(const PathRoots& roots, const std::vector
         if (failed != std::errc() || stop != end || !is_finished_with(id)) continue;
         if (remove_staging(folder, name, path + "/" + name)) removed.push_back(path + "/" + name);
       }
-    } catch (const Error&) {  // no longer exists, or not below a root
+    } catch (const Error&) {  // no longer exists, or is not below a root
     }
   }
   return removed;

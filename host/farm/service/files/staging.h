@@ -25,15 +25,15 @@ std::string staged_name(const std::string& output);
 /// PathRoots::open_folder_of(), and Error(kEnvironment) if another user's file is in its place.
 OpenFile open_staging_folder(const PathRoots& roots, const std::string& path);
 
-/// Returns "INODE:BYTES:NANOSECONDS" of a file, or the inode of a folder; empty if it is missing. A rename does not
-/// change the identity. This function is for inputs: it follows links.
+/// Returns "INODE:BYTES:NANOSECONDS" of a file, or the inode of a folder, or "" if it is missing. A rename does not
+/// change the identity. This function is for inputs, because it follows links.
 std::string file_identity(const std::string& path);
-/// Like file_identity(), for a result: follows no links, and is empty also for a link or a path behind a link. Throws
-/// Error(kEnvironment) when the identity cannot be determined.
+/// Does the same as file_identity() for results: follows no links, and returns "" for a link or a path behind a link.
+/// Throws Error(kEnvironment) when the identity cannot be determined.
 std::string result_identity(const PathRoots& roots, const std::string& path);
 
-/// Returns whether the result is unchanged since it was published with this identity; a folder must have exactly its
-/// published files. Follows no links. Throws Error(kEnvironment) when that cannot be determined.
+/// Returns whether the result is unchanged since it was published with this identity. A folder must have exactly its
+/// published files. Follows no links. Throws Error(kEnvironment) when this cannot be determined.
 bool is_as_made(const PathRoots& roots, const std::string& path, const std::string& identity, const ResultSeal& seal);
 
 /// One job's result before it has its name.
@@ -43,17 +43,17 @@ class StagedResult {
   StagedResult(const PathRoots& roots, const std::string& output, const std::string& instance, std::int64_t id,
                ResultSeal seal);
 
-  /// Identity of the staged result; empty: none, or a link. Throws Error(kEnvironment) if another user's file is in the
-  /// place of the staging folder.
+  /// Identity of the staged result. The identity is empty if there is no result, or if the result is a link. Throws
+  /// Error(kEnvironment) if another user's file is in the place of the staging folder.
   std::string identity() const;
   /// Throws Error(kUsage) when the result must not replace the existing entry: a folder that contains more than an
   /// unchanged result of multum, a file in the place of a folder, or a folder in the place of a file.
   void check_place(bool is_folder) const;
   /// Gives the result its final name, syncs the folder, and removes the staging folder. A file replaces a file, and a
-  /// folder replaces a result, in one step. If the result has its name already (a daemon died between the rename and
-  /// its record), only the remaining steps are done. Returns the path of added files of the previous folder; "": none.
-  /// Throws like check_place(), and Error(kEnvironment) when neither the staged nor the published result has
-  /// `identity`.
+  /// folder replaces a result, in one step. If the result already has its name, because a daemon died between the
+  /// rename and its record, does only the remaining steps. Returns the path of files that were added to the previous
+  /// folder, or "" if there are none. Throws like check_place(), and Error(kEnvironment) when neither the staged nor
+  /// the published result has `identity`.
   std::string publish(const std::string& identity) const;
   /// Removes the staging folder and its contents, if it exists.
   void remove() const;
@@ -69,8 +69,8 @@ class StagedResult {
   OpenFile folder_;
 };
 
-/// Removes the staging folders of `instance` in these folders whose jobs the ledger has finished; returns their paths.
-/// Leaves folders that are no longer below the roots.
+/// Removes from these folders the staging folders of `instance` whose jobs have ended in the ledger; returns their
+/// paths. Does not touch folders that are not below the roots.
 std::vector<std::string> sweep_staging(const PathRoots& roots, const std::vector<std::string>& folders,
                                        const std::string& instance,
                                        const std::function<bool(std::int64_t)>& is_finished_with);

@@ -31,7 +31,7 @@ void UploadFile::write(std::string_view bytes) {
 void UploadFile::name(const std::string& path) {
   if (::fchmod(file_.descriptor(), 0440) != 0 || ::fsync(file_.descriptor()) != 0)
     fail_to_write(path, "cannot be synced");
-  // Links through /proc, because only privileged processes may link a descriptor directly.
+  // Makes the link through /proc, because only privileged processes may link a descriptor directly.
   const std::string own = "/proc/self/fd/" + std::to_string(file_.descriptor());
   if (::linkat(AT_FDCWD, own.c_str(), AT_FDCWD, path.c_str(), AT_SYMLINK_FOLLOW) != 0 && errno != EEXIST)
     fail_to_write(path, "cannot be given its name");

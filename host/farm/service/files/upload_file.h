@@ -17,13 +17,13 @@ class UploadFile {
   /// Creates the file in this folder. Throws Error(kEnvironment).
   explicit UploadFile(const std::string& folder);
 
-  /// Blocks. Throws NoSpaceError when the disk is full, Error(kEnvironment) for other failures.
+  /// Blocks. Throws NoSpaceError when the disk is full, and Error(kEnvironment) for other failures.
   void write(std::string_view bytes);
   std::int64_t bytes() const { return bytes_; }
-  /// Blocks. Syncs the file and gives it this name, readable and not writable; an existing file of that name stays.
+  /// Blocks. Syncs the file and gives it this name, readable but not writable. An existing file of that name is kept.
   /// Throws Error(kEnvironment).
   void name(const std::string& path);
-  /// Hash of the written bytes; may be called once.
+  /// Returns the hash of the written bytes. May be called only once.
   std::string sha256() { return hash_.finish(); }
 
  private:

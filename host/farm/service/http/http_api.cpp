@@ -156,7 +156,8 @@ struct HttpApi::State {
 
   asio::awaitable<HttpResponse> list(HttpRequest request) {
     const JobFilter filter = parse_filter(request);
-    constexpr std::int64_t kCopies = 4;  // copies of a text while an answer is made: row, job, JSON, JSON text
+    constexpr std::int64_t kCopies = 4;  // copies of a text while an answer is made: in the row, the job, the JSON and
+                                         // the JSON text
     std::int64_t bytes = 0;
     co_await in_ledger([&](JobQueue& queue) { bytes = kCopies * queue.list_bytes(filter); });
     if (!request.memory->resize(request.memory->bytes() + static_cast<std::size_t>(bytes)))
@@ -180,8 +181,8 @@ struct HttpApi::State {
   }
 
   asio::awaitable<HttpResponse> show(std::string text) {
-    // Reads all data in one transaction. With two, a job could seem to run without an attempt, or be dead with a
-    // running attempt.
+    // Reads all data in one transaction. With two transactions, a job could seem to run without an attempt, or to be
+    // dead with a running attempt.
     const std::optional<std::int64_t> id = parse_integer(text);
     Json json;
     if (id) co_await in_ledger([&](JobQueue& queue) { json = shown(queue, *id); });
@@ -323,7 +324,7 @@ struct HttpApi::State {
       folder = roots.inputs.open_folder_of(output + "/any");
       bytes = listing_bytes(folder);
     });
-    constexpr std::size_t kCopies = 6;  // copies during a listing: text, stream, two texts and a node per line
+    constexpr std::size_t kCopies = 6;  // copies during a listing: a text, a stream, and two texts and a node per line
     if (!memory.resize(memory.bytes() + kCopies * bytes))
       throw Refusal{503, "busy", "there is not enough memory for such a long list of files", {{"Retry-After", "1"}}};
     std::shared_ptr<HttpBody> made;
@@ -605,16 +606,16 @@ std::string bearer_token(const std::string& field) {
   return begin == std::string::npos ? "" : field.substr(begin);
 }
 
-// A foreign page must not control the service through a browser on this machine. The page could use a form or script of
-// another origin, or a host name whose owner points it to this machine (DNS rebinding).
+// A page from elsewhere must not control the service through a browser on this machine. Such a page could try a form or
+// script of another origin, or a host name whose owner points it to this machine (DNS rebinding).
 bool is_own_origin(const HttpRequest& request, bool has_token, bool is_page) {
   const auto host = request.headers.find("host");
   const std::string name = host == request.headers.end() ? "" : host->second;
   const auto origin = request.headers.find("origin");
   if (origin != request.headers.end() && origin->second != "http://" + name && origin->second != "https://" + name)
     return false;
-  // Requests without an origin are usually for pictures; browsers report if another page makes such a request. Links
-  // from other pages to this page are allowed.
+  // Requests without an origin are usually for pictures. Browsers report whether another page makes such a request.
+  // Links from other pages to this page are allowed.
   const auto site = request.headers.find("sec-fetch-site"), mode = request.headers.find("sec-fetch-mode");
   const bool is_foreign =
       site != request.headers.end() && (site->second == "cross-site" || site->second == "same-site");
@@ -666,7 +667,7 @@ std::unique_ptr<HttpResponse> HttpApi::check(const HttpRequest& request) const {
     return refuse({403, "origin", "the request comes from a page of another origin"});
   if (has_token() && !route->is_public) {
     const auto given = request.headers.find("authorization");
-    const auto query = request.query.find("access_token");  // browsers cannot send headers for event streams
+    const auto query = request.query.find("access_token");  // for event streams, whose headers browsers cannot set
     const bool is_known =
         (given != request.headers.end() && is_same_secret(bearer_token(given->second), state_->token)) ||
         (query != request.query.end() && request.method == "GET" && is_same_secret(query->second, state_->token));

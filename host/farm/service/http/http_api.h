@@ -21,14 +21,14 @@ namespace multum {
 
 class HttpApi {
  public:
-  /// `driver_command`: see DriverProbe.
+  /// DriverProbe explains `driver_command`.
   HttpApi(boost::asio::io_context& io, QueueThread& ledger, Dispatcher& dispatcher, EventHub& events, DataFolder& data,
           const JobRoots& roots, std::string token, std::vector<std::string> driver_command);
   ~HttpApi();
   HttpApi(const HttpApi&) = delete;
   HttpApi& operator=(const HttpApi&) = delete;
 
-  /// Checks a request before its body is read: returns a refusal for clients without permission, and for unknown paths.
+  /// Checks a request before its body is read. Returns a refusal for clients without permission and for unknown paths.
   std::unique_ptr<HttpResponse> check(const HttpRequest& request) const;
   static bool is_upload(const std::string& method, const std::string& path);
   /// Returns the routes for programs, such as "GET /v1/jobs/{}"; the web page is not included.

@@ -9,28 +9,29 @@
 
 namespace multum {
 
-/// Times to wait for a silent service.
+/// The longest waits for a silent service.
 struct HttpPatience {
   std::chrono::milliseconds connecting = std::chrono::seconds(10);
-  std::chrono::milliseconds answer = std::chrono::seconds(60);  // wait for answers; event streams pulse every 10 s
+  std::chrono::milliseconds answer = std::chrono::seconds(60);  // longest wait for an answer; event streams send a
+                                                                // pulse every 10 s
   std::chrono::milliseconds work =
-      std::chrono::minutes(15);  // longer for requests that change something, because inputs are read first
+      std::chrono::minutes(15);  // longer if a request changes something, because inputs are read first
 };
 
 class HttpClient {
  public:
-  /// `server`: http://HOST:PORT or unix:PATH. Throws Error(kUsage) for other texts.
+  /// `server` is http://HOST:PORT or unix:PATH. Throws Error(kUsage) for other texts.
   HttpClient(std::string server, std::string token, HttpPatience patience = {});
 
   /// Returns the answer's JSON, or its text as a JSON string. Throws Error(kEnvironment) when the server cannot be
-  /// reached or is silent for too long. For a refusal, throws an Error with its message: kUsage for a status below 500,
-  /// otherwise kEnvironment.
+  /// reached or is silent for too long. For a refusal, throws an Error with the message of the refusal: kUsage for a
+  /// status below 500, otherwise kEnvironment.
   nlohmann::json ask(const std::string& method, const std::string& target, const nlohmann::json& body = nullptr);
   /// Returns the answer's body unchanged; throws like ask().
   std::string text(const std::string& target);
-  /// Passes each event's kind and data to `take` until it returns false or the connection ends. Calls `opened` before
-  /// the first event, so that answers to requests made in it are not older than the events. Returning false ends the
-  /// call.
+  /// Passes each event's kind and data to `take` until `take` returns false or the connection ends. Calls `opened`
+  /// before the first event, so that answers to requests made in `opened` are not older than the events. If `opened`
+  /// returns false, the call ends.
   void listen(const std::string& target, const std::function<bool()>& opened,
               const std::function<bool(const std::string& kind, const nlohmann::json& data)>& take);
 

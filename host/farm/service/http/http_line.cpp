@@ -29,7 +29,8 @@ bool is_folded(std::string_view header) {
   return header.find("\r\n ") != std::string_view::npos || header.find("\r\n\t") != std::string_view::npos;
 }
 
-// Detects early that bytes are not a header: a line that ends without a return, or the first bytes of TLS.
+// Detects early that bytes are not a header, from a line that ends without a carriage return, or from the first bytes
+// of TLS.
 bool is_text(std::string_view header) {
   char before = ' ';
   for (const char c : header) {
@@ -61,11 +62,12 @@ void check_fields(const HttpLine::Parser& parser) {
 
 }  // namespace
 
-// Cancels the socket's operations after a timeout. Outlives the line, because the timer may fire after the line's end.
+// Cancels the socket's operations after a timeout. This object outlives the line, because the timer may fire after the
+// line's end.
 struct HttpLine::Watch : std::enable_shared_from_this<HttpLine::Watch> {
   explicit Watch(Socket& watched) : socket(&watched), timer(watched.get_executor()) {}
 
-  // Has at most one pending wait, so a busy line does not set its timer for each request.
+  // At most one wait is pending, so a busy line does not set its timer for each request.
   void wait(Clock::time_point until) {
     waits_until = until;
     timer.expires_at(until);

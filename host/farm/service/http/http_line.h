@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// One connection: reads requests and writes answers, within limits of bytes and of time. Faulty input can only end its
-// own client's connection: the read buffer does not grow, and exceptions of the parser are thrown here.
+// One connection: reads requests and writes answers, within limits of bytes and of time. Faulty input can only end the
+// connection of the client that sent it: the read buffer does not grow, and exceptions of the parser are thrown here.
 #pragma once
 
 #include <boost/asio/awaitable.hpp>
@@ -24,7 +24,7 @@
 
 namespace multum {
 
-/// The reason why a request cannot be read further; `status` 0: there is no client to tell.
+/// The reason why a request cannot be read further. A `status` of 0 means that no client is left to tell.
 struct UnreadableRequest {
   int status;
   const char* code;
@@ -37,7 +37,7 @@ class HttpLine {
   using Clock = std::chrono::steady_clock;
   using Parser = boost::beast::http::request_parser<boost::beast::http::buffer_body>;
 
-  /// Size of the buffer for bytes that are read but not yet used: a whole header, a chunk's extension or a trailer must
+  /// Size of the buffer for bytes that are read but not yet used. A whole header, a chunk's extension or a trailer must
   /// fit.
   static constexpr std::size_t kBufferBytes = 16384;
   /// Approximate memory of a line without bodies and answers: the buffer, a piece of a body, and a header's fields
@@ -52,21 +52,22 @@ class HttpLine {
   /// Reads a header. Throws UnreadableRequest if the bytes are not a header, or if the header is too large or
   /// incomplete at `until`. Refuses a header that could mean one request or two (RFC 9112, sections 5.2, 6.1 and 11.2).
   boost::asio::awaitable<void> read_header(Parser& parser, Clock::time_point until);
-  /// Reads the body after the header, piece by piece, up to `bytes_max`. `silence`: longest pause of the client;
-  /// `until`: latest end of the body. Throws UnreadableRequest, and passes on exceptions of `take`.
+  /// Reads the body after the header, piece by piece, up to `bytes_max`. `silence` is the client's longest pause, and
+  /// `until` the latest end of the body. Throws UnreadableRequest, and passes on exceptions of `take`.
   boost::asio::awaitable<void> read_body(Parser& parser, std::size_t bytes_max, Clock::duration silence,
                                          Clock::time_point until,
                                          std::function<boost::asio::awaitable<void>(std::string_view)> take);
 
-  /// Writes as much of an answer as fits at once. Throws boost::system::system_error, also after `silence`.
+  /// Writes as much of an answer as fits at once. Throws boost::system::system_error, for example after a pause of
+  /// `silence`.
   template <typename Serializer>
   boost::asio::awaitable<void> write_some(Serializer& serializer, Clock::duration silence);
 
-  /// Writes some of the bytes; returns their number.
+  /// Writes some of the bytes and returns their number.
   boost::asio::awaitable<std::size_t> write_some(boost::asio::const_buffer bytes, Clock::duration silence);
 
-  /// Reads and discards the client's bytes for a while: if a client still sends when the connection is closed, the
-  /// system may discard the answer.
+  /// Reads and discards the client's bytes for a while. If the connection were closed while the client still sends, the
+  /// system might discard the answer.
   boost::asio::awaitable<void> linger(Clock::duration time, std::size_t bytes_max);
 
   /// Cancels all pending operations.
@@ -76,7 +77,8 @@ class HttpLine {
 
  private:
   struct Watch;
-  /// 0 bytes: the client has closed its side. Throws UnreadableRequest after a timeout or on a broken connection.
+  /// 0 bytes mean that the client has closed its side. Throws UnreadableRequest after a timeout or on a broken
+  /// connection.
   boost::asio::awaitable<std::size_t> read_some(Clock::time_point until);
   void arm(Clock::time_point until);
   bool disarm();

@@ -46,7 +46,7 @@ class FilePart : public HttpBody {
   std::uint64_t at_, left_;
 };
 
-// A strong validator: no byte of a file changes without changing one of these values, up to the resolution of clocks.
+// A strong validator: if any byte of a file changes, one of these values changes too, up to the resolution of clocks.
 std::string etag_of(const struct stat& found) {
   return fmt::format("\"{:x}-{:x}-{:x}\"", found.st_ino, found.st_size,
                      found.st_mtim.tv_sec * 1000000000LL + found.st_mtim.tv_nsec);
@@ -79,7 +79,7 @@ std::optional<ByteRange> parse_byte_range(std::string_view field, std::uint64_t 
   const std::size_t dash = range.find('-');
   if (dash == std::string_view::npos) return std::nullopt;
   const std::optional<std::uint64_t> first = number_of(range.substr(0, dash)), last = number_of(range.substr(dash + 1));
-  if (dash == 0) {  // the last bytes
+  if (dash == 0) {  // a range of the last bytes
     if (!last) return std::nullopt;
     const std::uint64_t count = std::min(*last, bytes);
     return ByteRange{bytes - count, count};

@@ -29,7 +29,8 @@ std::string attachment(const std::string& name) {
   std::string plain, encoded;
   for (const char c : name) {
     const bool is_safe = std::isalnum(static_cast<unsigned char>(c)) != 0 || (c != '\0' && std::strchr("-._", c));
-    const bool is_quotable = c >= ' ' && c <= '~' && c != '"' && c != '\\' && c != '%';  // browsers decode %41
+    const bool is_quotable = c >= ' ' && c <= '~' && c != '"' && c != '\\' && c != '%';  // no %, because browsers
+                                                                                         // decode %41
     plain += is_quotable ? c : '_';
     encoded += is_safe ? std::string(1, c) : fmt::format("%{:02X}", static_cast<unsigned char>(c));
   }

@@ -16,8 +16,8 @@ namespace multum {
 HttpResponse json_response(const nlohmann::json& json, int status = 200);
 /// Returns {"error": {"code", "message"}}.
 HttpResponse refusal_response(const Refusal& refusal);
-/// Returns the Content-Disposition of a download of this name (RFC 6266): the ASCII characters of the name, and the
-/// whole name as UTF-8 if it has other characters.
+/// Returns the Content-Disposition of a download of this name (RFC 6266). The header has the ASCII characters of the
+/// name and, if the name has other characters, the whole name as UTF-8.
 std::string attachment(const std::string& name);
 /// Returns 400 for usage and input errors, 507 for a disk without space, 503 for other errors of the environment.
 Refusal refusal_of(const Error& error);

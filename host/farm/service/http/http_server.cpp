@@ -40,24 +40,26 @@ using asio::use_awaitable;
 using std::chrono::seconds;
 using Clock = HttpLine::Clock;
 
-constexpr auto kHeaderTime = seconds(10);  // time for a header, from the start of the wait; also the longest idle time
+constexpr auto kHeaderTime = seconds(10);  // time for a header, counted from the start of the wait; also the longest
+                                           // idle time
 constexpr auto kSpareTime = seconds(2);    // time for a header on a spare connection
 constexpr auto kSilence = seconds(30);     // longest pause of a client that sends a body or receives an answer
 constexpr auto kBodyTime = seconds(60);    // time for a body; uploads have no limit while they progress
 constexpr auto kUploadTime = std::chrono::hours(24);
 constexpr auto kLingerTime = seconds(5);
-constexpr std::size_t kLingerMax = 64 << 20;  // bytes
+constexpr std::size_t kLingerMax = 64 << 20;  // most bytes to read and discard
 constexpr auto kStreamPulse = seconds(10);
 constexpr auto kStreamPause = std::chrono::milliseconds(50);  // pause between two writes to one listener
 constexpr std::size_t kStreamBacklog = 8192;     // events waiting for a slow listener, before it is disconnected
-constexpr std::size_t kStreamMemory = 64 << 20;  // bytes of all events; beyond them, slow listeners are disconnected
+constexpr std::size_t kStreamMemory = 64 << 20;  // bytes of all events; above this limit, slow listeners are
+                                                 // disconnected
 constexpr std::size_t kStreamText = 16384;       // approximate bytes per write
-constexpr std::size_t kQueryMax = 32;            // parameters
+constexpr std::size_t kQueryMax = 32;            // most parameters of a query
 constexpr std::size_t kPiece = 64 << 10;         // bytes of a body that is made while it is sent
-constexpr std::size_t kSpareLines = 16;  // beyond connections_max: for monitors, and for telling clients to wait
+constexpr std::size_t kSpareLines = 16;  // lines beyond connections_max, for monitors and for telling clients to wait
 
-// A plus means a space only in queries (URL Standard, application/x-www-form-urlencoded). Returns nullopt also for a
-// NUL, which no valid name or text contains.
+// A plus means a space only in queries (URL Standard, application/x-www-form-urlencoded). Returns nullopt for invalid
+// text, and for a NUL, which no valid name or text contains.
 std::optional<std::string> decoded(std::string_view text, bool is_query) {
   std::string result;
   for (std::size_t i = 0; i < text.size(); ++i) {
@@ -107,7 +109,7 @@ HttpResponse busy(const std::string& message) {
   return refusal_response({503, "busy", message, {{"Retry-After", "1"}}});
 }
 
-// Keeps a counter incremented during its own lifetime.
+// Increments a counter for as long as this object exists.
 class Counted {
  public:
   explicit Counted(int& count) : count_(count) { ++count_; }
@@ -159,7 +161,8 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
   template <typename Protocol>
   asio::awaitable<void> accept(std::shared_ptr<asio::basic_socket_acceptor<Protocol>> acceptor) {
     for (;;) {
-      bool is_short = false;  // usually too few files or too little memory: other connections must end first
+      bool is_short = false;  // usually too few file descriptors or too little memory, so other connections must end
+                              // first
       try {
         boost::system::error_code error;
         typename Protocol::socket socket(io);
@@ -200,7 +203,7 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
     asio::co_spawn(io, serve_spare(line, this->shared_from_this()), asio::detached);
   }
 
-  // Arguments are destroyed in reverse order: the share is returned to a budget that still exists.
+  // Arguments are destroyed in reverse order, so the share is returned to a budget that still exists.
   static asio::awaitable<void> serve(std::shared_ptr<State> self, std::shared_ptr<HttpLine> line,
                                      [[maybe_unused]] MemoryShare its_own) {
     const Counted counted(self->open);
@@ -209,13 +212,13 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
       }
     } catch (const boost::system::system_error& error) {
       if (error.code() == asio::error::timed_out) ++self->counters.timeouts;
-    } catch (const std::exception& error) {  // no memory for a request: ends the connection
+    } catch (const std::exception& error) {  // no memory for a request, so the connection ends
       ++self->counters.failures;
       service_log(LogSeverity::kWarning, 0, std::string("dropped a connection: ") + error.what());
     }
   }
 
-  // Reads the header of one request: answers monitors, and tells other clients to try again.
+  // Reads the header of one request. Answers monitors, and tells other clients to try again.
   static asio::awaitable<void> serve_spare(std::shared_ptr<HttpLine> line, std::shared_ptr<State> self) {
     const Counted counted(self->spare);
     try {
@@ -317,7 +320,7 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
         co_await settings.beside([&] { request.upload->write(piece); });
         co_return;
       }
-      // Reserves twice the size: while a growing string is moved, both copies exist.
+      // Reserves twice the size, because both copies exist while a growing string is moved.
       if (!share.resize(2 * (request.body.size() + piece.size())))
         throw Refusal{503, "busy", "there is not enough memory for the request", {{"Retry-After", "1"}}};
       request.body += piece;
@@ -381,7 +384,7 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
       const std::size_t wanted = std::min<std::uint64_t>(piece.size(), left);
       co_await settings.beside([&] { count = response.made->read(piece.data(), wanted); });
       if (count == 0 || count > left)
-        throw Error(ErrorCode::kEnvironment, "the length of an answer differs from the announced length");
+        throw Error(ErrorCode::kEnvironment, "the length of the answer differs from the announced length");
       for (asio::const_buffer rest(piece.data(), count); rest.size() > 0;)
         rest += co_await line.write_some(rest, kSilence);
       left -= count;
@@ -429,7 +432,7 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
     };
     State& self = listener.state();
     const auto line = std::make_shared<Line>(Line{{}, false, false, false, asio::steady_timer(self.events.io())});
-    // A listener sends no more data: any data means that the listener disconnects.
+    // A listener sends no more data, so a readable socket means that the listener has disconnected.
     stream.socket().async_wait(asio::socket_base::wait_read, [line](const boost::system::error_code& error) {
       if (error) return;
       line->is_gone = true;
@@ -454,8 +457,7 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
           co_await asio::async_write(stream, http::make_chunk(asio::buffer(text)), use_awaitable);
           text.clear();
           if (!line->waiting.empty()) continue;
-          // Sends events that follow within the pause together, so that many listeners cost little more than a few
-          // listeners.
+          // Sends events that follow within the pause together, so that many listeners cost little more than a few.
           line->wake.expires_after(kStreamPause);
           co_await line->wake.async_wait(asio::redirect_error(use_awaitable, error));
         }
@@ -467,7 +469,7 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
         line->is_asleep = false;
         if (!error) text = ": pulse\n\n";  // shows both sides that the connection works
       }
-    } catch (const std::exception&) {  // the client has disconnected, or there is no memory: the client reconnects
+    } catch (const std::exception&) {  // the client has disconnected, or reconnects because there was no memory
     }
     events.remove(key);
   }
@@ -479,7 +481,7 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
   TaskQueue& turns;
   MemoryBudget budget;
   const int streams_max;
-  int open = 0, spare = 0;  // lines
+  int open = 0, spare = 0;  // number of lines
   std::deque<std::weak_ptr<HttpLine>> spare_lines;
   std::atomic<bool> is_closed = false;
   std::atomic<int> streams = 0;

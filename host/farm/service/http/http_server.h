@@ -24,7 +24,7 @@ namespace multum {
 
 struct HttpRequest {
   std::string method;  // "GET", also for HEAD
-  std::string path;    // decoded, "/v1/jobs/12"
+  std::string path;    // decoded path, such as "/v1/jobs/12"
   std::map<std::string, std::string> query;
   std::map<std::string, std::string> headers;  // names in lower case
   std::string body;
@@ -37,11 +37,11 @@ class HttpBody {
  public:
   virtual ~HttpBody() = default;
   virtual std::uint64_t bytes() const = 0;
-  /// Bytes of memory that the body uses while it is sent.
+  /// The bytes of memory that the body uses while it is sent.
   virtual std::size_t memory() const = 0;
   /// Blocks. Returns the next bytes, as many as requested unless the body ends. Any exception ends the connection.
   virtual std::size_t read(char* to, std::size_t bytes_max) = 0;
-  /// A strong validator, in quotes, if the bytes are the same each time; "": ranges are not available.
+  /// A strong validator, in quotes, if the bytes are the same each time; otherwise "", and ranges are not available.
   virtual std::string etag() const { return ""; }
   /// Blocks. Skips the next bytes. Call it only for a body with an etag().
   virtual void skip(std::uint64_t) {}
@@ -58,11 +58,11 @@ struct HttpResponse {
   std::string body;
   std::vector<std::pair<std::string, std::string>> headers = {};
   std::shared_ptr<OpenFile> file = nullptr;  // sent instead of `body`
-  std::shared_ptr<HttpBody> made = nullptr;  // likewise
-  std::optional<HttpBodyPart> part = {};     // part of `made` to send; nullopt: all
+  std::shared_ptr<HttpBody> made = nullptr;  // also sent instead of `body`
+  std::optional<HttpBodyPart> part = {};     // part of `made` to send; nullopt sends all
   bool is_stream = false;                    // server-sent events until the client disconnects
   std::uint64_t after = 0;                   // streams send only events with higher numbers
-  std::int64_t job = 0;                      // streams send only events of this job; 0: all
+  std::int64_t job = 0;                      // streams send only events of this job; 0 means all jobs
 };
 
 class HttpServer {
@@ -70,7 +70,7 @@ class HttpServer {
   struct Settings {
     int connections_max = 4096;          // up to three quarters of them may listen to events
     std::size_t memory_max = 256 << 20;  // bytes of all connections, bodies and answers
-    std::size_t body_max = 1 << 20;      // bytes per POST body; of other requests, only uploads have a body
+    std::size_t body_max = 1 << 20;      // bytes per POST body; uploads are the only other requests with a body
     std::size_t upload_max = 64 << 20;   // bytes per request with is_upload
     std::function<bool(const std::string& method, const std::string& path)> is_upload;
     /// Opens the file for an upload of at most `bytes_max` bytes. May block, and throw Refusal.
@@ -80,8 +80,8 @@ class HttpServer {
     /// Checks a request before its body is read: returns null to continue, or the answer to send.
     std::function<std::unique_ptr<HttpResponse>(const HttpRequest& without_body)> check;
     std::function<boost::asio::awaitable<HttpResponse>(HttpRequest request)> answer;
-    /// Returns whether monitors request this path. Such requests are answered before other waiting requests, even when
-    /// all connections are in use.
+    /// Returns whether this path is one that monitors request. Such requests are answered before other waiting
+    /// requests, even when all connections are in use.
     std::function<bool(const std::string& path)> is_urgent;
   };
   struct Counters {
@@ -97,7 +97,7 @@ class HttpServer {
 
   /// Throws Error(kEnvironment) when the address is in use or cannot be listened on. Returns the port.
   int listen_tcp(const std::string& host, int port);
-  /// Makes a socket that only its owner can read and write; removes the socket of a dead daemon.
+  /// Makes a socket that only its owner can read and write. Removes the socket of a dead daemon.
   void listen_unix(const std::string& path);
   /// Accepts no new connections; ends streams at once, and other connections after their answers.
   void close();

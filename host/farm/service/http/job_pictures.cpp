@@ -36,16 +36,16 @@ namespace fs = std::filesystem;
 using asio::use_awaitable;
 
 constexpr auto kTimeMax = std::chrono::seconds(60);
-constexpr int kNiceness = 10;  // below jobs
+constexpr int kNiceness = 10;  // children have a lower priority than jobs
 constexpr std::uint64_t kMemoryMax = std::uint64_t{3} << 30;
 constexpr char kSaid[] = "said.txt", kSources[] = "sources.txt";
-// The page contains all its data. It may run its own script and save paths, but has no origin, so malicious data in the
-// page can reach neither the service nor a token.
+// The page contains all its data. The page may run its own script and save paths, but it has no origin. Malicious data
+// in the page can therefore not reach the service or a token.
 constexpr char kPagePolicy[] =
     "sandbox allow-scripts allow-downloads; default-src 'none'; script-src 'unsafe-inline' 'wasm-unsafe-eval'; "
     "worker-src blob:; style-src 'unsafe-inline'; img-src data: blob:; base-uri 'none'; form-action 'none'";
-constexpr std::size_t kReasonMax = 400;  // bytes
-constexpr std::size_t kWaitingMax = 64;  // jobs: usually about a minute
+constexpr std::size_t kReasonMax = 400;  // bytes of a reason
+constexpr std::size_t kWaitingMax = 64;  // number of waiting jobs, which usually take about a minute
 
 [[noreturn]] void refuse(const std::string& why) { throw Refusal{404, "no_picture", why}; }
 
@@ -71,7 +71,7 @@ std::string last_line(const std::string& path) {
   return last.substr(0, kReasonMax);
 }
 
-// Returns the number at the beginning of a folder's name; 0 if there is none.
+// Returns the number at the beginning of a folder's name, or 0 if there is none.
 std::int64_t id_of(const std::string& name) {
   std::int64_t id = 0;
   const auto [end, error] = std::from_chars(name.data(), name.data() + name.size(), id);
@@ -98,7 +98,8 @@ const JobView& find_view(const Job& job, const std::string& name) {
   const JobType& type = find_job_type(job.type);
   if (type.views.empty()) refuse("there are no pictures of a " + job.type + " job");
   if (job.state != JobState::kSucceeded)
-    refuse(fmt::format("job {} is {}: pictures exist once a job has succeeded", job.id, job_state_name(job.state)));
+    refuse(
+        fmt::format("job {} is {}; pictures exist only after a job has succeeded", job.id, job_state_name(job.state)));
   const JobView* const view = type.find_view(name);
   if (view == nullptr) refuse(type.no_other_view);
   return *view;
@@ -117,7 +118,7 @@ std::vector<std::string> confined(const JobRoots& roots, const std::string& fold
 JobPictures::JobPictures(asio::io_context& io, DataFolder& data, const JobRoots& roots)
     : io_(io), data_(data), folder_(data.path() + "/pictures"), roots_(roots), one_at_a_time_(pool_.get_executor()) {
   make_folder(folder_);
-  // Views that an earlier daemon could not make are tried once more: the cause of the failure may be gone.
+  // Views that an earlier daemon could not make are tried once more, because the cause of the failure may be gone.
   std::error_code ignored;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder_, ignored)) {
     if (id_of(entry.path().filename()) == 0 || !has_view(entry.path())) fs::remove_all(entry.path(), ignored);
@@ -134,7 +135,7 @@ asio::awaitable<HttpResponse> JobPictures::answer(Job job, std::string name) {
   std::string file_name = job.result_identity;
   std::replace(file_name.begin(), file_name.end(), ':', '-');
   const std::string folder = fmt::format("{}/{}-{}{}", folder_, job.id, file_name, view.folder_ending);
-  // This is a named variable because GCC 12 destroys a temporary twice if it is made in braces within a co_await.
+  // The variable has a name, because GCC 12 destroys a temporary twice if it is made in braces within a co_await.
   Request request{std::move(job), folder, view};
   co_await made(std::move(request));
   HttpResponse response{200, "image/png", ""};
@@ -204,7 +205,7 @@ std::vector<std::string> JobPictures::map_options(const Request& request) const 
     } catch (const Error& error) {
       if (parameter != view.maps.front().first) continue;
       if (!view.first_map_is_for.empty()) refuse(view.first_map_is_for + ": " + error.what());
-      break;  // missing: only the render remains
+      break;  // the map is missing, so only the render remains
     }
   }
   return options;
@@ -262,7 +263,7 @@ void JobPictures::make(const Request& request) {
   };
   check_result();
   if (is_made(request)) return;
-  remove_folder(request.folder);  // made from other maps
+  remove_folder(request.folder);  // the pictures were made from other maps
   data_.check_room(1);
   make_folder(folder_);  // the folder may have been removed
   const std::string unfinished = folder_ + "/unfinished";
@@ -293,7 +294,7 @@ void JobPictures::publish(const std::string& unfinished, const std::string& fold
 
 void JobPictures::run(const Request& request, const std::string& folder) {
   const JobView& view = request.view;
-  // Written before the maps are read: if a map changes afterwards, the view is made again.
+  // Written before the maps are read, so that the view is made again if a map changes afterwards.
   write_text_file(folder + "/" + kSources, sources_of(request));
   const std::vector<std::string> words = command(request, folder);
   ChildLimits limits{kTimeMax, kNiceness, kMemoryMax};

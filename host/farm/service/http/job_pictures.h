@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Small pictures of finished jobs, and pages that show their results in a browser: the views of the job's type
+// Makes small pictures of finished jobs, and pages that show their results in a browser: the views of the job's type
 // (workers/job_types.h). A child process makes them, one at a time, at the first request. If a map or a driver crashes
 // the child, only the pictures are missing.
 //
@@ -7,7 +7,7 @@
 //                                      said.txt                      the child's output, and how it ended if it failed
 //                                      sources.txt                   identities of the maps that the child was given
 //
-// IDENTITY is the identity of the published result (staging.h): pictures of another result are never shown, and
+// IDENTITY is the identity of the published result (staging.h). Pictures of another result are never shown, and
 // pictures that show a map are made again when the map has changed. All files count against data_max. Of large views,
 // such as pages that contain maps, only the newest are kept; others are made again on request.
 #pragma once
@@ -34,15 +34,16 @@ namespace multum {
 
 class JobPictures {
  public:
-  /// `data`: the daemon's folder. Answers on the thread of `io`; uses separate threads for files and child processes.
+  /// `data` is the daemon's folder. Answers on the thread of `io`, and uses separate threads for files and child
+  /// processes.
   JobPictures(boost::asio::io_context& io, DataFolder& data, const JobRoots& roots);
   /// Ends the running child.
   ~JobPictures();
   JobPictures(const JobPictures&) = delete;
   JobPictures& operator=(const JobPictures&) = delete;
 
-  /// `name`: a file of one of the type's views, such as "render.png". The first of several requests starts the child,
-  /// and all wait for it. Throws Refusal 404 "no_picture" with the reason, 507 "quota" if data_max leaves no room.
+  /// `name` is a file of one of the type's views, such as "render.png". The first of several requests starts the child,
+  /// and all wait for it. Throws Refusal 404 "no_picture" with the reason, and 507 "quota" if data_max leaves no room.
   boost::asio::awaitable<HttpResponse> answer(Job job, std::string name);
 
   /// Removes the pictures of these jobs. Blocks.

@@ -74,7 +74,7 @@ std::string output_of(const std::string& named, const JobRoots& roots) {
   return roots.results.output(roots.results.roots().front() + "/" + named);
 }
 
-// Valid names and texts contain no NUL, and C functions would stop at it.
+// Valid names and texts contain no NUL. C functions would stop at it.
 void refuse_nul(const Json& json) {
   const auto check = [](const std::string& text) {
     if (text.find('\0') != std::string::npos)

@@ -22,26 +22,27 @@ std::vector<std::string> split_path(const std::string& path);
 /// Returns the body; {} if it is empty.
 nlohmann::json parse_body(const HttpRequest& request);
 
-/// The request of POST /v1/jobs. Files must be below `roots`, and are replaced by their canonical names, which the
-/// parameters store as texts (path_text.h). check_input_files() checks the files that a scene names.
+/// Parses the request of POST /v1/jobs. Files must be below `roots`, and are replaced by their canonical names, which
+/// the parameters store as texts (path_text.h). check_input_files() checks the files that a scene names.
 struct SubmitRequest {
   JobSubmission job;  // submission without its key
   nlohmann::json parameters;
-  bool again = false;  // even if a result exists
+  bool again = false;  // run even if a result exists
 };
 SubmitRequest parse_submit(const nlohmann::json& body, const JobRoots& roots, const ClaimLimits& limits, TimeMs now);
 
 /// Parses the query of GET /v1/jobs.
 JobFilter parse_filter(const HttpRequest& request);
 
-/// Returns the part to cancel, "3/8"; "": the whole job.
+/// Returns the part to cancel, such as "3/8", or "" for the whole job.
 std::string parse_cancel(const nlohmann::json& json);
-/// Throws Refusal for a job for Slurm's nodes that uses files in the daemon's data.
+/// Throws Refusal if a job for Slurm's nodes uses files in the daemon's data.
 void check_is_on_nodes(const SubmitRequest& request, const JobRoots& roots);
-/// Returns the queue of POST /v1/retry; "": all.
+/// Returns the queue of POST /v1/retry, or "" for all queues.
 std::string parse_retry(const nlohmann::json& body);
 
-/// The request of POST /v1/purge: jobs by number, or all jobs that finished at least a given number of seconds ago.
+/// Parses the request of POST /v1/purge: jobs by number, or all jobs that finished at least a given number of seconds
+/// ago.
 struct PurgeRequest {
   std::vector<std::int64_t> jobs;
   std::optional<std::int64_t> finished_before_s;

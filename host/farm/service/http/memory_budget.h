@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A budget of bytes shared by many users. A request for more bytes than are left fails; destructors return the bytes.
+// Defines a budget of bytes that many users share. A request for more bytes than are left fails. Destructors return the
+// bytes.
 #pragma once
 
 #include <cstddef>
@@ -7,7 +8,7 @@
 
 namespace multum {
 
-/// Used by one thread.
+/// Only one thread may use it.
 class MemoryBudget {
  public:
   explicit MemoryBudget(std::size_t bytes_max) : bytes_max_(bytes_max) {}

@@ -57,8 +57,8 @@ void add_slurm(Text& text, const SlurmPool& slurm) {
   text.one("multum_slurm_submit_failures_total", "counter",
            "Failed calls of sbatch, and orders that could not be written.", c.submit_failures);
   text.one("multum_slurm_submit_seconds_total", "counter", "Time to write orders and to run sbatch.", c.submit_seconds);
-  text.one("multum_slurm_sent_again_total", "counter", "Jobs sent again because Slurm lost or did not start them.",
-           c.forgotten);
+  text.one("multum_slurm_sent_again_total", "counter",
+           "Jobs that were sent again because Slurm lost them or did not start them.", c.forgotten);
   text.one("multum_slurm_unknown_cancelled_total", "counter",
            "Slurm jobs cancelled because they were not in the ledger.", c.cancelled_unknown);
   text.one("multum_slurm_parts_ended_total", "counter", "Parts that have ended, with any outcome.", c.parts_ended);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Makes an archive of a folder of results for download: pax interchange format (POSIX.1-2001), which tar, bsdtar and
 // Python's tarfile read. The archive is made piece by piece while it is sent, and is stored neither in memory nor on
-// disk. It contains only the files in .multum-result, read beneath the folder's descriptor. If a file has changed since
-// it was published, there is no archive.
+// disk. The archive contains only the files in .multum-result, read beneath the folder's descriptor. If a file has
+// changed since it was published, there is no archive.
 #pragma once
 
 #include <string>
@@ -17,7 +17,7 @@ namespace multum {
 class ResultArchive : public HttpBody {
  public:
   /// Blocks. Archives an open folder; its files are named NAME/... in the archive. Throws Error(kUsage) when the folder
-  /// was not published, or a file has changed; Error(kEnvironment) when that cannot be determined.
+  /// was not published, or a file has changed. Throws Error(kEnvironment) when this cannot be determined.
   ResultArchive(OpenFile folder, std::string name, const ResultSeal& seal);
 
   std::uint64_t bytes() const override { return bytes_; }
@@ -40,9 +40,9 @@ class ResultArchive : public HttpBody {
   std::string name_, etag_;
   std::vector<File> files_;
   std::size_t next_ = 0;
-  std::uint64_t bytes_ = 0, left_ = 0;  // `left_`: remaining bytes of the open file
+  std::uint64_t bytes_ = 0, left_ = 0;  // `left_` is the rest of the open file
   std::string pending_;                 // headers and padding, not yet sent
-  std::size_t sent_ = 0;                // of `pending_`
+  std::size_t sent_ = 0;                // bytes of `pending_` that are sent
   bool is_open_ = false, is_ended_ = false;
 };
 

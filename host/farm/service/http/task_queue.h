@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Runs thousands of simultaneous tasks one at a time, each after all other work that is ready, so that tasks do not
+// Runs thousands of waiting tasks one at a time. Each runs after all other work that is ready, so that tasks do not
 // delay answers to monitors.
 #pragma once
 
@@ -24,7 +24,7 @@ class TaskQueue {
   }
 
  private:
-  // Each task has its own handler, because the io_context polls connections between two handlers. If there is no memory
+  // Each task has its own handler, so that the io_context polls connections between two tasks. If there is no memory
   // for the next handler, a later task starts it.
   void post_next() {
     boost::asio::post(io_, [this] {

@@ -19,8 +19,8 @@ class FileNotes {
 
   struct LeftOver {
     std::int64_t job = 0;  // the purged job
-    std::string output;    // output below LedgerSettings::results; "": no output there
-    std::string identity;  // identity of the published result; "": none is known
+    std::string output;    // output below LedgerSettings::results; "" if there is none
+    std::string identity;  // identity of the published result; "" if unknown
   };
   /// Returns at most `limit` files of purged jobs above `after`, in order.
   std::vector<LeftOver> left_overs(std::int64_t after, int limit);

@@ -27,20 +27,20 @@ constexpr bool is_final(JobState state) { return state >= JobState::kSucceeded; 
 const char* job_state_name(JobState state);
 std::optional<JobState> parse_job_state(const std::string& name);
 
-/// The part of a job that clients set. Each member of it and of Job has a row in job_fields.cpp.
+/// The part of a job that clients set. Each member of this struct and of Job has a row in job_fields.cpp.
 struct JobSubmission {
   std::string type;               // a type of job_types.h
   std::string parameters = "{}";  // JSON object, checked against the type
   std::string queue = "default";
   std::string label;                // free text
-  int priority = 0;                 // -1000..1000, higher first
+  int priority = 0;                 // -1000..1000, higher values first
   std::vector<std::int64_t> needs;  // jobs that must succeed first
   int attempt_max = 5;              // 1..100
   std::optional<TimeMs> deadline;   // latest time at which the job may end
   std::int64_t memory_bytes = 0;    // memory that the service reserves for the job
   std::string device;               // "" or a device name of the settings
-  std::string output;               // absolute path of the result; "": none
-  std::string key;                  // idempotency key; "": none
+  std::string output;               // absolute path of the result; "" if none
+  std::string key;                  // idempotency key; "" if none
   std::string inputs;               // input_identity() of the files that the key covers
 };
 
@@ -56,8 +56,8 @@ struct Job : JobSubmission {
   std::string message;                      // human-readable reason for its state
   std::optional<std::int64_t> reused_from;  // the job whose result was copied instead of making it again
   int attempts_counted = 0;                 // attempts that count against attempt_max
-  std::string result_identity;              // identity of the last published result; "": none
-  std::string stop_asked;  // why the job is cancelled if its attempt ends without a result; "": it is not
+  std::string result_identity;              // identity of the last published result; "" if none
+  std::string stop_asked;  // why the job is cancelled if its attempt ends without a result; "" if it is not
 };
 
 enum class AttemptOutcome {

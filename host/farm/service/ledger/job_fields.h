@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The table of a job's fields, one row each. The table determines the ledger's columns, the JSON of jobs, the fields of
-// a submission, the options of `multum jobs submit`, the rows of the page and schemas of docs/reference/openapi.json.
-// A new field needs a member of Job, its row, the lines that set it, and schemas updated by
+// a submission, the options of `multum jobs submit`, the rows of the page, and schemas of docs/reference/openapi.json.
+// To add a field, add a member of Job, its row, and the code that sets it, and update the schemas with
 // tools/parameter_documents.
 #pragma once
 
@@ -29,13 +29,13 @@ struct JobField {
   const char* name;  // the name of its column, and its key in answers
   Member member;
   Form form = Form::kPlain;
-  std::int64_t low = kLeast, high = kMost;  // range of a number; of a time in a submission: seconds from now
-  const char* described = "";               // description in answers; null: not in answers
-  const char* label = nullptr;              // label of its row on the page; null: no row
+  std::int64_t low = kLeast, high = kMost;  // range of a number; for a time in a submission, in seconds from now
+  const char* described = "";               // description in answers; null if it is not in answers
+  const char* label = nullptr;              // label of its row on the page; null if it has no row
 
-  const char* asked_as = nullptr;    // the field's key in a submission; null: clients cannot set it
-  const char* asked_described = "";  // there
-  const char* expected = nullptr;    // text for error messages; null: parse_submit() checks the field separately
+  const char* asked_as = nullptr;    // the field's key in a submission; null if clients cannot set it
+  const char* asked_described = "";  // description in a submission
+  const char* expected = nullptr;    // text for error messages; null if parse_submit() checks the field separately
   bool has_default = false;          // the schema also gives the default of Job
   const char* option = nullptr;      // option of `multum jobs submit`
   const char* option_help = "";

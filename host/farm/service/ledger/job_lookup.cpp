@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads jobs of the ledger: single jobs, lists, counts and numbers. Changes nothing.
+// Reads from the ledger single jobs, lists, counts and numbers. Changes nothing.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -70,8 +70,8 @@ std::vector<Job> JobQueue::list(const JobFilter& filter) {
 }
 
 std::int64_t JobQueue::list_bytes(const JobFilter& filter) {
-  // Casts texts to blobs, because the length of a text is in characters, and counting characters reads the whole text.
-  // Adds 10 bytes per need, and 500 for a job's names and times.
+  // Casts texts to blobs, because the length of a text is its number of characters, for which SQLite must read the
+  // whole text. Adds 10 bytes per need, and 500 for a job's names and times.
   static const FilteredQueries sql([](const char* conditions) {
     std::string bytes = "500 + 10 * (SELECT COUNT(*) FROM needs WHERE needs.job = jobs.id)";
     for (const JobField& field : job_fields())

@@ -43,8 +43,8 @@ void JobQueue::take_instance(const LedgerSettings& settings) {
     instance_ = settings.instance;
   } else if (!settings.may_begin && instance_ != settings.instance) {
     throw Error(ErrorCode::kEnvironment,
-                fmt::format("{}: is the ledger of instance {}, expected the ledger of {}: {}", settings.path, instance_,
-                            settings.instance, lost_ledger_advice()));
+                fmt::format("{}: is the ledger of instance {}, expected the ledger of instance {}: {}", settings.path,
+                            instance_, settings.instance, lost_ledger_advice()));
   }
 }
 
@@ -66,7 +66,8 @@ void JobQueue::take_numbers() {
 
 void JobQueue::reserve(std::int64_t id) {
   if (numbers_.empty() || id <= reserved_) return;
-  // The file is not synced: it matters only if the ledger is lost, and does not cover a power cut at the same time.
+  // The file is not synced. The file is needed only if the ledger is lost, and it need not survive a power cut at the
+  // same time.
   const std::int64_t last = id + kReservedAtOnce - 1;
   const std::string fresh = numbers_ + ".new";
   std::ofstream file(fresh);
@@ -158,8 +159,8 @@ std::optional<JobQueue::Candidate> JobQueue::first_candidate(const std::string& 
   std::optional<Candidate> found;
   while (!found && query.step()) {
     Job job = job_from_row(query);
-    // Skips jobs of busy devices, but waits for memory: otherwise large jobs would starve. A job that exceeds a limit
-    // by itself runs when no other job does.
+    // Skips jobs of busy devices, but waits for memory, because otherwise large jobs would never start. A job that
+    // exceeds a limit by itself runs when no other job does.
     const auto device = all.device_jobs_max.find(job.device);
     if (device != all.device_jobs_max.end() && device_use_[job.device].jobs >= device->second) continue;
     const auto fits = [&](const Use& use, std::int64_t memory_max) {
@@ -184,8 +185,8 @@ std::optional<Job> JobQueue::claim(const ClaimLimits& limits, const std::string&
     first = std::move(candidate);
     first_priority = of_queue.priority;
   }
-  // Small jobs of other queues must not overtake a large job either: the large job would wait as long as small jobs
-  // keep coming.
+  // Small jobs of other queues must not overtake a large job either, because the large job would wait as long as small
+  // jobs keep coming.
   if (!first || first->is_held_up) return std::nullopt;
   std::optional<Job> best = std::move(first->job);
   best->state = JobState::kRunning;
@@ -362,7 +363,7 @@ CancelResult JobQueue::cancel(std::int64_t id, const std::string& why, TimeMs no
   const std::optional<Job> job = find(id);
   if (!job) return CancelResult::kUnknown;
   if (job->state == JobState::kRunning) {
-    // The attempt may have failed already without a record in the ledger; the job would then be queued again.
+    // The ledger may not know yet that the attempt has failed; the job would then be queued again.
     statement("UPDATE jobs SET stop_asked = ? WHERE id = ?").bind(1, why).bind(2, id).run();
     return CancelResult::kStopWorker;
   }
@@ -373,7 +374,7 @@ CancelResult JobQueue::cancel(std::int64_t id, const std::string& why, TimeMs no
 }
 
 // Collects in `roots` the job itself and, recursively, all of its needs that are dead or cancelled. Returns a
-// description of a need that was purged; empty if there is none.
+// description of a need that was purged, or an empty text if there is none.
 std::string JobQueue::gone_need(std::int64_t id, std::vector<std::int64_t>& roots) {
   std::set<std::int64_t> seen = {id};
   roots = {id};
@@ -406,9 +407,9 @@ RetryResult JobQueue::retry(std::int64_t id, TimeMs now) {
     return result;
   }
   if (const std::string gone = gone_need(id, result.queued); !gone.empty())
-    return {{}, fmt::format("job {} {}: the job cannot be retried, submit it again", id, gone)};
+    return {{}, fmt::format("job {} {}: the job cannot be retried; submit it again", id, gone)};
   for (const std::int64_t root : result.queued) queue_again(root, now);
-  // Jobs that need these jobs, and therefore died without running, wait again, unless another need is missing or their
+  // Jobs that died without running because they need these jobs wait again, unless another need is missing or their
   // deadline has passed. Each such job is examined once per job that it needs.
   for (std::size_t i = 0; i < result.queued.size(); ++i) {
     SqliteStatement& dependents = statement(
@@ -527,8 +528,8 @@ void JobQueue::forgive_back_offs(TimeMs now) {
       .run();
 }
 
-// No job may wait for a job that has failed or does not exist. Such jobs occur in rescued ledgers, and in ledgers older
-// than version 4.
+// No job may wait for a job that has failed or does not exist. Jobs that do so occur in rescued ledgers, and in ledgers
+// older than version 4.
 void JobQueue::settle_waiting(TimeMs now) {
   SqliteStatement& query = statement(
       "SELECT needs.job, needs.needs FROM needs JOIN jobs ON jobs.id = needs.job LEFT JOIN jobs AS other ON other.id = "
@@ -536,7 +537,7 @@ void JobQueue::settle_waiting(TimeMs now) {
   std::vector<std::pair<std::int64_t, std::int64_t>> stuck;
   while (query.step()) stuck.emplace_back(query.integer(0), query.integer(1));
   for (const auto& [id, need] : stuck) {
-    if (find(id)->state != JobState::kWaiting) continue;  // with another
+    if (find(id)->state != JobState::kWaiting) continue;  // died together with another job
     const std::optional<Job> other = find(need);
     finish(id, JobState::kDead,
            fmt::format("needs job {}, which {}", need,
@@ -562,8 +563,8 @@ JobQueue::Recovered JobQueue::recover(TimeMs now, bool keeps_slurm) {
       continue;
     }
     const bool is_slurm = keeps_slurm && is_slurm_owner(job.owner);
-    // A job that was told to stop is cancelled here, because no process would stop it; later, Slurm cancels the job as
-    // unknown.
+    // A job that was told to stop is cancelled here, because no process would stop it. The job's task at Slurm is
+    // cancelled later as unknown.
     if (is_slurm && slurm_.has_sent(id, job.attempt) && job.stop_asked.empty()) {
       recovered.with_slurm.push_back(job);
       continue;

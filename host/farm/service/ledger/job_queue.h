@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The ledger of jobs: keeps every accepted job until the job is purged, and lets each result be published only once.
-// The ledger is pure state: it starts nothing, waits for nothing, and gets the time from its caller. Only one thread
-// uses it (queue_thread.h).
+// Defines the ledger of jobs. The ledger keeps every accepted job until the job is purged, and lets each result be
+// published only once. The ledger is pure state: it starts nothing, waits for nothing, and gets the time from its
+// caller. Only one thread uses it (queue_thread.h).
 #pragma once
 
 #include <functional>
@@ -23,9 +23,9 @@ namespace multum {
 struct QueueLimits {
   int priority = 0;             // queues with higher values go first, whatever their jobs' priorities
   int jobs_max = 1 << 30;       // jobs that run at the same time
-  std::int64_t memory_max = 0;  // bytes of its running jobs together; 0: no limit
+  std::int64_t memory_max = 0;  // bytes of its running jobs together; 0 means no limit
   bool is_paused = false;
-  // Restricts a claim to jobs of the types in this JSON list, or to all other types; "": all types.
+  // Restricts a claim to jobs of the types in this JSON list, or to all other types. An empty text means all types.
   std::string types = {};
   bool are_types_left = false;
 };
@@ -33,7 +33,7 @@ struct QueueLimits {
 struct ClaimLimits {
   std::map<std::string, QueueLimits> queues;  // jobs of other queues are not claimed
   std::map<std::string, int> device_jobs_max;
-  std::int64_t memory_max = 0;  // bytes of all jobs that run on this machine; 0: no limit
+  std::int64_t memory_max = 0;  // bytes of all jobs that run on this machine; 0 means no limit
 };
 
 struct RetryPolicy {
@@ -43,16 +43,16 @@ struct RetryPolicy {
 
 struct LedgerSettings {
   std::string path;       // file of the database
-  std::string results;    // folder whose files are purged with their jobs, without links; "": none
-  std::string instance;   // name of the folder that owns the ledger; "": any
-  std::string numbers;    // file with the highest number that jobs may have; "": no such file
-  bool may_begin = true;  // false: the ledger must exist and belong to this instance
+  std::string results;    // folder whose files are purged with their jobs, without links; "" if none
+  std::string instance;   // name of the folder that owns the ledger; "" means any
+  std::string numbers;    // file with the highest number that jobs may have; "" if there is no such file
+  bool may_begin = true;  // if false, the ledger must exist and belong to this instance
   RetryPolicy retry;
 };
 
 struct SubmitResult {
   std::int64_t id = 0;
-  bool is_new = true;  // false: a job with this key and output existed
+  bool is_new = true;  // false if a job with this key and output existed
 };
 
 /// The end of an attempt.
@@ -66,13 +66,13 @@ enum class CancelResult { kCancelled, kStopWorker, kTooLate, kUnknown };
 
 struct JobFilter {
   std::optional<JobState> state;
-  std::string queue;                   // "": any
-  std::optional<std::int64_t> before;  // ids below
+  std::string queue;                   // "" means any queue
+  std::optional<std::int64_t> before;  // only ids below this one
   int limit = 100;                     // 1..1000
 };
 
 struct RetryResult {
-  std::vector<std::int64_t> queued;  // the job, its needs, and jobs that died because of them; empty: see `refusal`
+  std::vector<std::int64_t> queued;  // the job, its needs, and jobs that died because of them; if empty, see `refusal`
   std::string refusal;
 };
 
@@ -81,22 +81,23 @@ class JobQueue {
   /// Opens or creates the database. Throws like SqliteDatabase and prepare_ledger(), and Error(kEnvironment) for the
   /// ledger of another instance.
   explicit JobQueue(const LedgerSettings& settings);
-  /// Returns the name of the folder that owns the ledger; "": no folder yet.
+  /// Returns the name of the folder that owns the ledger, or "" if no folder owns it yet.
   const std::string& instance() const { return instance_; }
-  /// Makes the next job's number larger than `number`, whether or not this ledger gave the numbers up to it. A new
-  /// ledger, or a restored older copy, automatically skips the job numbers up to LedgerSettings::numbers.
+  /// Makes the next job's number larger than `number`, whether or not this ledger gave the numbers up to `number`. A
+  /// new ledger, or a restored older copy, automatically skips the job numbers up to the one in the file
+  /// LedgerSettings::numbers.
   void number_above(std::int64_t number);
   /// Throws Error(kEnvironment) if a job submitted now would be lost.
   void check_kept() const { database_.check_may_change(); }
 
-  /// Returns an existing job of the same key and output instead of a new job if the existing job waits, runs, or has a
-  /// result that `is_intact` accepts. Throws Error(kUsage) for needs that do not exist, or have failed for good.
+  /// Adds a job. If a job of the same key and output already waits, runs, or has a result that `is_intact` accepts,
+  /// returns that job instead. Throws Error(kUsage) for needs that do not exist, or have failed for good.
   using IsIntact = std::function<bool(const Job& succeeded)>;
   SubmitResult submit(const JobSubmission& submission, const IsIntact& is_intact, TimeMs now);
 
-  /// Gives `owner` a lease on the first job that may run, and returns this job; nullopt if no job may run.
+  /// Gives `owner` a lease on the first job that may run, and returns this job, or nullopt if no job may run.
   std::optional<Job> claim(const ClaimLimits& limits, const std::string& owner, TimeMs now);
-  /// Earliest end of a back-off or deadline among jobs that do not run.
+  /// The earliest end of a back-off or deadline among jobs that do not run.
   std::optional<TimeMs> next_due();
 
   /// The holder of the lease reports that the result is ready under its staging name. Returns false if the caller no
@@ -104,7 +105,8 @@ class JobQueue {
   bool begin_publishing(std::int64_t id, const std::string& owner, int attempt, const std::string& identity);
   /// Records that the result has its final name. Queues the jobs that needed it.
   void published(std::int64_t id, TimeMs now);
-  /// Removes a job's key: its inputs have changed since it was submitted, so the key does not describe its result.
+  /// Removes the key of a job whose inputs have changed since it was submitted, because the key does not describe its
+  /// result.
   void forget_key(std::int64_t id);
   /// Records that an attempt failed, or ended without a result to publish. Returns false if `owner` no longer holds the
   /// lease.
@@ -114,40 +116,43 @@ class JobQueue {
   /// Queues a dead or cancelled job again, together with its dead or cancelled needs, recursively, and the jobs that
   /// died because of any of these. Refuses jobs in other states, and jobs with a purged need.
   RetryResult retry(std::int64_t id, TimeMs now);
-  /// Retries all dead jobs of one queue or of all, except for jobs that retry() would refuse; their messages give the
-  /// reason. Returns all jobs that are queued again.
+  /// Retries all dead jobs of one queue or of all queues, except for jobs that retry() would refuse; the messages of
+  /// these jobs give the reason. Returns all jobs that are queued again.
   std::vector<std::int64_t> retry_dead(const std::string& queue, TimeMs now);
-  /// Lets jobs die that may no longer start. Returns the ids of these jobs, and of running jobs that must be stopped.
+  /// Marks jobs as dead if their deadline has passed. Returns the ids of these jobs, and of running jobs that must be
+  /// stopped.
   struct Overdue {
     std::vector<std::int64_t> dead, running;
   };
   Overdue expire_deadlines(TimeMs now);
-  /// Removes finished jobs that no unfinished job needs, and records the files that they leave. Returns their ids.
+  /// Removes finished jobs that no unfinished job needs, and records the files that they leave behind. Returns the ids
+  /// of the removed jobs.
   std::vector<std::int64_t> purge(const std::vector<std::int64_t>& ids);
   std::vector<std::int64_t> purge_finished_before(TimeMs time, int limit);
 
   std::optional<Job> find(std::int64_t id);
   std::vector<Job> list(const JobFilter& filter);
-  /// Approximate bytes of the texts of all jobs that list() would return.
+  /// The approximate bytes of the texts of all jobs that list() would return.
   std::int64_t list_bytes(const JobFilter& filter);
   std::vector<JobAttempt> attempts(std::int64_t id);
   /// Counts jobs by queue and state: "default" -> {queued -> 12, ...}.
   std::map<std::string, std::map<JobState, std::int64_t>> counts();
-  /// Returns jobs that succeeded with this key, newest first; their outputs may have been changed since.
+  /// Returns jobs that succeeded with this key, the newest first. The outputs of these jobs may have changed since
+  /// then.
   std::vector<Job> succeeded_with_key(const std::string& key);
   void set_reused_from(std::int64_t id, std::int64_t from);
 
-  /// Reads the values that are cached outside the database again, after an error has undone a transaction.
+  /// After an error has undone a transaction, reads the cached values from the database again.
   void resync();
 
-  /// Recovers after a start: running jobs are lost, and count as an attempt; jobs that were being published are
-  /// returned, and the caller completes them.
+  /// Recovers after a start. Marks running jobs as lost, which counts as an attempt. Returns jobs that were being
+  /// published; the caller completes them.
   struct Recovered {
     std::vector<std::int64_t> lost;
     std::vector<Job> with_slurm;
     std::vector<Job> publishing;
   };
-  /// `keeps_slurm`: jobs at Slurm stay running.
+  /// If `keeps_slurm`, jobs at Slurm stay running.
   Recovered recover(TimeMs now, bool keeps_slurm = false);
   /// Records that a job's result could not be published.
   void publishing_failed(std::int64_t id, const AttemptResult& result, TimeMs now);

@@ -25,7 +25,7 @@ namespace {
 namespace fs = std::filesystem;
 using Ids = std::set<std::int64_t>;
 
-// A table whose rows are found by a number. `is_whole`: a condition that rows with damaged columns do not meet.
+// A table whose rows are found by a number. `is_whole` is a condition that rows with damaged columns do not meet.
 struct RescuedTable {
   const char* name;
   const char* number;
@@ -60,8 +60,8 @@ const RescuedTable kAttempts = {
     "number BETWEEN 1 AND 1000000000 AND outcome BETWEEN 0 AND 6 AND typeof(owner) = 'text' AND typeof(started) = "
     "'integer' AND typeof(ended) IN ('integer', 'null') AND typeof(message) = 'text'"};
 const RescuedTable kNeeds = {"needs", "job", {"job", "needs"}, "typeof(needs) = 'integer' AND needs < job"};
-// If the list of tables is copied from another ledger, the place of this table may belong to another table that also
-// holds pairs of small numbers. So the index must contain each pair too.
+// If the list of tables is copied from another ledger, this table's place may really hold another table that also has
+// pairs of small numbers. Therefore the index must contain each pair too.
 const RescuedTable kNeedsByIndex = {
     "needs",
     "job",
@@ -130,7 +130,8 @@ class Rescue {
     return is_there;
   }
 
-  // Returns the numbers of all possible rows: the rows from each end up to a damaged row, and all numbers in between.
+  // Returns the numbers of all possible rows: those of the readable rows at both ends, up to a damaged row, and all
+  // numbers in between.
   Ids numbers_of(const RescuedTable& table) {
     Ids numbers;
     const auto scan = [&](const char* order) {
@@ -226,9 +227,9 @@ class Rescue {
         "UPDATE jobs SET attempt = MAX(attempt, IFNULL((SELECT MAX(number) FROM attempts WHERE job = id), 0))");
     SqliteStatement lost_needs(
         ledger_,
-        "UPDATE jobs SET state = 5, finished = ?, message = 'what it needs was lost with a damaged ledger' WHERE state "
-        "= 0 AND needs_left > (SELECT COUNT(*) FROM needs LEFT JOIN jobs AS other ON other.id = needs.needs WHERE "
-        "needs.job = jobs.id AND other.state IS NOT 4)");
+        "UPDATE jobs SET state = 5, finished = ?, message = 'a job that it needs was lost with a damaged ledger' WHERE "
+        "state = 0 AND needs_left > (SELECT COUNT(*) FROM needs LEFT JOIN jobs AS other ON other.id = needs.needs "
+        "WHERE needs.job = jobs.id AND other.state IS NOT 4)");
     lost_needs.bind(1, wall_clock_ms()).run();
     SqliteStatement last(ledger_, "SELECT IFNULL(MAX(id), 0) FROM jobs");
     last.step();

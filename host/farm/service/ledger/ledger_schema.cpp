@@ -14,13 +14,13 @@
 namespace multum {
 namespace {
 
-// A new field of jobs needs no new version: its column has a default, and earlier versions of multum ignore it.
+// A new field of jobs needs no new version, because its column has a default, and earlier versions of multum ignore it.
 constexpr std::int64_t kSchemaVersion = 6;
 constexpr std::int64_t kApplicationId = 0x6d6c746d;  // "mltm": identifies ledgers for `file` and others
 
 // States and outcomes are stored as the numbers of their enumerations, which therefore must never be renumbered. Other
-// columns of jobs (job_fields.cpp) are added after these columns, because a rescue needs the same order of columns in
-// all ledgers.
+// columns of jobs (job_fields.cpp) come after these columns, because a rescue needs the same order of columns in all
+// ledgers.
 constexpr const char* kSchema = R"sql(
 CREATE TABLE jobs (
   id INTEGER PRIMARY KEY AUTOINCREMENT,  -- a number is never used again
@@ -105,7 +105,7 @@ CREATE INDEX slurm_parts_job ON slurm_parts (job);
 CREATE INDEX slurm_parts_sent ON slurm_parts (batch) WHERE state = 0;
 )sql";
 
-// Since version 6: the numbers of jobs by state, in order, for lists of one state.
+// Since version 6: an index of the numbers of jobs by state, in order, for lists of one state.
 constexpr const char* kListSchema = "CREATE INDEX IF NOT EXISTS jobs_listed ON jobs (state);";
 
 // Since version 3.
@@ -167,7 +167,7 @@ void prepare_ledger(SqliteDatabase& database, bool may_begin) {
     throw Error(ErrorCode::kInput, database.path() + ": is a database, but not a ledger of jobs");
   if (found > kSchemaVersion)
     throw Error(ErrorCode::kInput,
-                fmt::format("{}: was written by a newer multum: database version {}, this one knows {}",
+                fmt::format("{}: was written by a newer multum: found database version {}, expected at most {}",
                             database.path(), found, kSchemaVersion));
   if (is_empty && !may_begin)
     throw Error(ErrorCode::kEnvironment,
@@ -177,8 +177,8 @@ void prepare_ledger(SqliteDatabase& database, bool may_begin) {
     SqliteTransaction transaction(database);
     if (found == 0) database.execute(kSchema);
     add_job_columns(database);
-    // Version 1 did not store inputs: it is unknown whether the inputs of its jobs have changed, so their keys are
-    // removed.
+    // Version 1 did not store inputs, so it is unknown whether the inputs of its jobs have changed. The keys of these
+    // jobs are therefore removed.
     if (found == 1) database.execute("UPDATE jobs SET key = ''");
     if (found < 4) {
       if (found != 0) database.execute(kKeepNeeds);

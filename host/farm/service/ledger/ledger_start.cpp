@@ -52,7 +52,8 @@ LedgerSettings find_ledger(const std::string& data, RetryPolicy retry, bool begi
                 fmt::format("{}: is {}, and {} was used before: {}", settings.path,
                             fs::exists(settings.path, error) ? "empty" : "missing", data, lost_ledger_advice()));
   }
-  settings.may_begin = begins_anew || settings.instance.empty();  // unreadable: the ledger also stores the name
+  settings.may_begin = begins_anew || settings.instance.empty();  // the file may be unreadable, and the ledger also
+                                                                  // stores the name
   if (settings.instance.empty()) {
     std::random_device random;
     settings.instance = fmt::format("{:08x}", random());
@@ -67,7 +68,7 @@ std::string take_up_ledger(QueueThread& ledger, const std::string& data) {
     queue.number_above(highest);
     instance = queue.instance();
   });
-  // This is written last, because a start that is interrupted earlier has used no numbers.
+  // The name is written last, because a start that is interrupted earlier has used no numbers.
   if (read_instance(data) != instance) write_text_file(data + "/instance", instance + "\n");
   return instance;
 }

@@ -12,7 +12,7 @@
 namespace multum {
 namespace {
 
-// Largest number of tasks per commit. With more, the first task would wait long for the last.
+// The largest number of tasks per commit. With more tasks, the first one would wait long for the last one.
 constexpr std::size_t kBatchMax = 256;
 
 // Repeats `work` until there is enough memory, so that callers get the result.
@@ -90,7 +90,8 @@ void QueueThread::loop() {
       }
     }
     if (!run_batch(batch) && batch.size() > 1) {
-      // On a full disk, one writing task makes all tasks of a batch fail. Run one by one, the reading tasks succeed.
+      // On a full disk, one writing task makes all tasks of a batch fail. If tasks run one by one, those that only read
+      // succeed.
       for (Task& task : batch) {
         task.error = nullptr;
         std::vector<Task> alone;
@@ -117,7 +118,7 @@ void QueueThread::look_for_loss() {
   if (what.empty()) return;
   const std::string why =
       "the ledger is lost: " + what +
-      "; the service accepts and records nothing until the ledger is put back and the service restarted";
+      "; the service accepts and records nothing until the ledger is put back and the service is restarted";
   queue_.database().look_only(why);
   is_lost_ = true;
   service_log(LogSeverity::kError, 0, "ALARM: " + why);
@@ -137,7 +138,7 @@ bool QueueThread::run_batch(std::vector<Task>& batch) {
         queue_.resync();
       }
     }
-    if (is_lost_) return true;  // reading tasks have succeeded
+    if (is_lost_) return true;  // tasks that only read have succeeded
     look_for_loss();
     queue_.check_kept();
     transaction.commit();

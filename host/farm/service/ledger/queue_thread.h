@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Runs the only thread that uses the ledger. Concurrent requests are committed together: one disk sync serves all of
-// them, and none is answered before that sync. If the ledger is removed or replaced meanwhile, it becomes read-only,
-// because commits would be lost.
+// them, and none is answered before that sync. If the ledger's file is removed or replaced, the ledger becomes
+// read-only, because commits would be lost.
 #pragma once
 
 #include <atomic>
@@ -19,10 +19,11 @@ namespace multum {
 
 class QueueThread {
  public:
-  /// May throw; the changes of the work are then undone. It may run again if its changes were undone together with
-  /// other work.
+  /// May throw; its changes are then undone. The work may run again if its changes were undone together with other
+  /// work.
   using Work = std::function<void(JobQueue&)>;
-  using Done = std::function<void(std::exception_ptr)>;     // called after the commit, through `post`; null: success
+  using Done = std::function<void(std::exception_ptr)>;     // called after the commit, through `post`; null means
+                                                            // success
   using Post = std::function<void(std::function<void()>)>;  // runs a function on the caller's thread
 
   /// Opens the ledger; throws like JobQueue.
@@ -36,8 +37,8 @@ class QueueThread {
   /// Runs work, waits for it and rethrows its exception. Must not be called on the thread of `post`.
   void run_now(const Work& work);
   std::size_t pending() const;
-  /// Returns whether the ledger is no longer in its place. All changes then throw Error(kEnvironment) until the next
-  /// start.
+  /// Returns whether the ledger's file was removed or replaced. All changes then throw Error(kEnvironment) until the
+  /// next start.
   bool is_lost() const { return is_lost_; }
 
  private:

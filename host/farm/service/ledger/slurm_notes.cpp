@@ -43,7 +43,7 @@ void SlurmNotes::update(const SlurmPart& part) {
       .run();
 }
 
-std::vector<SlurmPart> SlurmNotes::rows(SqliteStatement& query) {  // of kSelectParts
+std::vector<SlurmPart> SlurmNotes::rows(SqliteStatement& query) {  // reads the rows of kSelectParts
   std::vector<SlurmPart> parts;
   while (query.step())
     parts.push_back({query.integer(0), static_cast<int>(query.integer(1)), query.integer(2),

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Records in the ledger the jobs that were sent to Slurm. A restarted daemon then knows its jobs at Slurm, and the jobs
-// at Slurm that no client waits for.
+// Records in the ledger the jobs that were sent to Slurm. A restarted daemon then knows its jobs at Slurm, including
+// those that no client waits for.
 #pragma once
 
 #include <cstdint>
@@ -24,7 +24,7 @@ struct SlurmPart {
   int item = 0;  // number within the batch; in an array, the task's number
   std::int64_t job = 0;
   int attempt = 0;
-  std::string share;  // "": the whole job; "3/8": a share of its map; "merge 8": the merge of 8 shares
+  std::string share;  // "" for the whole job, "3/8" for a share of its map, "merge 8" for the merge of 8 shares
   int round = 1;      // increases when missing shares are requested again
   std::optional<std::int64_t> slurm_job;
   SlurmPartState state = SlurmPartState::kSent;
@@ -45,7 +45,7 @@ class SlurmNotes {
   std::vector<SlurmPart> sent();
   bool has_sent(std::int64_t job, int attempt);
   std::vector<SlurmPart> of_job(std::int64_t job);
-  /// Highest number of a batch; 0: no batch yet.
+  /// The highest number of a batch, or 0 if there is no batch yet.
   std::int64_t last_batch();
   /// Cancels parts of jobs whose attempts have ended.
   void cancel_orphans();

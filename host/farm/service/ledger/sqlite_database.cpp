@@ -165,7 +165,7 @@ std::string SqliteDatabase::displaced() const {
 
 void SqliteDatabase::look_only(const std::string& why) {
   look_only_ = why;
-  if (file_number(path_) == file_) {  // only its log is gone: saves the log's contents
+  if (file_number(path_) == file_) {  // only its log is gone, so the log's contents are saved
     try {
       execute("PRAGMA wal_checkpoint(FULL)");
     } catch (const Error& error) {  // within a transaction; closing the database empties the log
@@ -213,7 +213,7 @@ void SqliteDatabase::fail(int result) const {
     case SQLITE_BUSY:
     case SQLITE_LOCKED: throw Error(ErrorCode::kEnvironment, path_ + ": is in use by another process");
     case SQLITE_NOTADB:
-    case SQLITE_TOOBIG:  // a damaged length
+    case SQLITE_TOOBIG:  // the length of a value is damaged
     case SQLITE_CORRUPT:
       throw SqliteError(
           ErrorCode::kInput,

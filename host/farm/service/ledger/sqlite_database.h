@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Wraps SQLite, with errors as exceptions; only this code includes its header. One thread uses a database at a time.
+// Wraps SQLite and turns its errors into exceptions. Only this code includes the header of SQLite. One thread uses a
+// database at a time.
 #pragma once
 
 #include <cstdint>
@@ -40,7 +41,7 @@ class SqliteStatement {
   SqliteStatement(const SqliteStatement&) = delete;
   SqliteStatement& operator=(const SqliteStatement&) = delete;
 
-  /// Binds the `?` with this number, from 1. Copies texts and stores them as UTF-8 (text_of_message()).
+  /// Binds the `?` with this number, counted from 1. Copies texts and stores them as UTF-8 (text_of_message()).
   SqliteStatement& bind(int number, std::int64_t value);
   SqliteStatement& bind(int number, int value) { return bind(number, static_cast<std::int64_t>(value)); }
   SqliteStatement& bind(int number, std::string_view text);
@@ -71,9 +72,9 @@ class SqliteStatement {
 
 class SqliteDatabase {
  public:
-  /// Opens or creates the file: write-ahead log, synchronous FULL (commits survive a power cut), foreign keys, locked
-  /// for this process. Throws Error(kEnvironment) if another process has it, or for disk errors; Error(kInput) if it is
-  /// damaged or not a database.
+  /// Opens or creates the file, with a write-ahead log, synchronous FULL (so that commits survive a power cut) and
+  /// foreign keys, and locks it for this process. Throws Error(kEnvironment) if another process has locked it, or for
+  /// disk errors. Throws Error(kInput) if it is damaged or not a database.
   explicit SqliteDatabase(std::string path);
   ~SqliteDatabase();
   SqliteDatabase(const SqliteDatabase&) = delete;
@@ -81,19 +82,19 @@ class SqliteDatabase {
 
   /// Runs one or more statements without results.
   void execute(const std::string& sql);
-  /// Returns a statement that stays prepared, ready for binding. Statements are found by the address of `sql`: a
-  /// literal, or a static text.
+  /// Returns a statement that stays prepared, ready for binding. Statements are found by the address of `sql`, which
+  /// must be a literal or a static text.
   SqliteStatement& statement(const char* sql);
   std::int64_t last_insert_id() const;
   /// Moves committed data from the log to the file, so that the log needs no more space. Must not be called within a
   /// transaction. Returns false if there is no room for this move either.
   bool empty_log();
-  /// Findings of `PRAGMA quick_check`; empty if there are none.
+  /// Returns the findings of `PRAGMA quick_check`, or an empty list if there are none.
   std::string damage();
   const std::string& path() const { return path_; }
 
-  /// Returns why commits would be lost: the file or its log was removed or replaced; empty: both are in place. Makes
-  /// two calls of stat(). Throws Error(kEnvironment) when that cannot be determined.
+  /// Returns why commits would be lost: the file or its log was removed or replaced. Returns an empty text if both are
+  /// in place. Takes two calls of stat(). Throws Error(kEnvironment) when this cannot be determined.
   std::string displaced() const;
   /// Makes the database read-only: changes throw Error(kEnvironment, why).
   void look_only(const std::string& why);
@@ -104,7 +105,7 @@ class SqliteDatabase {
  private:
   friend class SqliteStatement;
   struct FileNumber {
-    std::uint64_t device = 0, inode = 0;  // 0: no file
+    std::uint64_t device = 0, inode = 0;  // 0 if there is no file
     bool operator==(const FileNumber&) const = default;
   };
   static FileNumber file_number(const std::string& path);
@@ -113,11 +114,12 @@ class SqliteDatabase {
   std::string path_;
   sqlite3* handle_ = nullptr;
   FileNumber file_, log_file_;  // the files when they were opened
-  std::string look_only_;       // the reason for read-only mode; empty: changes are allowed
+  std::string look_only_;       // the reason for read-only mode; empty if changes are allowed
   std::map<const char*, std::unique_ptr<SqliteStatement>> statements_;
 };
 
-/// A transaction: all changes up to commit() are made, or none; the destructor undoes them if commit() was not called.
+/// A transaction: either all changes up to commit() are made, or none. The destructor undoes them if commit() was not
+/// called.
 class SqliteTransaction {
  public:
   explicit SqliteTransaction(SqliteDatabase& database) : database_(database) {

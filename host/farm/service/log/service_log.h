@@ -9,7 +9,8 @@ namespace multum {
 
 enum class LogSeverity { kInfo, kWarning, kError };
 
-/// Writes {"time": ..., "level": "info", "job": 12, "message": "..."}; job 0: no job. May be called from any thread.
+/// Writes {"time": ..., "level": "info", "job": 12, "message": "..."}. Job 0 means no job. May be called from any
+/// thread.
 void service_log(LogSeverity severity, std::int64_t job, const std::string& message);
 
 }  // namespace multum

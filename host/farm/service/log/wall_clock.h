@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Times in the form that the service stores and writes.
+// Makes times in the form that the service stores and writes.
 #pragma once
 
 #include <cstdint>
@@ -7,8 +7,8 @@
 
 namespace multum {
 
-/// Milliseconds since 1970 by the machine's clock, for displayed times, back-off and deadlines. Leases and timeouts of
-/// running jobs use a monotonic clock in the process that holds them.
+/// Milliseconds since 1970 on the machine's clock, for displayed times, back-off and deadlines. Leases and timeouts of
+/// running jobs instead use a monotonic clock in the process that holds them.
 using TimeMs = std::int64_t;
 
 TimeMs wall_clock_ms();

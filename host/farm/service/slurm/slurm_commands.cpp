@@ -17,7 +17,7 @@ namespace multum {
 namespace {
 
 constexpr auto kCommandTimeMax = std::chrono::seconds(60);  // time limit of a command; Slurm's own timeouts are shorter
-constexpr std::size_t kNamesAtOnce = 500;                   // of scancel
+constexpr std::size_t kNamesAtOnce = 500;                   // names per call of scancel
 
 template <typename Number>
 std::optional<Number> whole_number(const std::string& text) {
@@ -147,13 +147,13 @@ std::int64_t SlurmCommands::submit(const SlurmSubmission& s) const {
   if (!settings_.account.empty()) words.push_back("--account=" + settings_.account);
   if (!s.array.empty()) words.push_back(fmt::format("--array={}", fmt::join(s.array, ",")));
   if (!s.after.empty()) words.push_back(fmt::format("--dependency=afterany:{}", fmt::join(s.after, ":")));
-  if (s.memory_bytes > 0) words.push_back(fmt::format("--mem={}", (s.memory_bytes + (1 << 20) - 1) >> 20));  // MiB
+  if (s.memory_bytes > 0) words.push_back(fmt::format("--mem={}", (s.memory_bytes + (1 << 20) - 1) >> 20));  // in MiB
   if (s.nice > 0) words.push_back(fmt::format("--nice={}", s.nice));
-  if (s.time_max.count() > 0) words.push_back(fmt::format("--time={}", (s.time_max.count() + 59) / 60));  // minutes
+  if (s.time_max.count() > 0) words.push_back(fmt::format("--time={}", (s.time_max.count() + 59) / 60));  // in minutes
   words.insert(words.end(), settings_.arguments.begin(), settings_.arguments.end());
   words.push_back(s.script);
   words.insert(words.end(), s.command.begin(), s.command.end());
-  // sbatch prints "12" or "12;cluster", perhaps after remarks.
+  // sbatch prints "12" or "12;cluster", possibly after other lines.
   std::istringstream lines(run(words));
   std::string line, last;
   while (std::getline(lines, line))
@@ -166,7 +166,8 @@ std::int64_t SlurmCommands::submit(const SlurmSubmission& s) const {
 std::optional<int> SlurmCommands::array_size_max() const {
   try {
     return parse_array_size_max(run({"scontrol", "show", "config"}));
-  } catch (const Error&) {  // scontrol is missing, or does not print the limit: sbatch will reject long arrays
+  } catch (const Error&) {  // scontrol is missing, or does not print the limit; sbatch will reject arrays that are too
+                            // long
     return std::nullopt;
   }
 }
@@ -215,7 +216,7 @@ void SlurmCommands::cancel(const std::vector<SlurmTarget>& targets) const {
       const auto first = tasks.begin() + static_cast<std::ptrdiff_t>(begin);
       words.insert(words.end(), first,
                    first + static_cast<std::ptrdiff_t>(std::min(kNamesAtOnce, tasks.size() - begin)));
-      // For an unknown number, it prints nothing and exits with code 1.
+      // For an unknown number, scancel prints nothing and exits with code 1.
       const ChildResult done = run_to_end(words);
       if (done.exit_code != 0 && !done.output.empty())
         throw Error(ErrorCode::kEnvironment, "scancel: " + in_one_line(done.output));

@@ -18,11 +18,11 @@ namespace multum {
 struct SlurmSubmission {
   std::string name, comment;
   std::string script;                // runs the words that follow it
-  std::vector<std::string> command;  // these words
+  std::vector<std::string> command;  // the words that the script runs
   std::string output;                // file for a task's output, with Slurm's placeholders
-  std::vector<int> array;            // numbers of its tasks; empty: one task without a number
+  std::vector<int> array;            // numbers of its tasks; if empty, one task without a number
   std::vector<std::int64_t> after;   // starts when these jobs have ended in any way
-  std::int64_t memory_bytes = 0;     // 0: Slurm's default
+  std::int64_t memory_bytes = 0;     // 0 means Slurm's default
   int nice = 0;
   std::chrono::seconds time_max{0};
 };
@@ -30,7 +30,7 @@ struct SlurmSubmission {
 /// A task in Slurm's list.
 struct SlurmTask {
   std::int64_t job = 0;
-  int item = -1;  // the task's number in the array; -1: not in an array
+  int item = -1;  // the task's number in the array; -1 if it is not in an array
   std::string name, state, reason, node;
 
   /// Returns whether the task will not run again.
@@ -42,18 +42,18 @@ struct SlurmTask {
 /// Returns the name of a task for scancel and scontrol: "12" or "12_3".
 std::string slurm_task_name(std::int64_t job, int item);
 
-/// The meaning of an sbatch error message for the order.
+/// The meaning of an error message of sbatch for the order.
 enum class SlurmRefusal {
-  kNotNow,        // the controller does not answer, or accepts nothing at present: the same order may succeed later
-  kNever,         // a partition, an account, a limit: the order fails until the settings are changed
+  kNotNow,        // the controller does not answer, or accepts nothing at present; the same order may succeed later
+  kNever,         // a wrong partition or account, or a limit; the order fails until the settings are changed
   kArrayTooLong,  // task numbers reach MaxArraySize; smaller arrays may succeed
   kUnknown,       // any of the above
 };
-/// Compares with the texts of slurm_strerror(), which are the same in every language.
+/// Compares the message with the texts of slurm_strerror(), which are not translated.
 SlurmRefusal refusal_of(const std::string& said);
 
-/// A job to cancel, by name and number, or one of its tasks; item -1: the whole job. The name is needed because a
-/// controller that has forgotten a job reuses its number.
+/// A job to cancel, by name and number, or one of its tasks. Item -1 means the whole job. The name is needed because a
+/// controller that has lost a job reuses its number.
 struct SlurmTarget {
   std::string name;
   std::int64_t job = 0;
@@ -67,7 +67,7 @@ class SlurmCommands {
 
   /// Returns the number of the Slurm job. Throws Error(kEnvironment) with sbatch's message (refusal_of()).
   std::int64_t submit(const SlurmSubmission& submission) const;
-  /// Returns Slurm's MaxArraySize, an exclusive limit of task numbers; nullopt if scontrol does not tell.
+  /// Returns Slurm's MaxArraySize, an exclusive limit of task numbers, or nullopt if scontrol does not print it.
   std::optional<int> array_size_max() const;
   /// Returns this user's tasks whose names begin with `prefix`, including tasks that ended some minutes ago. Throws
   /// Error(kEnvironment) when Slurm does not answer.
@@ -85,7 +85,7 @@ class SlurmCommands {
 /// Reads MaxArraySize from the output of `scontrol show config`.
 std::optional<int> parse_array_size_max(const std::string& text);
 
-/// Parses the output of `squeue --format=%F|%K|%T|%N|%j|%r`, one task per line; skips other lines.
+/// Parses the output of `squeue --format=%F|%K|%T|%N|%j|%r`, which has one task per line. Skips other lines.
 std::vector<SlurmTask> parse_squeue(const std::string& text);
 
 }  // namespace multum

@@ -13,8 +13,8 @@
 namespace multum {
 
 /// Runs the type's estimate_command (for bakes, `multum plan`) in a child process. The child is confined to `roots`,
-/// with limits of memory and time, because the map belongs to a client. Without a command, uses estimated_seconds().
-/// Otherwise, or if the child fails, the cost is unknown. Blocks.
+/// with limits of memory and time, because the map belongs to a client. If the type has no such command, uses
+/// estimated_seconds(). If it has neither, or the child fails, the cost is unknown. Blocks.
 SlurmEstimate estimate_work(const WorkOrder& work, const SlurmSettings& settings,
                             const std::vector<std::string>& roots);
 

@@ -38,7 +38,7 @@ std::optional<Json> read_json(const std::string& path) {
   return json.is_object() ? std::optional(std::move(json)) : std::nullopt;
 }
 
-// Returns nullopt also for values of wrong types.
+// Returns nullopt for values of wrong types, too.
 template <typename Value, typename Read>
 std::optional<Value> read_as(const std::string& path, const Read& read) {
   try {
@@ -176,8 +176,8 @@ std::string SlurmBatchFolder::last_words(int item, bool is_array) const {
 
 void SlurmBatchFolder::move_log(int work_item, int item, const std::string& to, const std::string& prefix,
                                 bool is_last) const {
-  // A file next to the log records how many bytes have been moved, also for the next daemon. No link is followed,
-  // because workers write to this folder.
+  // A file next to the log records how many bytes have been moved, so that the next daemon knows this too. No link is
+  // followed, because workers write to this folder.
   const std::string noted = fmt::format("{}/moved-{}", path_, item);
   std::int64_t begin = 0;
   std::ifstream(noted) >> begin;
@@ -204,7 +204,7 @@ SlurmFolder::SlurmFolder(const std::string& folder, const std::string& instance)
 
 void SlurmFolder::prepare() const {
   make_folder(path_);
-  // Slurm accepts only scripts: this one runs the words that follow it.
+  // Slurm accepts only scripts. This script runs the words that follow it.
   if (!fs::exists(script())) write_text_file(script(), "#!/bin/sh\nexec \"$@\"\n");
 }
 

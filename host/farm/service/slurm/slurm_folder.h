@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// The shared folder through which a daemon and its Slurm tasks communicate. Files appear by a rename. No times are
-// compared, since nodes have their own clocks.
+// Defines the shared folder through which a daemon and its Slurm tasks communicate. Files appear by a rename. No times
+// are compared, because nodes have their own clocks.
 //
 //   FOLDER/multum-INSTANCE/batch-17/
 //     order.json        the work; if the file is removed, the batch's tasks end
 //     stop-3            item 3 is cancelled
-//     status-3.json     {"beat", "node", "stage", "done", "total"}: the beat grows while the item is worked at
+//     status-3.json     {"beat", "node", "stage", "done", "total"}: the beat grows while the item is being done
 //     ended-3.json      {"exit_code", "message", "inputs_changed", "node"}
 //     slurm.out         output of the task itself
 //     work-3/           the only folder here that workers may write: logs/3.log, scratch/
@@ -62,7 +62,7 @@ class SlurmBatchFolder {
   void stop(int item) const;
   bool is_stopped(int item) const;
 
-  /// Names of the files that the folder contains at present.
+  /// Returns the names of the files that the folder contains at present.
   std::set<std::string> names() const;
   static std::string status_name(int item);
   static std::string end_name(int item);
@@ -76,12 +76,12 @@ class SlurmBatchFolder {
   /// Creates the work folder, with all its folders, for a worker whose first item is `item`.
   std::string make_work_folder(int item) const;
   std::string log(int work_item, int item) const;
-  /// Path for the output of Slurm's tasks; "%a" stands for the number of an array's task.
+  /// The path for the output of Slurm's tasks. "%a" stands for a task's number in an array.
   std::string output(bool is_array) const;
-  /// Returns the last line that a task printed; "": none.
+  /// Returns the last line that a task printed, or "" if there is none.
   std::string last_words(int item, bool is_array) const;
-  /// Appends an item's new log lines to another file, each after `prefix`. `is_last`: also appends the unfinished last
-  /// line.
+  /// Appends an item's new log lines to another file, each after `prefix`. If `is_last`, also appends the unfinished
+  /// last line.
   void move_log(int work_item, int item, const std::string& to, const std::string& prefix, bool is_last) const;
 
  private:

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Takes one look at the work sent to Slurm: first at Slurm's list of tasks, then at the tasks' files in the shared
-// folder. Blocks.
+// Checks the work sent to Slurm once: first Slurm's list of tasks, then the tasks' files in the shared folder. Blocks.
 #pragma once
 
 #include <map>
@@ -27,7 +26,7 @@ struct SlurmWatched {
 };
 
 struct SlurmLook {
-  std::string trouble;  // why Slurm did not answer; "": it answered
+  std::string trouble;  // why Slurm did not answer; "" if it answered
   std::vector<SlurmTask> tasks;
   std::optional<int> array_size_max;  // read from Slurm's settings, if requested
   struct Seen {
@@ -40,12 +39,12 @@ struct SlurmLook {
   bool is_up() const { return trouble.empty(); }
 };
 
-/// `prefix`: beginning of the names of this daemon's jobs at Slurm.
+/// `prefix` begins the names of this daemon's jobs at Slurm.
 SlurmLook look_at_slurm(const SlurmCommands& commands, const SlurmFolder& folder, const std::string& prefix,
                         const std::vector<SlurmWatched>& watched);
 
-/// The second half of a look. Lists each batch's folder once, and opens only existing files, because each attempt to
-/// open a missing file is a request to the file server, and thousands of parts may wait. `watched` should be sorted by
+/// The second half of a check. Lists each batch's folder once and opens only existing files. Thousands of parts may
+/// wait, and each attempt to open a missing file would be a request to the file server. `watched` should be sorted by
 /// key; otherwise folders are listed more often.
 void look_at_files(const SlurmFolder& folder, const std::vector<SlurmWatched>& watched,
                    std::map<SlurmPartKey, SlurmLook::Seen>& parts);

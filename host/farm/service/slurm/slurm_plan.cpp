@@ -12,7 +12,7 @@ namespace multum {
 
 std::vector<std::vector<std::size_t>> make_chunks(const std::vector<double>& seconds, double chunk_seconds) {
   std::vector<std::vector<std::size_t>> chunks;
-  std::size_t open = 0;  // index of the chunk that has room, plus one; 0: none
+  std::size_t open = 0;  // index of the chunk that has room, plus one; 0 if there is none
   double filled = 0.0;
   for (std::size_t i = 0; i < seconds.size(); ++i) {
     if (seconds[i] < 0.0 || seconds[i] >= chunk_seconds) {

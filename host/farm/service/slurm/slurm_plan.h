@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Divides jobs into Slurm batches: several small jobs per task, because each task costs about half a second of its
-// slot; for large maps, one share per task.
+// Divides jobs into Slurm batches. Several small jobs share a task, because each task costs about half a second of its
+// slot. Each share of a large map gets its own task.
 #pragma once
 
 #include <chrono>
@@ -18,41 +18,41 @@ namespace multum {
 
 /// The expected cost of a job, as far as it is known in advance.
 struct SlurmEstimate {
-  double seconds = -1.0;              // seconds in a slot; below 0: unknown
-  int share_count = 0;                // number of bands of the job's map; 0: the map is not divided
-  std::vector<double> share_seconds;  // times of share 0, one band, and the merge
+  double seconds = -1.0;              // seconds in a slot; negative if unknown
+  int share_count = 0;                // number of bands of the job's map; 0 if the map is not divided
+  std::vector<double> share_seconds;  // seconds for share 0, one band, and the merge
 };
 
 constexpr int kChunkJobsMax = 100;
 
-/// Groups jobs, which are given by their indices in `seconds`, in order: small jobs share a group until they fill
-/// `chunk_seconds`; each other job is a group by itself.
+/// Groups jobs in order; they are given by their indices in `seconds`. Small jobs share a group until they fill
+/// `chunk_seconds`. Each other job is a group by itself.
 std::vector<std::vector<std::size_t>> make_chunks(const std::vector<double>& seconds, double chunk_seconds);
 
-/// Returns a time limit in the range of the settings; the limit doubles with each attempt.
+/// Returns a time limit in the range of the settings. The limit doubles with each attempt.
 std::chrono::seconds time_limit(const SlurmSettings& settings, double seconds, int attempt);
 
 /// The meaning of a part's name: "" is a whole job, "3/8" a share of its map, "merge 8" the merge of 8 shares.
 struct PartKind {
-  int index = 0, count = 0;  // number of the share, and of all shares; count 0: the whole job
+  int index = 0, count = 0;  // number of the share, and number of all shares; count 0 means the whole job
   bool is_merge = false;
 
   bool is_whole() const { return count == 0; }
   /// The tasks of an array are bands, which wait only for share 0.
   bool is_band() const { return count > 0 && !is_merge && index > 0; }
   std::string name() const;
-  /// Prefix of its log lines: the logs of all shares go to one file.
+  /// The prefix of its log lines, because the logs of all shares go to one file.
   std::string log_prefix() const;
-  /// The option of `multum bake` for this part; "": none.
+  /// Returns the option of `multum bake` for this part, or "" for none.
   std::string option() const;
 };
 PartKind parse_part(const std::string& name);
 
-/// Array size while Slurm's MaxArraySize is unknown.
+/// The array size that is used while Slurm's MaxArraySize is unknown.
 constexpr int kAnyArraySize = std::numeric_limits<int>::max();
 
 /// Groups bands of one map into arrays whose task numbers are below `array_size_max`, at least 1. If the bands' own
-/// numbers fit, makes one array with them; otherwise makes several with numbers from 0.
+/// numbers fit, makes one array with these numbers. Otherwise makes several arrays with numbers from 0.
 std::vector<std::vector<SlurmPart>> in_arrays(std::vector<SlurmPart> bands, int array_size_max);
 
 /// Returns the batches that make and merge these shares, in order: share 0, its bands in arrays (in_arrays()), the

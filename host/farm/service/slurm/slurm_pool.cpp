@@ -20,7 +20,7 @@ namespace asio = boost::asio;
 
 constexpr std::size_t kEstimatedAtOnce = kChunkJobsMax;
 constexpr int kRefusalsMax = 3;    // refusals by sbatch for unknown reasons, while Slurm answers
-constexpr int kSkippedLooks = 32;  // longest wait, in looks, for a busy Slurm
+constexpr int kSkippedLooks = 32;  // longest wait for a busy Slurm, in checks
 
 std::int64_t milliseconds_since_1970() {
   return std::chrono::duration_cast<std::chrono::milliseconds>(std::chrono::system_clock::now().time_since_epoch())
@@ -127,7 +127,7 @@ void SlurmPool::order(SlurmWork work) {
 }
 
 void SlurmPool::flush() {
-  // Collects jobs for a while when they arrive one by one, so that they can share a task.
+  // When jobs arrive one by one, waits for a while, so that they can share a task.
   if (settings_.slurm.chunk_seconds <= 0.0 || new_.size() >= kEstimatedAtOnce) return estimate_new();
   if (new_.empty() || is_gathering_) return;
   is_gathering_ = true;
@@ -297,12 +297,12 @@ void SlurmPool::submit_ready() {
     const Stopwatch stopwatch;
     std::vector<Sent> sent;
     std::map<std::int64_t, std::int64_t> known;
-    std::string array_refusal;  // sbatch's message about an array that was too long; its size is refused_size
+    std::string array_refusal;  // sbatch's message about an array that was too long, of size refused_size
     std::size_t refused_size = 0;
     for (const Sending& sending : sendings) {
       const std::vector<int>& array = sending.submission.array;
       const std::size_t size = array.empty() ? 0 : static_cast<std::size_t>(array.back()) + 1;
-      // Slurm would refuse arrays of this size too.
+      // Slurm would refuse other arrays of this size too.
       if (refused_size > 0 && size >= refused_size) {
         sent.push_back({sending.number, std::nullopt, array_refusal});
         continue;
@@ -320,7 +320,7 @@ void SlurmPool::submit_ready() {
   });
 }
 
-// Runs on the thread of the commands. `known`: Slurm's numbers of the batches sent just before.
+// Runs on the thread of the commands. `known` has Slurm's numbers of the batches that were sent just before.
 SlurmPool::Sent SlurmPool::submit(const Sending& sending, std::map<std::int64_t, std::int64_t>& known) {
   Sent one{sending.number, std::nullopt, ""};
   SlurmSubmission submission = sending.submission;
@@ -396,7 +396,7 @@ void SlurmPool::take_refusal(Batch& batch, const std::string& refusal) {
   }
 }
 
-// If an array's numbers were too high, tries half as many tasks.
+// If an array had too many tasks, tries half as many.
 bool SlurmPool::takes_smaller_arrays(const Batch& batch) {
   if (refusal_of(batch.refusal) != SlurmRefusal::kArrayTooLong || batch.parts.empty()) return false;
   array_size_max_ = std::min(array_size_max_, (batch.parts.rbegin()->first + 1) / 2);
@@ -407,7 +407,7 @@ void SlurmPool::split_array(std::int64_t number) {
   std::vector<SlurmPart> bands;
   for (const auto& [item, part] : batches_.at(number).parts) bands.push_back(part.row);
   replace(number, in_arrays(std::move(bands), array_size_max_),
-          "sbatch refused such a large array of tasks; the jobs are sent again in a smaller array");
+          "sbatch refused an array of so many tasks; the jobs are sent again in a smaller array");
 }
 
 // The ledger records the parts of the old batch as lost, for this reason. The old order is removed, so that its tasks
@@ -493,7 +493,7 @@ void SlurmPool::cancel_tasks(std::vector<SlurmTarget> targets) {
   beside(commands_thread_, [this, targets = std::move(targets)]() -> std::function<void()> {
     try {
       commands_.cancel(targets);
-    } catch (const std::exception& error) {  // repeated as long as Slurm has the tasks
+    } catch (const std::exception& error) {  // repeated as long as Slurm lists the tasks
       service_log(LogSeverity::kWarning, 0, error.what());
     }
     return [] {};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The daemon's side of its work at Slurm. The ledger records the work that Slurm has (slurm_notes.h); Slurm only
-// dispatches it:
+// Sends the daemon's work to Slurm and follows it. The ledger records the work that Slurm has (slurm_notes.h); Slurm
+// only dispatches it:
 //
 //   order() ─> estimate ─> note in the ledger ─> sbatch ─> look every `poll`: at squeue, at the shared folder
 //                              ^                              │
@@ -11,7 +11,7 @@
 // Work that sbatch refuses is sent again when Slurm accepts orders again, or in smaller arrays; otherwise it fails with
 // sbatch's message.
 //
-// Runs on the thread of its io_context. Blocking calls run on threads of their own, Slurm's commands one at a time.
+// Runs on the thread of its io_context. Blocking calls have their own threads. Slurm's commands run one at a time.
 #pragma once
 
 #include <atomic>
@@ -48,7 +48,7 @@ struct SlurmWork {
   WorkOrder order;   // the order's log collects the logs of nodes
   std::string made;  // the result under its staging name; shares are next to it
   std::int64_t memory_bytes = 0;
-  int priority = 0;  // sum of the priorities of job and queue
+  int priority = 0;  // sum of the priorities of the job and its queue
 };
 
 class SlurmPool {
@@ -58,10 +58,10 @@ class SlurmPool {
     std::function<void(std::int64_t job, int attempt, const WorkResult& result)> ended;
   };
   struct Counters {
-    std::uint64_t submitted = 0;  // Slurm jobs
+    std::uint64_t submitted = 0;  // number of Slurm jobs
     std::uint64_t submit_failures = 0;
-    std::uint64_t forgotten = 0;          // unknown to Slurm, so sent again
-    std::uint64_t cancelled_unknown = 0;  // unknown to the ledger
+    std::uint64_t forgotten = 0;          // parts that were unknown to Slurm, so sent again
+    std::uint64_t cancelled_unknown = 0;  // parts that were unknown to the ledger
     std::uint64_t parts_ended = 0, parts_lost = 0, rounds = 0;
     double submit_seconds = 0.0;  // time spent on writing orders and running sbatch
   };
@@ -88,7 +88,7 @@ class SlurmPool {
   void order(SlurmWork work);
   /// Sends ordered jobs soon.
   void flush();
-  /// Tells a job to stop; the job ends when Slurm reports its end. Returns false if the job is not in this pool.
+  /// Tells a job to stop. The job ends when Slurm reports its end. Returns false if the job is not in this pool.
   bool cancel(std::int64_t job);
   /// Ends the task of a share, which is then requested again. Returns false if no such task runs.
   bool cancel_part(std::int64_t job, std::int64_t batch, int item);
@@ -107,7 +107,7 @@ class SlurmPool {
     std::uint64_t beat = 0;
     bool has_begun = false, is_cancelled = false;
     std::optional<Clock::time_point> heard;  // last sign of life while it runs
-    std::optional<Clock::time_point> gone;   // the time since which no Slurm task will do the part
+    std::optional<Clock::time_point> gone;   // the time from which on no Slurm task will do the part
   };
   enum class Stage { kNoting, kReady, kUnsure, kSending, kSent };  // kUnsure: Slurm may have it
   struct Batch {
@@ -115,8 +115,8 @@ class SlurmPool {
     std::optional<std::int64_t> slurm_job;
     bool is_array = false, is_revoked = false;
     Stage stage = Stage::kNoting;
-    int refusals = 0, waits = 0;  // sbatch's refusals for unknown and for temporary reasons
-    int looks_to_skip = 0;        // looks to wait before the batch is sent again
+    int refusals = 0, waits = 0;  // number of sbatch's refusals for unknown and for temporary reasons
+    int looks_to_skip = 0;        // number of checks to wait before the batch is sent again
     std::string refusal;          // sbatch's last message
     // If set, the batch is not sent; this is then the exit code of its parts.
     std::optional<int> refused_with;
@@ -129,7 +129,7 @@ class SlurmPool {
     int round = 1, share_count = 0, shares_done = 0, submissions = 0;
     bool have_inputs_changed = false;
     std::optional<WorkResult> result;  // reported when no part of the batch runs any more
-    std::uint64_t given_up_in = 0;     // number of the look before the job was told to stop
+    std::uint64_t given_up_in = 0;     // number of the check before the job was told to stop
   };
   struct Sending {
     std::int64_t number = 0;
@@ -140,7 +140,7 @@ class SlurmPool {
   struct Sent {
     std::int64_t number = 0;
     std::optional<std::int64_t> slurm_job;
-    std::string refusal;  // "": the shared folder could not be written
+    std::string refusal;  // "" if the shared folder could not be written
   };
 
   std::string name_of(std::int64_t batch) const;
@@ -196,9 +196,9 @@ class SlurmPool {
   std::map<std::int64_t, Work> works_;
   std::map<std::int64_t, Batch> batches_;
   std::vector<std::int64_t> new_;
-  std::map<SlurmPartKey, WorkResult> results_;      // results of parts that ended in this look
+  std::map<SlurmPartKey, WorkResult> results_;      // results of parts whose end this check found
   std::map<std::int64_t, Clock::time_point> done_;  // batches, and when the last of their parts ended
-  std::set<std::int64_t> cancelled_unknown_;        // Slurm's jobs
+  std::set<std::int64_t> cancelled_unknown_;        // unknown Slurm jobs that were cancelled
   std::int64_t last_batch_ = 0;
   int array_size_max_ = kAnyArraySize;  // Slurm's MaxArraySize, or a bound learned from refusals
   bool has_asked_array_size_ = false;

@@ -9,17 +9,17 @@
 namespace multum {
 
 struct SlurmSettings {
-  std::string folder;                    // folder for orders and results, same path on all nodes; "": no Slurm
-  std::string partition, account;        // "": Slurm's own
+  std::string folder;                    // folder for orders and results, same path on all nodes; "" disables Slurm
+  std::string partition, account;        // "" means Slurm's own
   std::vector<std::string> arguments;    // further arguments of sbatch
-  std::string program;                   // path of multum on the nodes; "": the same path as on this machine
+  std::string program;                   // path of multum on the nodes; "" means the same path as on this machine
   std::vector<std::string> queues;       // queues whose jobs are sent
-  std::vector<std::string> types;        // types of jobs that are sent; empty: all
+  std::vector<std::string> types;        // types of jobs that are sent; empty means all
   int jobs_max = 1000;                   // jobs at Slurm at the same time, 1..100000
-  int cpus = 2;                          // of a task, 1..1024
+  int cpus = 2;                          // processors per task, 1..1024
   int nice = 0;                          // nice value of a job of priority 0
-  double chunk_seconds = 30.0;           // seconds per task with several jobs; 0: one job per task
-  double share_seconds = 600.0;          // processor time per share of a large map; 0: maps are not divided
+  double chunk_seconds = 30.0;           // seconds per task with several jobs; 0 means one job per task
+  double share_seconds = 600.0;          // processor time per share of a large map; with 0, maps are not divided
   int rounds = 3;                        // requests for missing shares, 1..100
   double time_factor = 4.0;              // time limits divided by estimates, at least 1
   std::chrono::seconds time_min{600};    // smallest time limit

@@ -90,7 +90,7 @@ class Task {
     note_end(result);
   }
 
-  // A result counts only when it is written, so this tries again later if the folder is full.
+  // A result counts only when it is written. If the folder is full, this is tried again later.
   void note_end(const WorkResult& result) {
     ended_ = result;
     try {
@@ -105,7 +105,7 @@ class Task {
     begin_next();
   }
 
-  // Ends: no client waits for unfinished items.
+  // Ends, because no client waits for unfinished items.
   void stop() {
     is_stopping_ = true;
     if (!is_running_ || !pool_.cancel(item().work.job)) io_.stop();
@@ -115,12 +115,12 @@ class Task {
     if (!is_running_) return;
     try {
       folder_.write_status(item().number, {++beat_, node_, progress_});
-    } catch (const Error&) {  // the folder is full: the next write may succeed
+    } catch (const Error&) {  // the folder is full, but the next write may succeed
     }
   }
 
   void tick() {
-    // Set first, so that another tick comes even if this one fails.
+    // The timer is set first, so that another tick comes even if this one fails.
     timer_.expires_after(kTaskTick);
     timer_.async_wait([this](const boost::system::error_code& error) {
       if (!error) tick();

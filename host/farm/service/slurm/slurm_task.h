@@ -17,7 +17,7 @@ using SlurmWorkerCommand =
     std::function<std::vector<std::string>(const SlurmOrder& order, const std::string& work_folder)>;
 
 /// Does all unfinished items of a batch, or the item of an array's task. Returns the exit code of the process: 0 when
-/// all have ended in any way, or their order was removed; 130 after SIGTERM. Throws Error(kEnvironment).
+/// all items have ended in any way or their order was removed, and 130 after SIGTERM. Throws Error(kEnvironment).
 int run_slurm_task(const std::string& batch_folder, std::optional<int> array_item, const SlurmWorkerCommand& command);
 
 }  // namespace multum

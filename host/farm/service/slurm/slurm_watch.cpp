@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Handles the results of Slurm: compares each look with the work that was sent. When a part has finished, its job may
-// end, or further parts may be sent.
+// Handles the results of Slurm. Compares what each check finds (slurm_look.h) with the work that was sent. When a part
+// has finished, its job may end, or further parts may be sent.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -16,12 +16,12 @@
 namespace multum {
 namespace {
 
-constexpr int kSubmissionsMax = 10;                     // how often an attempt is submitted that Slurm does not begin
-constexpr int kIdleFactor = 10;                         // lengthens the pause between looks if nothing is watched
+constexpr int kSubmissionsMax = 10;                     // most submissions of an attempt that Slurm does not begin
+constexpr int kIdleFactor = 10;                         // lengthens the pause between checks if nothing is watched
 constexpr auto kLingering = std::chrono::seconds(30);   // time for a task to end when all its parts have ended
-constexpr auto kRemembered = std::chrono::minutes(10);  // for finished batches
+constexpr auto kRemembered = std::chrono::minutes(10);  // how long finished batches are remembered
 constexpr const char* kCompleting = "COMPLETING";       // cancelled, perhaps on a node that does not answer
-constexpr int kShareUnits = 1000;                       // of progress
+constexpr int kShareUnits = 1000;                       // units of progress per share
 
 bool is_refusal(int code) { return code == 2 || code == 3 || code == 5; }
 
@@ -50,7 +50,7 @@ void SlurmPool::look() {
     }
     return [this, number, seen] {
       is_looking_ = false;
-      // Set first, so that another look comes even if this one fails.
+      // The timer is set first, so that another check comes even if this one fails.
       timer_.expires_after(batches_.empty() ? kIdleFactor * settings_.slurm.poll : settings_.slurm.poll);
       timer_.async_wait([this](const boost::system::error_code& error) {
         if (!error) look();
@@ -78,11 +78,11 @@ void SlurmPool::digest(std::uint64_t look_number, const SlurmLook& look) {
     bool wants_again = false, has_task = false;
     for (auto& [item, part] : batch.parts) {
       const auto seen = look.parts.find({number, item});
-      if (seen == look.parts.end()) continue;  // sent since
+      if (seen == look.parts.end()) continue;  // sent after the check began
       const SlurmTask* task = nullptr;
       if (batch.slurm_job) {
         const auto found = tasks.find({*batch.slurm_job, batch.is_array ? item : -1});
-        // Compares names too: a controller that has forgotten a job reuses its number.
+        // Compares names too, because a controller that has lost a job reuses its number.
         if (found != tasks.end() && found->second->name == name_of(number)) task = found->second;
       }
       has_task = has_task || (task != nullptr && !task->is_over());
@@ -99,7 +99,7 @@ void SlurmPool::digest(std::uint64_t look_number, const SlurmLook& look) {
   submit_ready();
 }
 
-// Takes over Slurm's numbers of batches whose number was unknown; returns the Slurm jobs that the ledger does not know.
+// Records Slurm's numbers for batches whose number was unknown. Returns the Slurm jobs that the ledger does not know.
 std::vector<SlurmTarget> SlurmPool::compare_lists(const SlurmLook& look) {
   std::map<std::int64_t, std::int64_t> adopted;
   std::map<std::int64_t, std::string> unknown;  // numbers and names of unknown Slurm jobs
@@ -134,7 +134,7 @@ std::vector<SlurmTarget> SlurmPool::compare_lists(const SlurmLook& look) {
   return targets;
 }
 
-// Handles a batch that was to be sent, but is not at Slurm.
+// Handles a batch that should have been sent but is not at Slurm.
 void SlurmPool::follow_submission(Batch& batch) {
   if (batch.stage != Stage::kUnsure || !is_up_ || batch.is_revoked || batch.refused_with) return;
   if (batch.looks_to_skip > 0) --batch.looks_to_skip;
@@ -188,7 +188,7 @@ SlurmPool::Fate SlurmPool::follow(Batch& batch, Part& part, const SlurmLook::See
   }
   if (is_given_up && !batch.is_revoked)
     stop_item(part.row.batch, part.row.item);  // repeated, because the folder may have been full
-  // A task that was told to stop before this look and has not begun will not begin.
+  // A task that was told to stop before this check and has not begun will not begin.
   if (is_given_up && task->state == "PENDING") return end_part(part, SlurmPartState::kCancelled, {130, "", false});
   // A task with several parts works at the first one that has not ended.
   const bool is_at_work = task->state == "RUNNING" && (batch.is_array || &part == &batch.parts.begin()->second);
@@ -219,17 +219,17 @@ void SlurmPool::follow_progress(Batch& batch, Part& part, const SlurmLook::Seen&
   else tell_progress(part.row.job);
 }
 
-// Handles a part that no Slurm task will do any more.
+// Handles a part whose Slurm task has ended.
 SlurmPool::Fate SlurmPool::follow_absence(Batch& batch, Part& part, const SlurmTask* task,
                                           const SlurmLook::Seen& seen) {
   const Clock::time_point now = Clock::now();
   if (!part.gone) part.gone = now;
   if (batch.is_revoked && (task == nullptr || task->state != kCompleting))
     return end_part(part, SlurmPartState::kCancelled, {130, "", false});
-  // Its last files may not be visible here yet.
+  // The last files of the part may not be visible here yet.
   if (now - *part.gone < settings_.slurm.visible) return Fate::kGoesOn;
   if (batch.is_revoked) return end_part(part, SlurmPartState::kCancelled, {130, "", false});
-  // No task has begun the part, and the part is not the cause; a merge itself determines which shares are missing.
+  // No task has begun the part, so the part is not the cause. A merge finds out by itself which shares are missing.
   if (!part.has_begun && (task == nullptr || (batch.has_worked && part.kind.is_whole()))) return Fate::kAgain;
   const std::string name = slurm_task_name(*batch.slurm_job, batch.is_array ? part.row.item : -1);
   std::string message = task == nullptr ? fmt::format("Slurm no longer knows its task {}", name)
@@ -279,7 +279,7 @@ void SlurmPool::on_share_ended(Work& work, const SlurmPart& part, const WorkResu
   const PartKind kind = parse_part(part.share);
   if (work.result) return end_if_idle(part.job);
   const auto batch = batches_.find(part.batch);
-  const bool is_refused = batch != batches_.end() && batch->second.refused_with;  // another round would fail too
+  const bool is_refused = batch != batches_.end() && batch->second.refused_with;  // another round would be refused too
   if (is_refused || is_refusal(result.exit_code) || (kind.is_merge && result.exit_code == 0))
     return give_up(part.job, result);
   if (kind.is_merge) return find_missing(part.job, result.message);
@@ -287,7 +287,7 @@ void SlurmPool::on_share_ended(Work& work, const SlurmPart& part, const WorkResu
   tell_progress(part.job);
 }
 
-// Finds the missing shares; first removes the shares that the merge could not use, so that they are made again.
+// Finds the missing shares. First removes the shares that the merge could not use, so that they are made again.
 void SlurmPool::find_missing(std::int64_t job, const std::string& message) {
   const Work& work = works_.at(job);
   beside(commands_thread_,
@@ -359,7 +359,7 @@ void SlurmPool::send_again(std::int64_t number) {
   if (is_hopeless) {
     for (SlurmPart& row : parts) {
       row.state = SlurmPartState::kLost;
-      row.message = fmt::format("Slurm did not start it, although it was sent {} times", kSubmissionsMax);
+      row.message = fmt::format("Slurm did not start the job, although it was sent {} times", kSubmissionsMax);
       results_[{row.batch, row.item}] = {-1, row.message, false};
     }
     counters_.parts_lost += parts.size();
@@ -367,10 +367,10 @@ void SlurmPool::send_again(std::int64_t number) {
     return settle(parts);
   }
   ++counters_.forgotten;
-  service_log(
-      LogSeverity::kWarning, parts.front().job,
-      fmt::format("Slurm no longer knows its job {}, or did not start it: sent again", old.slurm_job.value_or(0)));
-  replace(number, {std::move(parts)}, "Slurm no longer knew it, or did not start it; it was sent again");
+  service_log(LogSeverity::kWarning, parts.front().job,
+              fmt::format("Slurm no longer knows its job {}, or did not start it; the job is sent again",
+                          old.slurm_job.value_or(0)));
+  replace(number, {std::move(parts)}, "Slurm no longer knew the job, or did not start it; the job was sent again");
 }
 
 // Removes the files of batches once the ledger has recorded how their parts ended.

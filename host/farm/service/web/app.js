@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The page: queues, the list of jobs, the open job, keys, and the state of the connection to the service.
+// Runs the page: the queues, the list of jobs, the open job, keys, and the state of the connection to the service.
 
 import { EventLine, ask } from "./client.js";
 import { errorText, sayUncaughtErrors } from "./error_text.js";
@@ -9,7 +9,7 @@ import { STATES, byId, bytesText, canCancel, canRetry, confirmed, isFinal, jobNa
   from "./nodes.js";
 import { SubmitForm } from "./submit_form.js";
 
-const LOOK_MS = 15000; // finds changes without events: pauses by others, workers, a dead connection
+const LOOK_MS = 15000; // finds changes that cause no events: pauses by others, workers, a dead connection
 const COUNT_MS = 1000; // pause between two requests for the counts while jobs change
 const ALWAYS_COUNTED = ["queued", "running", "succeeded", "dead"];
 const SAY_MS = 2000; // pause between two announcements to screen readers
@@ -220,7 +220,7 @@ async function openForm() {
 }
 const lettersAreOn = () => localStorage.getItem("multum-letters") !== "off";
 const inRows = () => document.activeElement?.closest("#rows") !== null && document.activeElement !== document.body;
-/** Returns the job for the keys c and r: the open job, or the job of the row that has the focus. */
+/** Returns the job for the keys c and r: the open job, or the job in the focused row. */
 const keyJob = () => (detail.job && !inRows() ? detail.job : list.chosenJob);
 
 const LETTERS = {

@@ -5,7 +5,7 @@ import { errorText } from "./error_text.js";
 import { byId, setText } from "./nodes.js";
 
 const TOKEN = "multum-token";
-const PATIENCE_MS = 70000; // the service allows a minute for pictures
+const PATIENCE_MS = 70000; // longer than the minute that the service allows for pictures
 
 export class Refused extends Error {
   constructor(status, message) {
@@ -16,7 +16,7 @@ export class Refused extends Error {
 
 export const hasToken = () => sessionStorage.getItem(TOKEN) !== null;
 
-let asking = null; // the dialog for the token, one for all refused requests
+let asking = null; // the dialog for the token; all refused requests share it
 
 function askForToken(isWrong) {
   asking ??= new Promise((resolve) => {
@@ -59,7 +59,7 @@ export async function fetchAnswer(method, path, body = undefined, patience = PAT
 export const ask = async (method, path, body) => (await fetchAnswer(method, path, body)).json();
 
 let described = null;
-/** Returns the types of jobs, and the fields to show; requests them once. */
+/** Returns the types of jobs, and the fields to show. Requests them only once. */
 export function askTypes() {
   described ??= ask("GET", "/v1/types").catch((error) => {
     described = null;
@@ -69,8 +69,8 @@ export function askTypes() {
 }
 
 /**
- * Receives all events while the page is visible: a browser opens six connections to a service, and background tabs must
- * not use all of them. `on` has job(job), progress(progress), gap() if events may have been missed, and
+ * Receives all events while the page is visible. A browser opens only six connections to a service, and background tabs
+ * must not use all of them. `on` has job(job), progress(progress), gap() if events may have been missed, and
  * state("live" | "broken").
  */
 export class EventLine {

@@ -7,7 +7,7 @@ import { ProgressBar, badge, byId, bytesText, canCancel, canRetry, durationText,
   outputName, refreshTimes, setBadge, setText, timeNode, tookText } from "./nodes.js";
 
 const LOG_SHOWN = 200000; // characters from the end of the log
-const LOG_LARGE = 1000000; // a longer log is read every ten seconds, not every two
+const LOG_LARGE = 1000000; // a log longer than this is read every ten seconds instead of every two
 
 const table = (head, rows) => node("div", { class: "scroll" }, node("table", {},
   node("thead", {}, node("tr", {}, ...head.map((one) => node("th", { scope: "col" }, one)))),
@@ -17,7 +17,7 @@ const facts = (pairs) => node("dl", { class: "facts" },
   ...pairs.filter(([, value]) => value !== "").flatMap(([name, value]) =>
     [node("dt", {}, name), node("dd", {}, ...[value].flat())]));
 
-// For unfinished parts: Slurm's state and the progress.
+// For unfinished parts, shows Slurm's state and the progress.
 function partState({ state, slurm_state: slurmState, progress }) {
   if (state !== "sent") return state;
   const share = progress && progress.total ? ` ${Math.floor((100 * progress.done) / progress.total)} %` : "";
@@ -29,7 +29,7 @@ const jobLink = (id) => node("a", { href: `#job-${id}` }, `job ${id}`);
 const SHOWN = { plain: String, time: timeNode, bytes: (value) => (value ? bytesText(value) : ""),
   job: (value) => [value].flat().flatMap((id, i) => (i ? [", ", jobLink(id)] : [jobLink(id)])) };
 
-/** Returns rows of `facts` for a field, which GET /v1/types describes. */
+/** Returns the rows of `facts` for a field; GET /v1/types describes the fields. */
 function rowsOf({ name, label, form }, job) {
   const value = job[name];
   if (form === "object") return Object.entries(value).map(([key, one]) => [key, String(one)]);
@@ -50,7 +50,7 @@ export class JobDetail {
   async open(id) {
     this.close();
     this.number = id;
-    this.wasTold = false; // a change was reported during a request: its answer may be older
+    this.wasTold = false; // a change was reported during a request, whose answer may be older
     let job;
     try {
       job = await ask("GET", `/v1/jobs/${id}`);
@@ -177,7 +177,7 @@ export class JobDetail {
     this.progress.show(this.job);
   }
 
-  /** Reads the job again, after a break or for changes without events. */
+  /** Reads the job again, after a lost connection or for changes without events. */
   async refresh() {
     const id = this.number;
     if (id === null || !this.isOpen) return;
@@ -259,7 +259,10 @@ export class JobDetail {
     dialog.showModal();
   }
 
-  /** Downloads by script: a link cannot send the token, and the token must not appear in a list of downloads. */
+  /**
+   * Downloads with a script, because a link cannot send the token, and the token must not appear in a list of
+   * downloads.
+   */
   fetchResult(event) { return this.save(event, "result", (blob) => (blob.type === "application/x-tar" ? ".tar" : "")); }
 
   /** Makes a link to a page that shows the result; the service makes the page at the first request. */

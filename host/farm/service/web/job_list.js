@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The table of jobs: one page, newest first, updated by events. Whatever happens in the service, the table has at most
-// PAGE rows and is drawn at most ten times per second.
+// Shows the table of jobs: one page, the newest first, updated by events. However busy the service is, the table has at
+// most PAGE rows and is drawn at most ten times per second.
 
 import { ask } from "./client.js";
 import { errorText } from "./error_text.js";
@@ -10,7 +10,7 @@ import { ProgressBar, STATES, badge, byId, firstLine, jobName, node, notify, out
 const PAGE = 50;
 const DRAW_MS = 100;
 const SEARCH_PAGE = 1000;
-const SEARCH_PAGES = 5; // thousands of jobs that a text search covers
+const SEARCH_PAGES = 5; // how many thousand jobs a text search covers
 
 class Row {
   constructor(job, list) {
@@ -51,7 +51,7 @@ class Row {
 }
 
 export class JobList {
-  /** `on` has open(id) and changed(job); the latter is called for each job that an event names. */
+  /** `on` has open(id) and changed(job), which is called for each job that an event names. */
   constructor(on) {
     this.on = on;
     this.rows = new Map();
@@ -240,7 +240,7 @@ export class JobList {
     byId("filter-text").focus();
   }
 
-  // ---- The chosen row: Tab reaches this row, and keys lead from it to the others.
+  // ---- The chosen row: Tab reaches this row, and other keys lead from it to the other rows.
 
   choose(id) {
     const old = this.rows.get(this.chosen);

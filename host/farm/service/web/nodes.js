@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Makes nodes and texts. Untrusted text - labels, messages, file names - becomes text nodes and attributes with known
-// names, never markup.
+// Makes nodes and texts. Untrusted text, such as labels, messages and file names, becomes text nodes and attributes
+// with known names, never markup.
 
 export const byId = (id) => document.getElementById(id);
 
-/** node("a", {href, class, onclick}, "text", otherNode, null): omits children without a value. */
+/** Makes a node: node("a", {href, class, onclick}, "text", otherNode, null). Omits children without a value. */
 export function node(name, attributes = {}, ...children) {
   const made = document.createElement(name);
   for (const [key, value] of Object.entries(attributes)) {
@@ -16,7 +16,7 @@ export function node(name, attributes = {}, ...children) {
   return made;
 }
 
-/** Changes the page only if the text is new: most of a list stays unchanged. */
+/** Changes the page only if the text is new, because most of a list stays unchanged. */
 export function setText(target, value) {
   const text = value ?? "";
   if (target.textContent !== text) target.textContent = text;
@@ -64,7 +64,7 @@ export function relativeText(time, now = Date.now()) {
 
 const absolute = new Intl.DateTimeFormat(undefined, { dateStyle: "medium", timeStyle: "medium" });
 
-/** Makes a relative time that also shows the absolute one; refreshTimes() updates it. */
+/** Makes a relative time that also shows the absolute time. refreshTimes() updates it. */
 export function timeNode(time) {
   return node("time", { datetime: time, title: absolute.format(new Date(time)) }, relativeText(time));
 }
@@ -84,7 +84,7 @@ export function bytesText(bytes) {
   return `${value >= 100 || power === 0 ? Math.round(value) : value.toFixed(1)} ${units[power]}`;
 }
 
-/** Shows the progress of one job, and the remaining time at the pace so far. */
+/** Shows the progress of one job, and the remaining time at the speed so far. */
 export class ProgressBar {
   constructor() {
     this.bar = node("progress", { max: 1, "aria-label": "progress" });

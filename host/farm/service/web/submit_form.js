@@ -10,7 +10,7 @@ const PATH_LENGTH = 4095; // marks paths of files in the schema
 
 const withoutEnding = (name) => name.replace(/(\.(png|tiff?|exr|jpe?g|webp|toml))+$/i, "");
 
-/** Proposes an output: next to the input; for an upload, among the downloadable results. */
+/** Proposes an output next to the input or, for an upload, among the downloadable results. */
 function outputFor(type, input) {
   const upload = /^(.*)\/uploads\/([0-9a-f]{8})[0-9a-f]*\/([^/]+)$/.exec(input);
   // For a manifest, the name of its folder is used.
@@ -33,7 +33,7 @@ function inputFor(name, schema, isRequired) {
     autocomplete: "off", placeholder: schema.maxLength === PATH_LENGTH ? "/path/on/the/server.png" : null });
 }
 
-/** Returns the value of an input; undefined if none was entered. */
+/** Returns the value of an input, or undefined if none was entered. */
 function valueOf(input, schema) {
   if (schema.type === "boolean") return input.checked || undefined;
   if (input.value === "") return undefined;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Finds out, on request, whether this machine has an OpenCL device for jobs. A child process does this, because drivers
-// can crash and hang.
+// can crash or hang.
 #pragma once
 
 #include <atomic>
@@ -18,7 +18,7 @@ class DriverProbe {
  public:
   struct Finding {
     bool has_device = false;
-    std::string message;  // why not
+    std::string message;  // the reason if there is no device
   };
 
   /// `command` ends with exit code 0 if there is a device; otherwise its last line gives the reason. Answers on the
@@ -29,7 +29,7 @@ class DriverProbe {
   DriverProbe(const DriverProbe&) = delete;
   DriverProbe& operator=(const DriverProbe&) = delete;
 
-  /// Returns the last finding; the first caller waits. An old finding is renewed in the background: after ten minutes,
+  /// Returns the last finding. The first caller waits for it. A finding is renewed in the background after ten minutes,
   /// or after half a minute if there was no device.
   boost::asio::awaitable<Finding> look();
 

@@ -15,13 +15,13 @@ namespace multum {
 
 struct InputList {
   std::vector<std::string> files;  // files in the form of input_files()
-  std::string identity;            // input_identity()
+  std::string identity;            // result of input_identity()
 };
 
 /// Blocks. Throws Error like the reader of such a file, and Error(kInput) when the child exceeds its limits.
 InputList list_inputs_in_child(const JobType& type, const nlohmann::json& parameters, const PathRoots& roots);
 
-/// Runs in the child, `multum inputs`, confined to the roots and the readable part of `system`. Prints the list; throws
+/// Runs in the child, `multum inputs`, confined to the roots and the readable part of `system`. Prints the list. Throws
 /// Error.
 void print_input_list(const std::string& type, const std::string& parameters, const std::vector<std::string>& roots,
                       Confinement system);

@@ -30,7 +30,7 @@ std::vector<JobType>& registered_types() {
   return types;
 }
 
-// A job accepts less than a command line: no control characters, and no files except for its inputs.
+// A job accepts less than a command line does: no control characters, and no files except for its inputs.
 std::string expected_of_job(const Parameter& parameter) {
   return parameter.kind == Kind::kText ? "a string of up to 1000 characters without control characters"
                                        : expected_text(parameter);
@@ -58,7 +58,7 @@ bool is_accepted(const Parameter& parameter, const Json& json) {
   const auto* const text = std::get_if<std::string>(&*value);
   switch (parameter.kind) {
     case Kind::kText: return is_plain_text(*text);
-    // Accepts only names of families: a file name could lead out of the folders that jobs may read.
+    // Accepts only names of families, because a file name could lead out of the folders that jobs may read.
     case Kind::kBrdf: return text->size() < 100 && std::regex_match(*text, std::regex(brdf_pattern()));
     case Kind::kFile: return !text->empty() && text->size() < 4096 && text->find('\0') == std::string::npos;
     default: return true;
@@ -199,7 +199,7 @@ std::vector<std::string> job_arguments(const JobType& type, const Json& paramete
   for (const auto& [name, value] : parameters.items()) {
     if (name == type.input) continue;
     const std::string option = type.table->at(name).option();
-    // Written as "--a=b", so that a value that begins with a dash is not taken for an option.
+    // Writes "--a=b", so that a value that begins with a dash is not taken for an option.
     if (value.is_boolean()) {
       if (value.get<bool>()) arguments.push_back(option);
     } else {
@@ -244,8 +244,8 @@ std::string idempotency_key(const JobType& type, const Json& parameters, const s
   Json without_names = parameters;
   for (const Parameter& parameter : type.table->rows())
     if (parameter.kind == Kind::kFile && without_names.contains(parameter.name)) without_names[parameter.name] = true;
-  // A manifest of inferred textures names its scene file, and a plan names an environment: the key must tell which file
-  // has which role.
+  // A manifest of inferred textures names its scene file, and a plan names an environment. The key must therefore tell
+  // which file has which role.
   if (type.files_of_input != nullptr) without_names[type.input] = parameters.at(type.input);
   return hash_text(
       Json{{"type", type.name}, {"parameters", without_names}, {"files", file_hashes}, {"version", MULTUM_VERSION}}

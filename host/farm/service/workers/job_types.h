@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// The types of jobs, as registered by the program that runs the farm. Each type has a row and a table of parameters.
-// Row and table determine the requests that the web interface accepts, the options of `multum jobs submit`, and the
-// command line of a worker. They also determine the files that the idempotency key covers, and the views of a result.
+// Defines the types of jobs, which the program that runs the farm registers. Each type has a row and a table of
+// parameters. The row and the table determine the requests that the web interface accepts, the options of `multum jobs
+// submit`, and the command line of a worker. The row and the table also determine the files that the idempotency key
+// covers, and the views of a result.
 #pragma once
 
 #include <atomic>
@@ -28,15 +29,15 @@ struct JobView {
     std::string saved_caption = {};  // caption of a page that can only be saved
   };
   std::vector<std::string> files;  // files made by one run; every successful run makes the first one
-  std::string program = {};        // a program in the folder of this program, or in PATH; empty: this program
+  std::string program = {};        // a program in the folder of this program, or in PATH; if empty, this program
   std::vector<std::string> words;  // first words of the command line
   bool writes_folder = false;      // PLACE is a folder, otherwise a file
   bool takes_roots = false;        // adds --root=FOLDER for each folder that jobs may read
   std::vector<std::pair<std::string, std::string>> maps = {};  // parameters of the job, each with the option that takes
                                                                // its file, if the file still exists
-  std::string first_map_is_for = {};                           // why the view needs the first map; empty: it does not
+  std::string first_map_is_for = {};                           // why the view needs the first map; empty if it does not
   std::string folder_ending = {};  // ends the name of the view's folder; different for each view of a type
-  std::size_t kept_max = 0;        // number of newest views that are kept; 0: all
+  std::size_t kept_max = 0;        // number of newest views that are kept; 0 means all
   std::vector<Shown> shown = {};   // files in the order of a job's page
   std::map<std::string, std::string> only_for = {};  // shown only if these parameters have these values, or none
 };
@@ -48,35 +49,35 @@ struct RefusedInput {
 };
 
 struct JobType {
-  std::string name;  // "bake"
+  std::string name;  // such as "bake"
   std::string summary;
-  std::string command = {};  // command of this program that does the work; empty: `run`
+  std::string command = {};  // command of this program that does the work; if empty, `run`
   /// Does the work within the worker. `arguments` come from job_arguments(); when `is_deaf` is set, the worker sends no
   /// more signs of life. Returns the exit code.
   std::function<int(const std::vector<std::string>& arguments, Progress& progress, std::atomic<bool>& is_deaf)> run =
       nullptr;
-  std::string input = {};  // parameter that is the first argument; empty: none
+  std::string input = {};  // parameter that is the first argument; empty if there is none
   bool has_output = true;
   bool needs_output = true;
   bool output_is_folder = false;
-  /// Lists the files that the input names, relative to the input: a child reads the input, so its folder matters.
-  /// Throws Error(kInput) when it cannot be read. Null: the input names no files.
+  /// Lists the files that the input names, with paths relative to the input's folder, because a child process reads the
+  /// input. Throws Error(kInput) when it cannot be read. Null if the input names no files.
   std::vector<std::string> (*files_of_input)(const std::string& input) = nullptr;
   bool input_is_one_map = false;  // the input is one map, not a set of tiles
   std::vector<RefusedInput> refused_inputs = {};
-  std::string output_extension = {};                 // "" any
+  std::string output_extension = {};                 // "" means any extension
   std::vector<std::string> refused_extensions = {};  // file name extensions that an output folder must not have
-  /// Options of every job of the type. --absolute-geometry: a result is made next to its final place and may be copied,
-  /// so relative paths would break.
+  /// Options of every job of the type, such as --absolute-geometry: a result is made next to its final place and may be
+  /// copied, so relative paths would break.
   std::vector<std::string> fixed_options = {};
   std::int64_t memory_bytes = 0;          // memory of a job whose submission does not state it
   const ParameterTable* table = nullptr;  // a job takes its kInService parameters
   std::vector<JobView> views = {};        // views of a finished job's result
   std::string no_other_view = {};         // why the type has no other views
   /// A command of this program that takes the arguments of `command`, --json and --share-seconds, and prints a job's
-  /// estimated cost (slurm/slurm_estimate.h). Empty: `estimated_seconds`.
+  /// estimated cost (slurm/slurm_estimate.h). If empty, `estimated_seconds` is used.
   std::string estimate_command = {};
-  /// Estimated seconds of a job; null: unknown.
+  /// The estimated seconds of a job; null if unknown.
   double (*estimated_seconds)(const nlohmann::json& parameters) = nullptr;
 
   /// Returns null if jobs have no parameter of this name.
@@ -90,10 +91,10 @@ struct JobType {
 void register_job_types(std::vector<JobType> types);
 /// The registered types.
 const std::vector<JobType>& job_types();
-/// Throws Error(kUsage) that lists the registered names.
+/// Throws Error(kUsage), which lists the registered names.
 const JobType& find_job_type(const std::string& name);
 
-/// The pattern of is_plain_text(), except for its length limit.
+/// The pattern that is_plain_text() checks, without the length limit.
 inline constexpr const char* kPlainPattern = "^[^\\u0000-\\u001f\\u007f-\\u009f]*$";
 /// Returns whether the text has up to 1000 characters of UTF-8 and no control character.
 bool is_plain_text(const std::string& text);
@@ -109,7 +110,7 @@ void check_input(const JobType& type, const nlohmann::json& parameters);
 /// Returns the schema (draft 2020-12) of the `parameters` object that check_parameters() accepts.
 nlohmann::json parameters_schema(const JobType& type);
 
-/// In parameters, files are texts (path_text.h); in the functions below they are paths.
+/// Parameters contain files as texts (path_text.h). The functions below use paths.
 
 /// Returns the command line of `multum` that makes `output` from checked parameters.
 std::vector<std::string> job_arguments(const JobType& type, const nlohmann::json& parameters,
@@ -119,8 +120,8 @@ std::vector<std::string> job_arguments(const JobType& type, const nlohmann::json
 /// Throws Error(kInput) when such an input cannot be read.
 std::vector<std::string> input_files(const JobType& type, const nlohmann::json& parameters);
 
-/// Returns a text that changes when any of input_files() is written, replaced or removed. Fast: reads no contents.
-/// Empty: no inputs.
+/// Returns a text that changes when any of input_files() is written, replaced or removed. Fast, because it reads no
+/// contents. Returns "" if there are no inputs.
 std::string input_identity(const JobType& type, const nlohmann::json& parameters);
 
 /// Returns the SHA-256 of the type, the parameters without file names, the files' hashes and the version of multum. Two

@@ -36,10 +36,11 @@ using Clock = std::chrono::steady_clock;
 constexpr auto kBeat = std::chrono::seconds(1);
 constexpr auto kProgressPause = std::chrono::milliseconds(100);  // pause between two progress reports
 
-// Makes a job work in its staging folder, through the folder's descriptor, even if the folder is renamed meanwhile.
+// Makes a job work in its staging folder. Uses the folder's descriptor, so that this works even if the folder is
+// renamed meanwhile.
 class WorkingFolder {
  public:
-  /// "": stays in the current folder.
+  /// With "", stays in the current folder.
   WorkingFolder(const PathRoots& roots, const std::string& path) {
     if (path.empty()) return;
     before_ = OpenFile(::open(".", O_PATH | O_DIRECTORY | O_CLOEXEC));
@@ -47,7 +48,9 @@ class WorkingFolder {
       fail_by_errno(path, "cannot be used as the working folder");
   }
   ~WorkingFolder() {
-    if (before_.is_open() && ::fchdir(before_.descriptor()) != 0) std::_Exit(4);  // the next job would run here
+    if (before_.is_open() && ::fchdir(before_.descriptor()) != 0)
+      std::_Exit(4);  // otherwise the next job would run in
+                      // this folder
   }
   WorkingFolder(const WorkingFolder&) = delete;
   WorkingFolder& operator=(const WorkingFolder&) = delete;
@@ -79,7 +82,7 @@ class LogRedirection {
   LogRedirection& operator=(const LogRedirection&) = delete;
 
  private:
-  // A failure here could not be handled, but dup2() does not fail for open descriptors.
+  // A failure could not be handled here, but dup2() does not fail for open descriptors.
   void put_back() {
     std::fflush(stdout);
     for (const int stream : {1, 2})
@@ -131,7 +134,7 @@ class Worker {
     for (;;) {
       const ssize_t count = ::recv(socket_, bytes, sizeof(bytes), 0);
       if (count < 0 && errno == EINTR) continue;
-      // The daemon has ended, perhaps by kill -9: no result of this worker would be accepted.
+      // The daemon has ended, perhaps by kill -9, so no result of this worker would be accepted.
       if (count <= 0) std::_Exit(0);
       buffer.append(bytes, static_cast<std::size_t>(count));
       for (std::size_t end = buffer.find('\n'); end != std::string::npos; end = buffer.find('\n')) {
@@ -178,7 +181,7 @@ class Worker {
       const WorkOrder order = work_from(command);
       const LogRedirection log(order.log);
       const JobType& type = find_job_type(order.type);
-      // Reports obstacles to publishing before the work.
+      // Reports obstacles to publishing before the work begins.
       if (!order.output.empty()) StagedResult(roots_, order.output, "", 0, {}).check_place(type.output_is_folder);
       const WorkingFolder working(roots_, order.folder);
       check_inputs(type, order.parameters);

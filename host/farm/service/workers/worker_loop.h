@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The worker's side of the service: a process that runs one job after another, and reports every second that it is
-// alive, and its progress. When the daemon has ended, the worker ends at once, because its lease is void.
+// Runs a worker of the service: a process that runs one job after another. Every second it reports its progress, and
+// that it is alive. When the daemon has ended, the worker ends at once, because its lease is void.
 //
 // Both sides write JSON objects, one per line, over a stream socket:
 //
@@ -25,8 +25,8 @@ namespace multum {
 /// callback, which may cancel the command.
 using RunCommand = std::function<int(const std::vector<std::string>& arguments, const Progress::Callback& callback)>;
 
-/// Runs until the daemon tells it to end, or has ended itself. A job's inputs and its result must be below `roots`; the
-/// daemon has checked this before. Returns the exit code of the process.
+/// Runs until the daemon ends or tells the worker to end. A job's inputs and its result must be below `roots`; the
+/// daemon has already checked this. Returns the exit code of the process.
 int run_worker(int socket, const std::vector<std::string>& roots, const RunCommand& run);
 
 }  // namespace multum

@@ -30,12 +30,13 @@ using Clock = std::chrono::steady_clock;
 using std::chrono::milliseconds;
 
 constexpr auto kTick = milliseconds(250);
-constexpr int kSocket = 3;                 // of a worker
+constexpr int kSocket = 3;                 // descriptor of a worker's socket
 constexpr std::size_t kLineMax = 1 << 20;  // bytes per line; a worker that sends more is broken
 constexpr char kNonsense[] = "it talks nonsense";
-constexpr int kBackOffDoublingsMax = 4;  // limits the pause before a worker is restarted, from 250 ms on
+constexpr int kBackOffDoublingsMax = 4;  // the pause before a worker is restarted begins at 250 ms and doubles at most
+                                         // this often
 
-// A worker inherits no connections or listeners: when the daemon closes a connection, the client must see it closed.
+// A worker inherits no connections or listeners. Otherwise a client would not see that the daemon closes a connection.
 // Processes that a worker has started end with it, and Ctrl-C reaches only the daemon.
 pid_t spawn_worker(std::vector<std::string> command, int socket) {
   command.push_back(fmt::format("--socket={}", kSocket));
@@ -47,11 +48,11 @@ pid_t spawn_worker(std::vector<std::string> command, int socket) {
 
 // Truncates worker text, which is stored and broadcast.
 std::string text_of(const Json& said, const char* key) {
-  constexpr std::size_t kLongest = 8192;  // bytes
+  constexpr std::size_t kLongest = 8192;  // bytes of the longest text
   std::string text = said.value(key, "");
   if (text.size() <= kLongest) return text;
   std::size_t end = kLongest;
-  while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0) == 0x80) --end;  // does not cut a character
+  while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0) == 0x80) --end;  // avoids cutting a character
   text.resize(end);
   return text + " ...";
 }
@@ -75,7 +76,7 @@ struct WorkerPool::Worker {
   bool is_ready = false, is_ended = false;
   bool is_ending = false;        // the worker gets no more jobs
   bool is_asked_to_end = false;  // told to end, so the process ends by itself
-  std::int64_t job = 0;          // 0: idle
+  std::int64_t job = 0;          // number of the job, 0 if idle
   int attempt = 0;
   int jobs_done = 0;
   JobProgress progress;
@@ -108,7 +109,7 @@ void WorkerPool::spawn() {
     worker->heard = Clock::now();
     workers_[worker->owner] = worker;
     read(worker);
-  } catch (...) {  // the end of the process would not be noticed
+  } catch (...) {  // otherwise the end of the process would not be noticed
     worker->is_ended = true;
     workers_.erase(worker->owner);
     end_process(*worker);
@@ -146,7 +147,7 @@ void WorkerPool::read(const std::shared_ptr<Worker>& worker) {
                                  });
 }
 
-// Leaves the work to the next tick, which retries until it succeeds.
+// Leaves the work to the next tick. Ticks retry until it succeeds.
 void WorkerPool::reap_soon(Worker& worker, const char* why) {
   worker.is_ending = true;
   worker.kill_at = Clock::time_point::min();
@@ -321,7 +322,7 @@ void WorkerPool::tick() {
     const auto all = workers_;  // a copy: ended workers leave the list
     for (const auto& [owner, worker] : all) look_after(worker, now);
     while (!is_closing_ && live_count() < settings_.workers && now >= not_before_) spawn();
-  } catch (const std::exception& error) {  // too few files, processes or memory
+  } catch (const std::exception& error) {  // too few files or processes, or too little memory
     not_before_ = now + std::chrono::seconds(5);
     service_log(LogSeverity::kError, 0, error.what());
   }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The daemon's side of its workers: child processes that bake, so that a driver crash ends only one of them. A worker
-// is killed if it sends no sign of life within its lease, or makes no progress for too long. The pool waits for the end
-// of a lost worker before another one gets its job.
+// Manages the daemon's workers: child processes that bake, so that a driver crash ends only one of them. A worker is
+// killed if it sends no sign of life within its lease, or makes no progress for too long. The pool waits until a lost
+// worker has ended before another one gets its job.
 #pragma once
 
 #include <boost/asio/io_context.hpp>
@@ -22,16 +22,16 @@ namespace multum {
 struct WorkerPoolSettings {
   int workers = 1;
   std::vector<std::string> command;               // command line of a worker; "--socket=3" is added
-  std::chrono::milliseconds lease{10000};         // without a word
-  std::chrono::milliseconds no_progress{600000};  // longest time without progress; 0: no limit
+  std::chrono::milliseconds lease{10000};         // longest time without a sign of life
+  std::chrono::milliseconds no_progress{600000};  // longest time without progress; 0 means no limit
   std::chrono::milliseconds cancel_grace{10000};  // time between the request to stop and the kill
   int jobs_a_worker = 1000;                       // jobs before the worker is replaced, because drivers leak memory
 };
 
 struct WorkResult {
-  int exit_code = 0;  // -1: the worker was lost
+  int exit_code = 0;  // -1 if the worker was lost
   std::string message;
-  bool have_inputs_changed = false;  // true: inputs have changed since the job was submitted
+  bool have_inputs_changed = false;  // true if inputs have changed since the job was submitted
 };
 
 struct JobProgress {
@@ -54,7 +54,7 @@ class WorkerPool {
   WorkerPool& operator=(const WorkerPool&) = delete;
 
   void start();
-  /// Names of idle workers that are not reserved: order() takes one.
+  /// The names of idle workers that are not reserved. order() takes such a name.
   std::vector<std::string> idle() const;
   bool is_idle(const std::string& owner) const;
   /// Returns false if that worker is no longer idle.
@@ -90,7 +90,7 @@ class WorkerPool {
   std::string instance_;
   Events events_;
   boost::asio::steady_timer timer_;
-  std::map<std::string, std::shared_ptr<Worker>> workers_;  // by owner
+  std::map<std::string, std::shared_ptr<Worker>> workers_;  // workers by owner
   std::uint64_t started_ = 0, lost_ = 0;
   int failures_ = 0;  // consecutive workers that died before they were ready
   std::chrono::steady_clock::time_point not_before_;

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Estimates the probability of a binary symbol in one context from the earlier symbols in this context. The estimate is
-// the mean of a fast and a slow exponential average. In a young context both averages cover all symbols so far: the nth
-// symbol has the weight 1/(n + 1.5), as in the estimator of Krichevsky and Trofimov. Contexts with a few dozen symbols
-// then learn as fast as possible, which matters because a texture has only a few kilobytes for all its contexts. All
-// arithmetic is integer, so that encoder and decoder agree on every machine.
+// the mean of a fast and a slow exponential average. In a context with few symbols, both averages cover all of them:
+// the nth symbol has the weight 1/(n + 1.5), as in the estimator of Krichevsky and Trofimov. Contexts with a few dozen
+// symbols then learn as fast as possible, which matters because a texture has only a few kilobytes for all its
+// contexts. All arithmetic is integer, so that encoder and decoder agree on every machine.
 #pragma once
 
 #include <algorithm>
@@ -15,7 +15,8 @@ namespace multum {
 
 class AdaptiveBit {
  public:
-  /// Returns the probability of 1, in 1/65536: 32 to 65504, so that no symbol costs more than 11 bits.
+  /// Returns the probability of a 1, in units of 1/65536. The probability is 32 to 65504, so that no symbol costs more
+  /// than 11 bits.
   std::uint32_t probability() const {
     return std::clamp<std::uint32_t>((std::uint32_t{fast_} + slow_) / 2, kLeast, 65536 - kLeast);
   }
@@ -30,9 +31,9 @@ class AdaptiveBit {
   static constexpr std::uint32_t kLeast = 32;
   static constexpr std::size_t kFastCount = 20, kSlowCount = 160;  // most symbols that each average covers
 
-  /// ceil(2^26 / (2 n + 3)). The product with x, over 2^26, is x / (2 n + 3) rounded down for x up to 131070, because
-  /// the table value exceeds the quotient by less than 1, and 131070 * 323 is below 2^26. Divisions would take a third
-  /// of the decoding time.
+  /// Entry n is ceil(2^26 / (2 n + 3)). Entry n times x, divided by 2^26 and rounded down, equals x / (2 n + 3) rounded
+  /// down for x up to 131070. The result is exact, because an entry exceeds the exact quotient by less than 1, and
+  /// 131070 * 323 is below 2^26. The table avoids divisions, which would take a third of the decoding time.
   static constexpr auto kReciprocals = [] {
     std::array<std::uint64_t, kSlowCount + 1> table{};
     for (std::size_t n = 0; n < table.size(); ++n) table[n] = ((std::uint64_t{1} << 26) + 2 * n + 2) / (2 * n + 3);

@@ -20,7 +20,7 @@ inline constexpr std::array<int, 65> kLogistic = {
     65097, 65194, 65269, 65328, 65374, 65410, 65438, 65459, 65476, 65489, 65500, 65508, 65514};
 extern const std::array<std::int16_t, 4096> kLogOdds;  // one entry per sixteen probabilities
 
-/// Returns the probability in 1/65536 of log odds in 1/256: 22 to 65514.
+/// Converts log odds, in units of 1/256, to a probability in units of 1/65536, from 22 to 65514.
 inline std::uint32_t probability_of(int log_odds) {
   const auto shifted = static_cast<std::uint32_t>(std::clamp(log_odds, -2048, 2047) + 2048);
   const std::uint32_t i = shifted / 64, rest = shifted % 64;
@@ -28,15 +28,15 @@ inline std::uint32_t probability_of(int log_odds) {
          static_cast<std::uint32_t>(kLogistic[i + 1] - kLogistic[i]) * rest / 64;
 }
 
-/// Returns ln(p / (1 - p)) in 1/256, -2048 to 2047, of a probability p in 1/65536, up to 65535. The result does not
-/// decrease when p rises.
+/// Converts a probability p, in units of 1/65536 and up to 65535, to log odds ln(p / (1 - p)) in units of 1/256, from
+/// -2048 to 2047. The result never decreases when p rises.
 inline int log_odds(std::uint32_t probability) { return kLogOdds[std::min<std::uint32_t>(probability, 65535) / 16]; }
 
 class BitMixer {
  public:
   static constexpr std::size_t kInputsMax = 4;
 
-  /// Returns the probability of 1, in 1/65536, from the log odds of each context, at most kInputsMax.
+  /// Returns the probability of a 1, in units of 1/65536, from the log odds of at most kInputsMax contexts.
   std::uint32_t mix(std::span<const int> inputs) const {
     std::int64_t sum = 0;
     for (std::size_t i = 0; i < inputs.size(); ++i) sum += std::int64_t{weights_[i]} * inputs[i];
@@ -45,16 +45,16 @@ class BitMixer {
   /// Learns from the symbol that followed when `mix` had returned `probability` for `inputs`.
   void update(std::span<const int> inputs, std::uint32_t probability, bool bit) {
     // The gradient of the code length by weight i is (p - bit) inputs[i]. A step is 1/128 of the gradient, in natural
-    // logarithms. Half or twice this rate changes files of field_demo1 by at most 0.2 %. The product is below 2^27,
-    // because inputs are below 2^11.
+    // logarithms. Half or twice this rate changes the file size of field_demo1 by at most 0.2 %. The product is below
+    // 2^27, because inputs are below 2^11.
     const int error = (bit ? 65535 : 0) - static_cast<int>(probability);
     for (std::size_t i = 0; i < inputs.size(); ++i)
       weights_[i] = std::clamp(weights_[i] + error * inputs[i] / (1 << 15), -(1 << 15), 1 << 19);
   }
 
  private:
-  // Weights in 1/65536. Their sum starts above 1, because contexts that agree are right more often than each one
-  // predicts.
+  // Weights in 1/65536. The sum of the weights starts above 1, because contexts that agree are right more often than
+  // each one predicts.
   std::array<std::int32_t, kInputsMax> weights_{26000, 26000, 26000, 26000};
 };
 

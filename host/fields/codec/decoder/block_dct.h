@@ -15,7 +15,7 @@ std::span<const float> dct_cosines(int side);
 /// Computes coefficients[v][u] = C samples C^T, where u is the frequency along rows and v the frequency along columns.
 /// Both spans have side * side values and may be the same.
 void forward_dct(int side, std::span<const float> samples, std::span<float> coefficients);
-/// Rows and columns of zeros beyond the lowest coefficients take no time.
+/// Skips rows and columns that are zero from some frequency on, which saves time.
 void inverse_dct(int side, std::span<const float> coefficients, std::span<float> samples);
 
 }  // namespace multum

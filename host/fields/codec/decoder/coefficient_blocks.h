@@ -19,7 +19,7 @@ class CoefficientBlocks {
   CoefficientBlocks(std::size_t block_count, std::size_t block_values)
       : block_count_(block_count), block_values_(block_values) {}
 
-  /// Returns a block's values. Empty: all zero.
+  /// Returns a block's values, or an empty span if all are zero.
   std::span<const std::int16_t> block(std::size_t plane, std::size_t number) const {
     if (begins_[plane].empty() || begins_[plane][number] < 0) return {};
     const auto begin = begins_[plane][number];
@@ -31,7 +31,8 @@ class CoefficientBlocks {
     if (begins_[plane].empty()) begins_[plane].assign(block_count_, -1);
     auto& begin = begins_[plane][number];
     if (begin < 0) {
-      begin = static_cast<std::int32_t>(values_.size());  // fits: an image has at most 2^28 texels and three planes
+      begin = static_cast<std::int32_t>(values_.size());  // no overflow: an image has at most 2^28 texels and three
+                                                          // planes
       values_.resize(values_.size() + block_values_);
     }
     return {values_.data() + begin, block_values_};

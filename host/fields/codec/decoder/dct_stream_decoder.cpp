@@ -72,7 +72,7 @@ bool DctStreamDecoder::add_plane(CoefficientBlocks& image, const CoefficientBloc
       const bool is_only = !any_yet && number == groups_.blocks(group).back();
       const bool is_coded =
           has_any && syntax_.block(coder_, values, surroundings(image, parent, grid_, plane, number, level), is_only);
-      if (port_.exhausted()) return false;  // parts of this block may be arbitrary
+      if (port_.exhausted()) return false;  // parts of this block may be wrong
       any_yet |= is_coded;
       if (!is_coded && parent != nullptr) continue;
       if (parent == nullptr)

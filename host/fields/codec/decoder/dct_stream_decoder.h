@@ -31,7 +31,8 @@ class BlockGroups {
   std::size_t count() const { return numbers_.size(); }
   /// Returns the numbers of a group's blocks, row by row.
   std::span<const std::size_t> blocks(std::size_t group) const { return numbers_[group]; }
-  /// Returns the surroundings of a group in `image`. `parent`, and the previously coded image `before`, may be null.
+  /// Returns the surroundings of a group in `image`. `before` is the image coded before it. `parent` and `before` may
+  /// be null.
   GroupSurroundings surroundings(const CoefficientBlocks& image, const CoefficientBlocks* parent,
                                  const CoefficientBlocks* before, std::size_t plane, std::size_t group,
                                  std::size_t level) const;
@@ -66,8 +67,9 @@ class DctStreamDecoder {
   DctStreamDecoder(const DctStreamDecoder&) = delete;
   DctStreamDecoder& operator=(const DctStreamDecoder&) = delete;
 
-  /// Decodes the stream's next image. `parent`: an earlier image that this image refines, or null. `before`: the image
-  /// decoded last, or null for the first. After the stream's end, or when limits stop it, all coefficients are zero.
+  /// Decodes the stream's next image. `parent` is an earlier image that this image refines, or null. `before` is the
+  /// image decoded last, or null for the first image. After the stream's end, or when limits stop it, all coefficients
+  /// are zero.
   CoefficientBlocks next_image(const CoefficientBlocks* parent, const CoefficientBlocks* before, std::size_t level);
 
   /// Returns whether the stream ended before its images did.
@@ -87,15 +89,15 @@ class DctStreamDecoder {
   DecodingAccount* account_;
 };
 
-/// An image and its factor.
+/// An image and the factor by which it is multiplied.
 struct WeighedImage {
   const CoefficientBlocks* image;
   float scale;
 };
 
 /// Adds the images' sum to `colours`, [height][width][3]. Multiplies coefficients by `steps`, one per place of a block,
-/// and transforms them back; plane p goes to the colours of row p of `rows`. Adds images before the transform, so that
-/// only one transform is needed. Blocks of zeros take no time.
+/// and transforms them back; plane p is multiplied by the colour in row p of `rows`. Adds the images before the
+/// transform, so that only one transform is needed. Skips blocks of zeros.
 void add_colours(std::span<const WeighedImage> images, const BlockGrid& grid, std::span<const float> steps,
                  const std::array<std::array<float, 3>, 3>& rows, std::span<float> colours);
 

@@ -26,7 +26,7 @@ namespace multum {
 struct BlockSurroundings {
   std::span<const std::int16_t> left, up, parent, luma;
   bool has_parent = false;
-  std::size_t plane = 0;  // 0: luma
+  std::size_t plane = 0;  // plane 0 is luma
   std::size_t level = 0;  // level of the pyramid; 0 is the coarsest
 };
 
@@ -40,7 +40,7 @@ struct GroupSurroundings {
 
 class DctSyntax {
  public:
-  /// `side`: a side that is_dct_side() accepts.
+  /// is_dct_side() must accept `side`.
   explicit DctSyntax(int side) : side_(static_cast<std::size_t>(side)), band_count_(std::bit_width(side_)) {
     for (std::size_t v = 0; v < side_; ++v)
       for (std::size_t u = 0; u < side_; ++u) {
@@ -67,7 +67,7 @@ class DctSyntax {
   }
 
   /// Codes `values`, side * side numbers; when decoding, they must be zero before the call. Returns whether any value
-  /// is coded. `is_coded`: a value is known to be coded.
+  /// is coded. Set `is_coded` if at least one value is known to be coded.
   template <class Port>
   bool block(SymbolCoder<Port>& coder, std::span<std::int16_t> values, const BlockSurroundings& around,
              bool is_coded = false) {

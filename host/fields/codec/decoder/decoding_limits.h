@@ -10,9 +10,10 @@
 namespace multum {
 
 struct DecodingLimits {
-  /// Most bytes of coefficients, including those needed only while decoding. A chunk that needs more memory is refused.
+  /// The most bytes that coefficients may take, including those needed only while decoding. A chunk that needs more is
+  /// refused.
   std::size_t bytes_max = SIZE_MAX;
-  /// Checked in every block; if true, decoding ends at once. Null: decoding cannot be cancelled.
+  /// Checked in every block. If true, decoding ends at once. If null, decoding cannot be cancelled.
   const std::atomic<bool>* cancelled = nullptr;
   /// Set to true if bytes_max was too small. May be null.
   bool* ran_out = nullptr;
@@ -23,7 +24,7 @@ class DecodingAccount {
  public:
   explicit DecodingAccount(const DecodingLimits& limits) : limits_(limits) {}
 
-  /// Sets the bytes of images that are already decoded.
+  /// Sets the number of bytes that decoded images take.
   void set_kept(std::size_t bytes) { kept_ = bytes; }
   /// Returns whether the current image's bytes exceed the limit, or the decoding is cancelled. Once true, the result
   /// stays true.

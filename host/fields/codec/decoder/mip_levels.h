@@ -13,7 +13,7 @@ namespace multum {
 /// Returns the number of texels of all levels, down to 1 x 1.
 std::size_t mip_texel_count(std::size_t width, std::size_t height);
 
-/// Returns all levels, the finest first, [texel][3]; `finest`: [height][width][3].
+/// Returns all levels, [texel][3], the finest first. `finest` is [height][width][3].
 std::vector<float> mip_levels(std::size_t width, std::size_t height, std::span<const float> finest);
 
 /// Applies the adjoint of mip_levels(): adds values of all levels, [texel][channels], to the finest level with the same

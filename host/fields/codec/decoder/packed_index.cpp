@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::array<std::uint8_t, 4> kMagic = {'M', 'P', 'T', 'F'};
 constexpr std::size_t kChecksumBytes = 4;
-constexpr std::size_t kSectionBytesLeast = 4 + kChecksumBytes;  // index bytes per section
+constexpr std::size_t kSectionBytesLeast = 4 + kChecksumBytes;  // least number of index bytes per section
 
 }  // namespace
 

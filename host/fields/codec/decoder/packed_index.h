@@ -20,7 +20,7 @@
 namespace multum {
 
 enum class SectionKind : std::uint32_t {
-  kDescription = 0,  // of the field
+  kDescription = 0,  // description of the field
   kChunk = 1,        // textures of a layer over a block
 };
 

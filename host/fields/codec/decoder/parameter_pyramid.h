@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// The adaptive Laplacian pyramid over a block of parameter space (Hakura et al. 2000, section 4, figure 8): the
-// pyramid's images, and the sum of images that makes each sample. A level halves some dimensions of the next finer
-// level, each of them any number of times. So dimensions can be halved in any order, and levels can be left out. Any
-// number of dimensions and any sizes are allowed: halving 5 samples gives 3 cells, and the last cell covers only one
-// sample.
+// Defines the adaptive Laplacian pyramid over a block of parameter space (Hakura et al. 2000, section 4, figure 8): its
+// images, and which images add up to each sample. A level halves some dimensions of the next finer level, each of them
+// any number of times. Dimensions can thus be halved in any order, and levels can be left out. Any number of dimensions
+// and any sizes are allowed: halving 5 samples gives 3 cells, and the last cell covers only one sample.
 #pragma once
 
 #include <cstddef>
@@ -26,9 +25,9 @@ class ParameterPyramid {
     float weight;
   };
 
-  /// `sizes`: samples along each dimension, 1 to kSamplesMax in total. `levels`: the coarsest first; the last level
-  /// halves nothing. Compared with the previous level, each level halves at least one dimension fewer times and no
-  /// dimension more times. Returns nullopt if the levels break these rules.
+  /// `sizes` has the samples along each dimension, 1 to kSamplesMax in total. `levels` starts with the coarsest level;
+  /// the last level halves nothing. Compared with the previous level, each level halves at least one dimension fewer
+  /// times and no dimension more times. Returns nullopt if the levels break these rules.
   static std::optional<ParameterPyramid> of(std::vector<std::size_t> sizes, std::vector<Halvings> levels);
 
   std::size_t level_count() const { return levels_.size(); }
@@ -38,12 +37,13 @@ class ParameterPyramid {
   const std::vector<Halvings>& levels() const { return levels_; }
 
   /// Returns the number of a level's first image. Images are numbered level by level, the coarsest first. Within a
-  /// level they are in the order of samples: the last dimension changes fastest.
+  /// level, images are in the order of samples: the last dimension changes fastest.
   std::size_t first_image(std::size_t level) const { return first_image_[level]; }
   std::size_t level_of(std::size_t image) const;
   /// Returns the image of a level whose cell contains the sample.
   std::size_t image_of(std::size_t level, std::size_t sample) const;
-  /// Returns the image of the next coarser level whose cell contains this image's cell; nullopt for the coarsest.
+  /// Returns the image of the next coarser level whose cell contains this image's cell, or nullopt for the coarsest
+  /// level.
   std::optional<std::size_t> parent_of(std::size_t image) const;
   /// Returns the samples in the image's cell, ascending.
   std::vector<std::size_t> samples_of(std::size_t image) const;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Decodes binary symbols of given probabilities from bytes: a 32-bit range coder with carries (Martin 1979).
-// RangeEncoder writes these bytes. The decoder never reads beyond the end. After the end it continues as long as the
-// missing bytes cannot change the symbols; then it returns zeros and reports this. Every prefix of a stream therefore
-// decodes to a prefix of its symbols.
+// Decodes binary symbols of given probabilities from the bytes of RangeEncoder, a 32-bit range coder with carries
+// (Martin 1979). The decoder never reads beyond the end. After the end it continues as long as the missing bytes cannot
+// change the symbols; then it returns zeros and reports this. Every prefix of a stream therefore decodes to a prefix of
+// its symbols.
 #pragma once
 
 #include <cstdint>
@@ -15,13 +15,14 @@ class RangeDecoder {
   /// The bytes must outlive the decoder.
   explicit RangeDecoder(std::span<const std::uint8_t> bytes);
 
-  /// Returns the next symbol. `probability`: of 1, in 1/65536, 1 to 65535. Returns false once the bytes no longer
-  /// determine the symbol.
+  /// Returns the next symbol. `probability` is that of a 1, in units of 1/65536, from 1 to 65535. Returns false once
+  /// the bytes no longer determine the symbol.
   bool decode(std::uint32_t probability) {
     if (exhausted_) return false;
     // Size of the part of the interval, at its beginning, that stands for 1.
     const std::uint32_t bound = (range_ >> 16) * probability;
-    // Untrusted bytes may give a number beyond the interval. Such a number counts as the last number in the interval.
+    // Untrusted bytes may give a number beyond the interval. Such a number is replaced by the last number in the
+    // interval.
     if (code_ >= range_) code_ = range_ - 1;
     const bool bit = code_ < bound;
     if (bit && unknown_ >= bound - code_) {
@@ -51,7 +52,7 @@ class RangeDecoder {
   std::size_t next_ = 0;
   std::uint32_t range_ = 0xffffffff;
   std::uint32_t code_ = 0;     // offset of the stream's number from the interval's start; missing bytes are zeros
-  std::uint32_t unknown_ = 0;  // most that missing bytes could add
+  std::uint32_t unknown_ = 0;  // the largest number that missing bytes could add
   bool exhausted_ = false;
 };
 

@@ -46,8 +46,7 @@ class SymbolCoder {
   /// Codes a bit with equal probabilities.
   bool even_bit(bool value) { return port_.code(value, 32768); }
 
-  /// Codes an integer of at least 0 and below 2^16: its bit length in unary with `contexts`, then the bits after the
-  /// first.
+  /// Codes an integer from 0 to 2^16 - 1: its bit length in unary with `contexts`, then the bits after the first.
   std::uint32_t number(std::uint32_t value, std::span<AdaptiveBit, 17> contexts) {
     std::uint32_t length = 0, above = value + 1;  // 1 to 2^16
     while (above >> length > 1) ++length;

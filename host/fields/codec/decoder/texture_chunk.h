@@ -34,13 +34,13 @@ class TextureChunk {
   /// Returns which images add up to each sample. Up to rounding, texture(sample) is the format's offset_colour() plus
   /// the sum of its terms' weights times image().
   const ImagePlan& plan() const { return plan_; }
-  /// Returns an image, [height][width][3], in the units of texture(), without weight and offset. The time does not
-  /// depend on the values: three inverse transforms and a colour rotation, or nothing if is_zero().
+  /// Returns an image, [height][width][3], in the units of texture(), without weight and offset. Takes no time if
+  /// is_zero(). Otherwise it takes three inverse transforms and a colour rotation, whatever the values are.
   std::vector<float> image(std::size_t number) const;
   bool is_zero(std::size_t number) const;
   /// Returns the weighted sum of a sample's images, which is the texture without the offset, at the cost of one image.
   std::vector<float> image_sum(std::size_t sample) const;
-  /// Returns the bytes of coefficients.
+  /// Returns the number of bytes that the coefficients take.
   std::size_t memory_bytes() const;
 
   /// Returns whether the bytes ended before the images did.
@@ -63,7 +63,7 @@ class TextureChunk {
   bool was_cut_short_ = false;
 };
 
-/// Inverts radiance_of(); returns 0 below 0.
+/// Inverts radiance_of(). Returns 0 for negative radiance.
 float gamma_coded(float radiance);
 
 }  // namespace multum

@@ -97,7 +97,7 @@ std::optional<TextureChunkFormat> read_chunk_format(ByteReader& reader, std::str
   format.linear = (kind & 2) != 0;
   format.width = reader.number(TextureChunkFormat::kSideMax);
   format.height = reader.number(TextureChunkFormat::kSideMax);
-  if (format.width < 1 || format.height < 1) return refuse("a texture's sides are not 1 to 16384 texels");
+  if (format.width < 1 || format.height < 1) return refuse("a side of a texture is not within 1 to 16384 texels");
   const std::size_t dimensions = reader.byte(), levels = reader.byte();
   if (dimensions < 1 || dimensions > ParameterPyramid::kDimensionsMax)
     return refuse("the block has 0 dimensions, or more than 8");
@@ -108,7 +108,7 @@ std::optional<TextureChunkFormat> read_chunk_format(ByteReader& reader, std::str
       return refuse("the block has 0 samples, or more than 65536");
   }
   if (samples * levels << (format.linear ? dimensions : 0) > TextureChunkFormat::kTermsMax)
-    return refuse("the sums of all samples together have more than 2^22 images");
+    return refuse("all samples together sum more than 2^22 images");
   if (levels < 1 || levels > TextureChunkFormat::kBasisMax)
     return refuse("the chunk has 0 images, or more than 64 levels");
   for (std::size_t l = 0; l < levels; ++l) {
@@ -129,7 +129,7 @@ std::optional<TextureChunkFormat> read_chunk_format(ByteReader& reader, std::str
     images = pyramid->image_count();
   }
   if (images > TextureChunkFormat::kTexelsMax / (format.width * format.height))
-    return refuse("the images have more than 2^28 texels together");
+    return refuse("the images have more than 2^28 texels in total");
   if (format.coder == ImageCoder::kDct) {
     format.side = reader.byte();
     if (!is_dct_side(format.side)) return refuse("the block size is not 8, 16 or 32 texels");

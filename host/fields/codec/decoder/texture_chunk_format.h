@@ -27,9 +27,9 @@ enum class ImageCoder : std::uint8_t { kDct = 0, kWavelet = 1 };
 
 /// The images that add up to each sample.
 struct ImagePlan {
-  std::vector<std::size_t> levels;                              // by image
+  std::vector<std::size_t> levels;                              // level of each image
   std::vector<std::optional<std::size_t>> parents;              // the earlier image that each image refines
-  std::vector<std::vector<ParameterPyramid::Term>> of_samples;  // by sample
+  std::vector<std::vector<ParameterPyramid::Term>> of_samples;  // terms of each sample
 
   std::size_t image_count() const { return levels.size(); }
 };
@@ -38,7 +38,7 @@ struct TextureChunkFormat {
   static constexpr std::size_t kSideMax = 16384;
   /// Maximum number of texels in all images together. The limit bounds a decoder's time and memory.
   static constexpr std::size_t kTexelsMax = std::size_t{1} << 28;
-  /// Most terms in the sums of all samples together.
+  /// The most terms in the sums of all samples together.
   static constexpr std::size_t kTermsMax = std::size_t{1} << 22;
   static constexpr std::size_t kBasisMax = 64;  // images of a basis
 
@@ -50,7 +50,7 @@ struct TextureChunkFormat {
   /// [image][sample]. A basis has only one level.
   std::vector<std::vector<std::int8_t>> basis;
   bool linear = false;     // interpolate images over parameters instead of using the nearest one
-  std::uint8_t side = 16;  // of cosine blocks
+  std::uint8_t side = 16;  // side of cosine blocks
   /// A rotation of colours as a quaternion (w, x, y, z in 1/32767), and the offset of each rotated plane in 1/64.
   std::array<std::int16_t, 4> rotation{32767, 0, 0, 0};
   std::array<std::int16_t, 3> offsets{};
@@ -60,7 +60,7 @@ struct TextureChunkFormat {
   /// Factors of all steps of a level, 2^(code / 8 - 8).
   std::vector<std::uint8_t> level_codes;
 
-  /// Returns the required size of step_codes.
+  /// Returns the size that step_codes must have.
   std::size_t step_code_count() const;
   /// Returns the steps of the places of a cosine block, [v][u], or of the bands.
   std::vector<float> steps() const;

@@ -4,7 +4,8 @@
 namespace multum {
 namespace {
 
-/// The reconstruction point in a coefficient's interval. It is below the middle, because small values are more likely.
+/// The value in a coefficient's interval that the decoder uses. This value is below the middle, because small values
+/// are more likely.
 constexpr float kPlaceInInterval = 0.4f;
 
 /// Bytes per texel of a plane: magnitude, sign, lowest bit plane, and quadtree nodes, which take 4/3 of a byte.

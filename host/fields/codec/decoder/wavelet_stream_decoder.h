@@ -20,7 +20,7 @@ class WaveletStreamDecoder {
   WaveletStreamDecoder(const WaveletStreamDecoder&) = delete;
   WaveletStreamDecoder& operator=(const WaveletStreamDecoder&) = delete;
 
-  /// Decodes the stream's next image. `parent`: an earlier image that this image refines, or null.
+  /// Decodes the stream's next image. `parent` is an earlier image that this image refines, or null.
   WaveletImage next_image(const WaveletImage* parent);
 
   /// Returns whether the stream ended before its images did.
@@ -34,8 +34,8 @@ class WaveletStreamDecoder {
   DecodingAccount* account_;
 };
 
-/// The nonzero coefficients of a plane. Only these are needed for samples, once no other image is predicted from the
-/// plane.
+/// The nonzero coefficients of a plane. Once all images predicted from the plane are decoded, its samples need only
+/// these.
 class SparseWaveletPlane {
  public:
   SparseWaveletPlane() = default;
@@ -49,16 +49,16 @@ class SparseWaveletPlane {
  private:
   struct Coefficient {
     std::uint32_t at, band;
-    float value;  // in steps
+    float value;  // value in steps
   };
   std::vector<Coefficient> coefficients_;
 };
 
-/// Returns the memory of an image while it is decoded.
+/// Returns the memory that an image takes while it is decoded.
 std::size_t dense_bytes(const WaveletImage& image);
 
-/// Returns the plane's coefficients, [height][width]; nothing for an empty plane. `steps`: one per band, in the order
-/// of wavelet_bands, times `scale`.
+/// Returns the plane's coefficients, [height][width], or nothing for an empty plane. `steps` has one step per band, in
+/// the order of wavelet_bands; `scale` multiplies them.
 std::vector<float> dequantized(const WaveletPlane& plane, std::span<const float> steps, float scale);
 
 /// Adds the plane's samples to `samples`, width * height values.

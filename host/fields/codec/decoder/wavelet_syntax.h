@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Codes the quantized wavelet coefficients of a plane, bit plane by bit plane from the highest. Every prefix then gives
 // all coefficients to some precision. Each bit plane has a pass that finds new coefficients, and a pass that refines
-// the coefficients found in earlier planes. The first pass descends a quadtree over each band; a node is significant if
+// the coefficients found in earlier planes. The first pass descends a quadtree over each band. A node is significant if
 // a coefficient under it is significant (set partitioning: Pearlman et al. 2004, "Efficient, low-complexity image
-// coding with a set-partitioning embedded block coder"). The contexts of a node are its neighbours, and the nodes at
-// the same place in the next coarser band, in the coarser image of the pyramid over parameters, and in luma (as in
-// embedded zero-block coding: Hsiang and Woods 2000).
+// coding with a set-partitioning embedded block coder"). The contexts of a node are its neighbours and three nodes at
+// the same place: in the next coarser band, in the coarser image of the pyramid over parameters, and in luma. These
+// contexts are similar to embedded zero-block coding (Hsiang and Woods 2000).
 #pragma once
 
 #include <algorithm>
@@ -46,7 +46,7 @@ class WaveletPlane {
   std::vector<std::uint32_t> magnitudes;
   std::vector<std::uint8_t> negative, known;
 
-  /// Calls visit(place) for each significant coefficient, row by row, until visit returns false; then returns false.
+  /// Calls visit(place) for each significant coefficient, row by row. If visit returns false, stops and returns false.
   /// Significant coefficients are rare, so whole words of bits are skipped.
   template <class Visit>
   bool over_found(Visit visit) const {
@@ -126,8 +126,8 @@ class WaveletSyntax {
     int below_highest;
   };
 
-  /// Codes which coefficients become significant under a node. `certain`: at least one coefficient does. Returns false
-  /// at the stream's end.
+  /// Codes which coefficients become significant under a node. If `certain`, at least one coefficient does. Returns
+  /// false at the stream's end.
   template <class Port, class Ended>
   bool find(Visit<Port, Ended>& visit, std::size_t level, std::size_t x, std::size_t y, bool certain,
             std::size_t found) {
@@ -164,7 +164,8 @@ class WaveletSyntax {
                     bool is_here) {
     const auto& plane = visit.plane;
     const auto& tree = plane.trees()[visit.tree];
-    const auto at = [&](std::size_t nx, std::size_t ny) -> std::size_t {  // wraps below zero: exceeds every width
+    const auto at = [&](std::size_t nx, std::size_t ny) -> std::size_t {  // wraps around below zero and then exceeds
+                                                                          // every width
       return plane.significant(visit.tree, level, nx, ny) ? 1 : 0;
     };
     const std::size_t row = at(x - 1, y) + at(x + 1, y), column = at(x, y - 1) + at(x, y + 1);

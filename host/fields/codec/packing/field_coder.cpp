@@ -15,15 +15,15 @@
 namespace multum {
 namespace {
 
-/// A choice of coder and pyramid is kept while lambda is within this factor of the lambda of the choice. On field_demo1
-/// a search that starts at 500 ends within this factor.
+/// A choice of coder and pyramid is kept while lambda is within this factor of the lambda of the choice. On
+/// field_demo1, a search that starts at lambda = 500 ends within this factor.
 constexpr double kChoiceRange = 2.0;
 
 }  // namespace
 
 std::uint64_t FieldCoder::bytes_of(const ChunkToCode& chunk, bool open_loop) {
-  // Each texel of a sample needs three coefficients, their weight, and their uncoded rest (twice for an open loop).
-  // Images with three coded coefficients per texel add up to four thirds of an image.
+  // Each texel of a sample needs three coefficients, their weight, and the differences that are not coded yet (twice
+  // for an open loop). Images with three coded coefficients per texel add up to four thirds of an image.
   const std::uint64_t texel_bytes = 12 + 4 + (open_loop ? 24 : 12) + 16;
   return texel_bytes * chunk.width * chunk.height * chunk.textures.size();
 }
@@ -172,8 +172,8 @@ double FieldCoder::object_mse(std::size_t object) const {
 }
 
 /// Errors grow as lambda^0.6, so a few steps find a share of lambda at which the object's error limit is met. The
-/// result is a share instead of a lambda, because the object's error and the mean error change together if lambda
-/// changes for the file size.
+/// result is a share of lambda, not a lambda, because the search for the file size changes lambda. The object's error
+/// and the mean error then change together.
 void FieldCoder::hold_object(std::size_t object, double lambda, double mse, double mse_max) {
   std::vector<std::size_t> numbers;
   for (std::size_t c = 0; c < kept_.size(); ++c)

@@ -15,13 +15,13 @@ namespace multum {
 
 struct FieldCoderSettings {
   PyramidChoice pyramid = PyramidChoice::kAdaptive;
-  std::optional<ImageCoder> coder;  // unset: the best of all coders
+  std::optional<ImageCoder> coder;  // if unset, the best of all coders
   bool open_loop = false;
   double alpha = 0.0;  // as in FieldPackSettings
   int threads = 0;
   std::uint64_t memory_bytes = 0;         // memory for textures and their coding
-  ImageTransforms* transforms = nullptr;  // null: transforms without a device
-  PackingJournal* journal = nullptr;      // null: none
+  ImageTransforms* transforms = nullptr;  // if null, transforms run without a device
+  PackingJournal* journal = nullptr;      // if null, no chunk is kept
 };
 
 /// The field coded with one lambda.
@@ -46,8 +46,8 @@ class FieldCoder {
   int rounds() const { return rounds_; }
   std::size_t chunks_resumed() const { return chunks_resumed_; }
 
-  /// Lowers the share of lambda of each object whose error is above alpha times the mean. Returns false if there is
-  /// no such object.
+  /// Lowers the lambda of each object whose error is above alpha times the mean. Returns false if there is no such
+  /// object.
   bool hold(const FieldRound& round);
 
   /// Returns the memory for coding this chunk, without its textures, in bytes.
@@ -58,11 +58,11 @@ class FieldCoder {
   struct KeptChunk {
     ChosenChunk chosen;
     double lambda = 0.0;     // lambda with which the chunk was coded
-    double chosen_at = 0.0;  // lambda at which all candidates were tried; 0: never
+    double chosen_at = 0.0;  // lambda at which all candidates were tried; 0 if this never happened
   };
 
   void code_chunks(const std::vector<std::size_t>& numbers, double lambda);
-  /// `before`: choices to keep; null: tries all candidates.
+  /// Keeps the choices in `before`. If it is null, tries all candidates.
   ChosenChunk coded(std::size_t number, const ChunkSettings* before, double lambda);
   const ChunkSource& textures_of(std::size_t number, std::optional<ChunkSource>& own);
   double object_mse(std::size_t object) const;
@@ -77,9 +77,9 @@ class FieldCoder {
   std::optional<MemoryGate> gate_;
   bool keeps_textures_ = false;
   std::vector<std::optional<ChunkSource>> textures_;  // textures by chunk, while they are kept
-  std::vector<ChunkCandidates> candidates_;           // by chunk
-  std::vector<KeptChunk> kept_;                       // the same
-  std::vector<double> shares_;                        // shares of lambda, by object, up to 1
+  std::vector<ChunkCandidates> candidates_;           // candidates by chunk
+  std::vector<KeptChunk> kept_;                       // kept chunks by chunk
+  std::vector<double> shares_;                        // by object: the factor of lambda, at most 1
   std::atomic<std::size_t> chunks_resumed_ = 0;
   int rounds_ = 0;
 };

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Packs the textures of a parameterized animation, a folder written by `multum infer`, into one file (Hakura et al.
 // 2000, section 4). Every layer of every object over every block of the parameters is a chunk. All chunks are coded
-// with the same lambda, the error that a bit is worth. A search finds the lambda for the requested file size or error.
+// with the same lambda, the error that justifies one bit. A search finds the lambda for the requested file size or
+// error.
 #pragma once
 
 #include <cstdint>
@@ -16,21 +17,22 @@
 namespace multum {
 
 struct FieldPackSettings {
-  std::string folder, output;  // output *.mpt
+  std::string folder, output;  // the output is named *.mpt
   FieldTarget target;
   /// Above 1: the mean error per pixel of an object must not exceed this multiple of the mean error over all objects'
-  /// pixels (Hakura et al. 2000, section 4). 0: no limit.
+  /// pixels (Hakura et al. 2000, section 4). 0 means no limit.
   double alpha = 0.0;
   PyramidChoice pyramid = PyramidChoice::kAdaptive;
-  std::optional<ImageCoder> coder;  // unset: the best of all coders
+  std::optional<ImageCoder> coder;  // if unset, the best of all coders
   bool open_loop = false;
   int block = 8;                          // most samples of a chunk along a parameter
-  bool stagger = false;                   // objects' blocks begin at different samples: field_blocks.h
+  bool stagger = false;                   // let the blocks of different objects begin at different samples
+                                          // (field_blocks.h)
   bool has_absolute_geometry = false;     // store the scene file's absolute path instead of a relative one
-  int threads = 0;                        // <= 0: all; the bytes are the same
-  std::uint64_t memory_bytes = 0;         // limit of resident memory; 0: a quarter of the machine's memory
+  int threads = 0;                        // <= 0 uses all cores; the number does not change the bytes
+  std::uint64_t memory_bytes = 0;         // limit of resident memory; 0 means a quarter of the machine's memory
   bool resume = false;                    // continue a stopped packing with the same settings
-  ImageTransforms* transforms = nullptr;  // compute coefficients; null: without a device
+  ImageTransforms* transforms = nullptr;  // computes coefficients; if null, no device is used
 };
 
 struct PackedChunkReport {
@@ -53,18 +55,18 @@ struct FieldPackReport {
   std::size_t chunks_resumed = 0;  // number of chunk codings taken from a stopped packing
   double mse_covered = 0.0;        // error of the pixels that objects cover; alpha refers to this error
   bool is_alpha_met = true;
-  /// The error of frames drawn with the inferred textures, compared with the ray-traced frames: over all pixels, 8-bit
-  /// sRGB units. Unset: the folder has no report of `multum infer`.
+  /// The error of frames drawn with the inferred textures, compared with the ray-traced frames, over all pixels and in
+  /// 8-bit sRGB units. Unset if the folder has no report of `multum infer`.
   std::optional<double> inferred_mse;
-  // Coding adds an error above error_limit(inferred_mse), and the user set no error limit.
+  // True if coding adds an error above error_limit(inferred_mse) and the user set no error limit.
   bool is_error_large = false;
   bool has_given_way = false;               // the default ratio was lowered
   std::vector<PackedObjectReport> objects;  // only objects with textures
   std::vector<PackedChunkReport> chunks;
 };
 
-/// Writes the complete file by a rename. Throws Error: kUsage for a target that cannot be met, kInput for a folder that
-/// cannot be read, kEnvironment; throws Cancelled.
+/// Writes a temporary file and renames it when it is complete. Throws Error: kUsage for a target that cannot be met,
+/// kInput for a folder that cannot be read, or kEnvironment. Throws Cancelled.
 FieldPackReport pack_field(const FieldPackSettings& settings, Progress* progress);
 
 }  // namespace multum

@@ -12,23 +12,24 @@ namespace multum {
 namespace {
 
 constexpr int kRoundsMax = 12;
-constexpr double kNearEnough = 0.985;  // of the target
+constexpr double kNearEnough = 0.985;  // share of the target that is near enough
 constexpr double kLambdaMin = FieldCoder::kLambdaMin, kLambdaMax = FieldCoder::kLambdaMax;
-// log(bytes) and log(error) are nearly linear in log(lambda); a field of 64 samples has these slopes.
+// log(bytes) and log(error) are nearly linear in log(lambda). The slopes were measured on a field of 64 samples.
 constexpr double kBytesSlope = -0.56, kErrorSlope = 0.6;
-/// The estimate of the coding error is 2 to 20 % below the error in drawn frames; the difference grows with fewer
-/// samples. The estimate uses gamma 2.2, while the inferred textures' error uses sRGB units, which give dark pixels
-/// more weight: the error of a room with a dark quarter is 19 % higher in these units. 2 * 1.2 * 1.2 < 3.
+/// The added error must stay below 3 times the inferred error. The factor is only 2 because of two differences of up to
+/// 20 %, and 2 * 1.2 * 1.2 < 3. First, the estimated coding error is 2 to 20 % below the error in drawn frames; the
+/// difference grows with fewer samples. Second, the estimate uses gamma 2.2, but the inferred textures' error uses sRGB
+/// units, which give dark pixels more weight. The error of a room with a dark quarter is 19 % higher in sRGB units.
 constexpr double kEstimateShare = 2.0 / 3.0;
 /// The least error that `--mse-max` accepts. Exact textures can be packed without any error only by chance.
 constexpr double kErrorLimitMin = 1e-3;
 
-/// The largest file within a byte limit, or the smallest file within an error limit.
+/// Searches for the largest file within a byte limit, or the smallest file within an error limit.
 struct SearchGoal {
   double limit = 0.0;
   bool is_error = false;
 
-  /// Returns how far the logarithm exceeds the goal; above 0: the goal is not met.
+  /// Returns by how much the logarithm exceeds the goal. Above 0, the goal is not met.
   double excess(const FieldRound& round) const {
     const double value = is_error ? round.mse : static_cast<double>(round.file.size());
     return std::log(std::max(value, 1e-12) / limit);
@@ -36,7 +37,7 @@ struct SearchGoal {
 };
 
 struct SearchResult {
-  FieldRound round;  // the round that meets the goal best, or else the round nearest to it
+  FieldRound round;  // the best round that meets the goal, or else the round nearest to it
   bool is_met = false;
 };
 
@@ -47,7 +48,7 @@ SearchResult search(const SearchGoal& goal, double lambda, FieldCoder& coder) {
   struct Side {
     double x = 0.0, excess = 0.0;
     bool is_there = false;
-  } met, missed;  // the nearest round of either kind
+  } met, missed;  // the nearest rounds that met and missed the goal
   double x = std::log(lambda);
   for (int i = 0; i < kRoundsMax; ++i) {
     FieldRound round = coder.code(std::exp(x));
@@ -84,7 +85,7 @@ FieldRound found_by_error(double mse, double lambda, FieldCoder& coder) {
   return std::move(found.round);
 }
 
-/// `ratio`: the ratio from which `bytes` were computed, if any.
+/// If `bytes` was computed from a ratio, `ratio` is this ratio.
 FieldRound found_by_bytes(double bytes, std::optional<double> ratio, double raw_bytes, double lambda,
                           FieldCoder& coder) {
   SearchResult found = search({bytes, false}, lambda, coder);
@@ -99,11 +100,11 @@ FieldRound found_by_bytes(double bytes, std::optional<double> ratio, double raw_
                                              bytes, least, least));
 }
 
-/// Uses the default ratio, unless its error is too large. Searches first for the limit that is expected to decide,
-/// because that result usually makes the other search unnecessary.
+/// Uses the default ratio unless its error is too large. Searches first for the limit that is more likely to decide,
+/// because the other search is then usually unnecessary.
 FieldRound found_by_default(double bytes, double mse, double lambda, FieldCoder& coder) {
   const SearchGoal size{bytes, false}, error{mse, true};
-  const FieldRound first = coder.code(lambda);  // a search from this lambda reuses the round
+  const FieldRound first = coder.code(lambda);  // a search that starts at this lambda reuses the round
   std::optional<FieldRound> by_error;
   if (error.excess(first) / kErrorSlope > size.excess(first) / kBytesSlope) {
     by_error = search(error, lambda, coder).round;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Searches for the lambda at which a packed field has the requested size or error. Without a request, the ratio is
-// lowered if the error would be too large, because a field of few samples has too few bytes at the default ratio.
+// Searches for the lambda at which a packed field has the requested size or error. Without a request, the search starts
+// from a default ratio and lowers it if the error would be too large. The error is too large for fields of few samples,
+// which get too few bytes at the default ratio.
 #pragma once
 
 #include <optional>
@@ -15,7 +16,7 @@ struct FieldTarget {
   std::optional<double> ratio;   // least ratio of the size of raw 24-bit frames to the file size
   std::optional<double> bytes;   // largest file size in bytes
   std::optional<double> mse;     // most error that coding adds to drawn frames, estimated; 8-bit units at gamma 2.2
-  std::optional<double> lambda;  // squared error that a bit is worth, summed over pixels and colours
+  std::optional<double> lambda;  // the squared error that justifies one bit, summed over pixels and colours
 
   bool is_default() const { return !ratio && !bytes && !mse && !lambda; }
 };
@@ -25,15 +26,16 @@ constexpr double kDefaultRatio = 384.0;
 constexpr double kAddedErrorMax = 3.0;
 
 /// Returns the error that packing may add, as in FieldTarget::mse, so that the added error stays below kAddedErrorMax
-/// times the inferred textures' error. `inferred_mse`: over all pixels of all frames, 8-bit sRGB units.
+/// times the inferred textures' error. `inferred_mse` is the error over all pixels of all frames, in 8-bit sRGB units.
 double error_limit(double inferred_mse);
 
 struct FieldMeasure {
-  double raw_bytes = 0.0;         // of 24-bit frames
-  std::optional<double> mse_max;  // error_limit(); unset: unknown, and the ratio is not lowered
+  double raw_bytes = 0.0;         // size of the 24-bit frames
+  std::optional<double> mse_max;  // result of error_limit(); if unset, the limit is unknown and the ratio is not
+                                  // lowered
 };
 
-/// Codes the field for the target. `lambda`: start of the search. Throws Error(kUsage) if a requested size or error
+/// Codes the field for the target. The search starts at `lambda`. Throws Error(kUsage) if a requested size or error
 /// cannot be met. If a default target cannot be met, returns the nearest result.
 FieldRound coded_for(const FieldTarget& target, const FieldMeasure& measure, double lambda, FieldCoder& coder);
 

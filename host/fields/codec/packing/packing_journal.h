@@ -14,7 +14,7 @@
 
 namespace multum {
 
-/// Any number of threads may use it at once.
+/// Any number of threads may use a journal at once.
 class PackingJournal {
  public:
   /// Opens the folder of the packing of `output`. `key` is one line that identifies everything on which the chunks

@@ -29,7 +29,7 @@ std::vector<PlaneCoefficients> DeviceImageTransforms::coefficients(const Coeffic
                                                                    const std::vector<std::vector<float>>& textures,
                                                                    const PlaneAxes& axes) {
   const std::lock_guard lock(mutex_);
-  if (!colour_planes_.is_built()) {  // the device is not used before it is needed
+  if (!colour_planes_.is_built()) {  // programs are built at the first call
     const auto kernel = [&](const char* name) { return device_.kernel("image_transform", name, {1, 1, false}); };
     colour_planes_ = kernel("colour_planes");
     dct_rows_ = kernel("dct_rows");
@@ -108,7 +108,8 @@ void DeviceImageTransforms::transform_levels(const CoefficientLayout& layout, in
     wavelet_lift_.launch({static_cast<std::size_t>(items), kTransformLocalSize}, from, to, image_count, texels, lines,
                          step, length, stride);
   };
-  // Both sides of a level have 8 samples or more. Rows are written to the other buffer, and columns are written back.
+  // Both sides of a level have 8 samples or more. The row step writes to the other buffer, and the column step writes
+  // back.
   std::size_t columns = layout.width, rows = layout.height;
   for (int depth = wavelet_depth(layout.width, layout.height); depth > 0; --depth) {
     lift(planes_, other_, static_cast<int>(rows), width, static_cast<int>(columns), 1);

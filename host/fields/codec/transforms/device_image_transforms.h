@@ -14,8 +14,8 @@ class DeviceImageTransforms : public ImageTransforms {
  public:
   static constexpr std::size_t kBatchBytes = std::size_t{16} << 20;
 
-  /// The device must outlive this object. `batch_bytes`: limit per buffer, exceeded only by a single large texture; no
-  /// coefficient depends on it.
+  /// The device must outlive this object. `batch_bytes` limits the size of each buffer; only a single large texture may
+  /// exceed it. The coefficients do not depend on it.
   explicit DeviceImageTransforms(Device& device, std::size_t batch_bytes = kBatchBytes);
 
   /// Calls from several threads run one after another. Throws Error(kEnvironment).
@@ -35,7 +35,7 @@ class DeviceImageTransforms : public ImageTransforms {
   const std::size_t batch_bytes_;
   std::mutex mutex_;
   Kernel colour_planes_, dct_rows_, dct_columns_, wavelet_lift_;
-  DeviceBuffer textures_, axes_, planes_, other_, cosines_;  // `other_`: the planes that a step writes
+  DeviceBuffer textures_, axes_, planes_, other_, cosines_;  // a step writes its planes to `other_`
 };
 
 }  // namespace multum

@@ -30,8 +30,8 @@ constexpr const char* kExpected =
     "id_vVV_pPP.png";
 
 // Returns the number of samples along a parameter that share texture coordinates: all, or even blocks of at most 16.
-// Hakura et al. (sec. 4) use blocks of 8. But diffuse textures of two blocks are packed twice. With one block for its
-// 16 views, the error of field_demo2 at 192:1 falls to 0.88 times.
+// Hakura et al. (sec. 4) use blocks of 8. But diffuse textures of two blocks are packed twice: with one block for its
+// 16 views, field_demo2 at 192:1 has 0.88 times the error of two blocks.
 int even_block(int count) {
   constexpr int kBlockMax = 16;
   if (count <= kBlockMax) return 0;
@@ -191,7 +191,8 @@ class FolderReader {
     job_.samples.push_back(sample);
   }
 
-  // An OBJ is in world space, placed as in "objects" of scene.json. The sample's own placement replaces this placement.
+  // An OBJ file is in world space, with objects placed as in "objects" of scene.json. The sample's own placement
+  // replaces this placement.
   void read_motion(const Json& motion, AnimationSample& sample) {
     const bool is_in_world = job_.geometry_file.ends_with(".obj");
     for (const auto& [name, rows] : motion.items()) {
@@ -205,7 +206,7 @@ class FolderReader {
     }
   }
 
-  // Diffuse light does not depend on the view, but on moving objects and lights.
+  // Diffuse light depends on moving objects and lights, but not on the view.
   void read_layers() {
     const std::string& file = job_.samples.front().radiance;
     const std::vector<std::string> channels = exr_channel_names(file);

@@ -18,7 +18,8 @@ struct AnimationParameter {
   std::string name;
   int count = 1;         // samples along it
   bool is_view = false;  // moves the camera
-  int block = 0;         // neighbouring samples that share texture coordinates, if the parameter moves anything; 0: all
+  int block = 0;         // number of neighbouring samples that share texture coordinates, if the parameter moves
+                         // anything; 0 means all
   bool operator==(const AnimationParameter&) const = default;
 };
 
@@ -26,7 +27,7 @@ struct AnimationParameter {
 /// the glossy and transmission passes.
 struct AnimationLayer {
   std::string name;
-  std::vector<std::string> passes;  // prefixes of channels "PASS.R" "PASS.G" "PASS.B"; "": the channels R G B
+  std::vector<std::string> passes;  // prefixes of channels "PASS.R" "PASS.G" "PASS.B"; "" means the channels R G B
   // Names of parameters; one texture serves all samples along the other parameters.
   std::vector<std::string> depends_on;
   bool operator==(const AnimationLayer&) const = default;
@@ -42,16 +43,16 @@ struct AnimationTexture {
   int side_max = 2048;            // texels, 1..16384
   double anisotropy = 1.0;        // 1..16, of the sampler
   double pyramid_weight = 0.1;    // epsilon_f of pyramidal regularization, >= 0
-  double range_weight = 0.0;      // epsilon_b of range regularization, >= 0; 0: only the bounds limit texels
+  double range_weight = 0.0;      // epsilon_b of range regularization, >= 0; with 0, only the bounds limit texels
   bool operator==(const AnimationTexture&) const = default;
 };
 
 struct AnimationObject {
-  std::string name;                 // name, also of the textures' folder
+  std::string name;                 // name of the object and of its textures' folder
   std::string mesh;                 // object of the geometry file
-  std::string cryptomatte;          // name in the Cryptomatte manifest; empty: `index` is used
-  int index = 0;                    // number in object-index images, from 1; 0: none
-  std::vector<std::string> layers;  // empty: all; layers in which the object is black are always left out
+  std::string cryptomatte;          // name in the Cryptomatte manifest; if empty, `index` is used
+  int index = 0;                    // number in object-index images, from 1; 0 if it has none
+  std::vector<std::string> layers;  // empty means all; layers in which the object is black are always left out
   AnimationTexture texture;
   bool operator==(const AnimationObject&) const = default;
 };
@@ -69,7 +70,7 @@ struct AnimationSample {
   std::string radiance;      // EXR with the layers' passes, resolved path
   std::string geometry;      // EXR with depth and Cryptomatte; may be the radiance file; empty only if
                              // object_index is given
-  std::string object_index;  // PNG whose grey value is the object's number; empty: Cryptomatte is used
+  std::string object_index;  // PNG whose grey value is the object's number; if empty, Cryptomatte is used
   int camera = 0;
   std::map<std::string, glm::dmat4> object_to_world;  // transforms of moving objects, by mesh name
   bool operator==(const AnimationSample&) const = default;
@@ -81,9 +82,10 @@ struct AnimationJob {
   int uv_set = 0;
   int width = 0, height = 0;                 // pixels
   std::string cryptomatte = "CryptoObject";  // prefix of its channels
-  std::string depth = "Z";         // channel: distance along -z of camera space at the pixel centre; empty: none
-  double depth_tolerance = 0.01;   // largest relative deviation of depth from the geometry; larger ones are errors
-  int supersampling = 4;           // 1..8: sub-pixels along a pixel's side, in matrix A and in rendered frames
+  std::string depth = "Z";         // channel with the distance along -z of camera space at the pixel centre; empty if
+                                   // there is none
+  double depth_tolerance = 0.01;   // largest allowed deviation of depth from the geometry, relative to the depth
+  int supersampling = 4;           // 1..8 sub-pixels along a pixel's side, in matrix A and in rendered frames
   double radiance_max = 1.0;       // > 0: brighter values are clipped to this value and counted
   double coverage_min = 1.0 / 64;  // pixels with less coverage by an object are left out
   std::vector<AnimationParameter> parameters;

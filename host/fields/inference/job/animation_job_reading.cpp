@@ -24,7 +24,7 @@ namespace multum {
 namespace {
 
 constexpr int kSampleCountMax = 65536;  // each sample has one or two files
-// Room for this many samples, each with its own camera: 68 keys and values, 1.2 KB.
+// Enough for this many samples, each with its own camera: 68 keys and values, 1.2 KB.
 const TomlLimits kTomlLimits = {.byte_max = std::size_t{80} << 20, .item_max = 5'000'000};
 
 const std::vector<std::string> kJobKeys = {
@@ -158,8 +158,8 @@ void check_camera(const StrictTable& table, const AnimationCamera& camera) {
   const bool has_w = p[0][3] == 0.0 && p[1][3] == 0.0 && p[2][3] < 0.0 && p[3][3] == 0.0;
   if (!has_w || !(p[0][0] > 0.0) || !(p[1][1] > 0.0) || p[3][0] != 0.0 || p[3][1] != 0.0)
     table.refuse("projection",
-                 "is not a perspective: expected a last row of 0 0 -1 0, two numbers above 0 at the beginning of the "
-                 "diagonal, and 0 0 at the beginning of the last column");
+                 "is not a perspective projection: expected a last row of 0 0 -1 0, two numbers above 0 at the "
+                 "beginning of the diagonal, and 0 0 at the beginning of the last column");
 }
 
 void read_cameras(const StrictTable& job_table, AnimationJob& job) {
@@ -174,8 +174,8 @@ void read_cameras(const StrictTable& job_table, AnimationJob& job) {
   }
 }
 
-// All renders of a folder must have the same passes: if a pass is missing in the first sample's files, the job is an
-// error. Other files with different passes are errors when they are read.
+// All renders of a folder must have the same passes. If a pass is missing in the first sample's files, the job is
+// refused. If it is missing in another file, reading that file fails.
 void check_passes(const StrictTable& job_table, const AnimationJob& job) {
   const AnimationSample& sample = job.samples.front();
   const std::vector<std::string> channels = exr_channel_names(sample.radiance);

@@ -52,23 +52,19 @@ std::string matrix_text(const glm::dmat4& m) {
 
 std::string settings_text(const AnimationJob& job, const std::string& folder) {
   return fmt::format(
-      "# A job of multum's texture inference; docs/reference/animation_jobs.md describes every key. Paths are relative "
-      "to this file.\n\n"
-      "geometry = {}  # scene file: OBJ, glTF, GLB\n"
-      "uv_set = {}  # texture coordinate set; 0 is TEXCOORD_0\n"
-      "width = {}  # of the pictures, in pixels\n"
-      "height = {}\n"
-      "cryptomatte = {}  # prefix of the Cryptomatte channels\n"
-      "depth = {}  # channel with the distance along -z of camera space at the pixel centre; empty: no depth\n"
-      "depth_tolerance = {}  # largest relative difference of depths; a camera with a larger one is an error\n"
-      "supersampling = {}  # 1 to 8 sub-pixels along each side of a pixel\n"
-      "radiance_max = {}  # brighter values are clipped to this value and counted\n"
-      "coverage_min = {}  # pixels with less coverage by an object are left out\n",
+      "# A job for multum infer; docs/reference/animation_jobs.md describes every key. Paths are relative to this "
+      "file.\n\ngeometry = {}  # scene file: OBJ, glTF, GLB\nuv_set = {}  # texture coordinate set; 0 is "
+      "TEXCOORD_0\nwidth = {}  # width of the pictures, in pixels\nheight = {}\ncryptomatte = {}  # prefix of the "
+      "Cryptomatte channels\ndepth = {}  # channel with the distance along -z of camera space at the pixel centre, or "
+      "empty if there is none\ndepth_tolerance = {}  # largest relative difference of depths; a camera with a larger "
+      "one is an error\nsupersampling = {}  # 1 to 8 sub-pixels along each side of a pixel\nradiance_max = {}  # "
+      "brighter values are clipped to this value and counted\ncoverage_min = {}  # pixels with less coverage by an "
+      "object are left out\n",
       quoted(relative_path(job.geometry_file, folder)), job.uv_set, job.width, job.height, quoted(job.cryptomatte),
       quoted(job.depth), job.depth_tolerance, job.supersampling, job.radiance_max, job.coverage_min);
 }
 
-// Writes only values that differ from `defaults`; with `with_comments`, everything.
+// Writes only values that differ from `defaults`, or all values if `with_comments` is set.
 std::string texture_text(const AnimationTexture& t, const AnimationTexture& defaults, bool with_comments) {
   std::string text;
   const auto line = [&](const char* key, const auto& value, bool is_default, const char* comment) {
@@ -92,8 +88,8 @@ std::string parameters_text(const AnimationJob& job) {
   std::string text = "\n# The dimensions of the parameter space.\n";
   for (const AnimationParameter& parameter : job.parameters)
     text += fmt::format(
-        "[[parameter]]\nname = {}\ncount = {}  # number of samples\nview = {}  # moves the camera\n"
-        "block = {}  # number of neighbouring samples that share texture coordinates, if anything moves; 0: all\n\n",
+        "[[parameter]]\nname = {}\ncount = {}  # number of samples\nview = {}  # moves the camera\nblock = {}  # "
+        "number of neighbouring samples that share texture coordinates, if anything moves; 0 means all\n\n",
         quoted(parameter.name), parameter.count, parameter.is_view, parameter.block);
   return text;
 }
@@ -150,7 +146,7 @@ std::string animation_job_text(const AnimationJob& job, const std::string& folde
   text +=
       "\n# Texture settings of all objects that have no [object.texture].\n[texture]\n" + texture_text({}, {}, true);
   text += parameters_text(job) + layers_text(job) + objects_text(job) + cameras_text(job);
-  text += "# One sample for each point of the parameter grid; at: its index along each parameter.\n";
+  text += "# One sample for each point of the parameter grid; at is its index along each parameter.\n";
   for (const AnimationSample& sample : job.samples) text += sample_text(job, sample, folder);
   return text;
 }

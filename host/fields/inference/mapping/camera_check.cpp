@@ -69,15 +69,14 @@ double distance_to(const std::vector<Triangle>& triangles, const glm::dvec3& p) 
   return nearest;
 }
 
-// Returns the depth of the far plane. With rows (0, 0, A, B) and (0, 0, -s, 0), z = w at a depth of B / (A + s);
-// infinity if there is no such plane.
+// Returns the depth of the far plane, or infinity if there is no such plane. If the last rows of the projection are (0,
+// 0, A, B) and (0, 0, -s, 0), z equals w at a depth of B / (A + s).
 double far_depth(const glm::dmat4& projection) {
   const double far = projection[3][2] / (projection[2][2] - projection[2][3]);
   return far > 0.0 && std::isfinite(far) ? far : std::numeric_limits<double>::infinity();
 }
 
-// Returns the camera-space point at `depth` along -z behind a pixel's centre. x and y of (projection * point) / w are
-// the pixel's coordinates.
+// Returns the camera-space point that is at `depth` along -z and projects to a pixel's centre.
 glm::dvec3 camera_point(const glm::dmat4& projection, const glm::dvec2& ndc, double depth) {
   const double w = -projection[2][3] * depth;
   const glm::dvec2 fixed(projection[2][0] * -depth + projection[3][0], projection[2][1] * -depth + projection[3][1]);

@@ -31,8 +31,8 @@ using ClipPlane = glm::dvec4;
 
 /// The near plane of OpenGL: z >= -w.
 inline constexpr ClipPlane kNearPlane{0.0, 0.0, 1.0, 1.0};
-/// Least w. This limit is applied before z >= -w, because a matrix whose near plane is at or behind the eye could let w
-/// <= 0 pass.
+/// The smallest w that is kept. This limit is applied before z >= -w, because a matrix whose near plane is at or behind
+/// the eye could let w <= 0 pass.
 inline constexpr double kWMin = 1e-9;
 
 /// Returns the planes for x_low <= x / w <= x_high and y_low <= y / w <= y_high.
@@ -44,7 +44,7 @@ inline std::array<ClipPlane, 4> box_planes(glm::dvec2 low, glm::dvec2 high) {
 namespace clip_detail {
 
 // Always interpolates from the inside vertex to the outside vertex. Two triangles that share an edge then get exactly
-// the same new vertex, without a crack.
+// the same new vertex, and no crack opens between them.
 inline ClipVertex crossing(const ClipVertex& inside, const ClipVertex& outside, double d_inside, double d_outside) {
   const double t = d_inside / (d_inside - d_outside);
   return {inside.position + t * (outside.position - inside.position), inside.uv + t * (outside.uv - inside.uv),

@@ -117,7 +117,7 @@ class Splatter {
   }
 
   void push(std::size_t l, const PyramidTables& tables) {
-    constexpr double kKnown = 1e-6;  // of a pixel
+    constexpr double kKnown = 1e-6;  // least weight of a known texel, in pixels
     const MipLevelPlace& level = layout_.levels[l];
     for (int y = 0; y < level.height; ++y)
       for (int x = 0; x < level.width; ++x) {

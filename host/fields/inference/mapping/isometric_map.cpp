@@ -2,10 +2,10 @@
 // With e the edge in texture coordinates, l = |R e|, s its length on the screen, eq. 7 is
 //     f(R) = sum W g(l),   g(l) = ((l - s) / min(s, l))^2 = (l / s - 1)^2 for l >= s,  (s / l - 1)^2 for l < s,
 //     g'(l) = 2 (l / s - 1) / s                            for l >= s,  -2 (s / l - 1) s / l^2 for l < s,
-// Both branches have value 0 and second derivative 2 / s^2 at l = s: f is smooth enough for conjugate gradient. As l^2
-// = e^T R^T R e, dl/dR = (R e) e^T / l, and
+// Both branches have value 0 and second derivative 2 / s^2 at l = s, so f is smooth enough for conjugate gradient. As
+// l^2 = e^T R^T R e, dl/dR = (R e) e^T / l, and
 //     grad f = sum W g'(l) / l (R e) e^T.
-// The search is for Q in R = Q R_0, starting at Q = 1, with edges R_0 e. The result then does not depend on how the
+// The search finds Q in R = Q R_0, starting at Q = 1, with edges R_0 e. The result then does not depend on how the
 // mesh scales u and v.
 #include "host/fields/inference/mapping/isometric_map.h"
 
@@ -43,9 +43,9 @@ class Objective {
   bool is_diagonal_;
 };
 
-// Returns a point on the ray where the slope has fallen to a tenth. Doubles the step until it passes the minimum. Then
-// uses the secant between both sides, at least a tenth away from either side. f is infinite where an edge vanishes, so
-// a minimum is always passed.
+// Returns a point on the ray where the slope has fallen to a tenth. Doubles the step until it passes the minimum; there
+// is always one, because f is infinite where an edge vanishes. Then applies the secant method, but stays at least a
+// tenth of the interval away from both of its ends.
 Point line_minimum(const Objective& objective, const Point& start, const glm::dmat2& direction, double* step) {
   constexpr int kTries = 40;
   const double slope_start = dot(start.gradient, direction);
@@ -117,7 +117,9 @@ glm::dmat2 fit_isometric_map(const std::vector<IsometricEdge>& edges, const glm:
   glm::dmat2 direction = -here.gradient;
   double step = 0.1;  // step of Q, whose elements are about 1
   for (int i = 0; i < settings.iterations_max && dot(here.gradient, here.gradient) > 1e-24; ++i) {
-    if (dot(direction, here.gradient) >= 0.0) direction = -here.gradient;  // not downhill: restart
+    if (dot(direction, here.gradient) >= 0.0)
+      direction = -here.gradient;  // restarts if the direction does not lead
+                                   // downhill
     const Point next = line_minimum(objective, here, direction, &step);
     const double decrease = here.cost - next.cost;
     // The factor of Polak and Ribiere, at least 0.

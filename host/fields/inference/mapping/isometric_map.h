@@ -10,8 +10,8 @@
 
 namespace multum {
 
-/// An edge in one view. Triangles that share an edge may each add the edge with their own area: the terms of the sum
-/// are equal, so the weights add up to W_i of the paper.
+/// An edge in one view. Triangles that share an edge may each add it, with their own area as weight. The terms of these
+/// triangles differ only in this weight, so the weights add up to W_i of the paper.
 struct IsometricEdge {
   glm::dvec2 uv;  // vector between the ends
   double length;  // s_i, pixels, > 0

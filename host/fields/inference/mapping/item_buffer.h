@@ -12,11 +12,12 @@
 
 namespace multum {
 
-/// The visible surface at each pixel's centre, by a z-buffer in double precision; -1: none.
+/// The visible surface at each pixel's centre, found by a z-buffer in double precision. The value -1 means that nothing
+/// is visible.
 struct ItemBuffer {
   int width = 0, height = 0;
   std::vector<std::int32_t> object;    // index into the objects
-  std::vector<std::int32_t> triangle;  // of that object
+  std::vector<std::int32_t> triangle;  // index into the triangles of that object
   std::vector<float> depth;            // distance along -z of camera space; infinite where nothing is visible
 };
 
@@ -28,7 +29,7 @@ struct PlacedObject {
 /// Largest width and height of an item buffer, in pixels.
 constexpr int kItemBufferSideMax = 16384;
 
-/// Row 0 is at the top. Triangles that cross the near plane are clipped; both sides of a triangle are drawn. A pixel
+/// Row 0 is at the top. Triangles that cross the near plane are clipped. Both sides of a triangle are drawn. A pixel
 /// whose centre is on an edge of two triangles belongs to exactly one of them. At equal depth the first triangle wins.
 ItemBuffer draw_item_buffer(const std::vector<PlacedObject>& objects, const glm::dmat4& projection, int width,
                             int height);

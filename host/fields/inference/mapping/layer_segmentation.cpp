@@ -2,7 +2,8 @@
 // A pixel b = sum_k c_k b_k has coverages c_k that sum to 1, including the background. m_k is the appearance of object
 // k nearby. The parts that add up to the pixel, and are nearest to m_k in least squares, are
 //     b_k = m_k + r c_k / sum_j c_j^2,   r = b - sum_j c_j m_j.
-// Values are clipped last. If they were clipped before, a highlight that shares a pixel would leak into its neighbour.
+// Values are clipped last. With earlier clipping, an object's highlight would leak into the objects that share its
+// pixels.
 #include "host/fields/inference/mapping/layer_segmentation.h"
 
 #include <algorithm>
@@ -36,7 +37,7 @@ std::vector<GaussKernel> make_kernels(const SegmentationSettings& settings) {
   return kernels;
 }
 
-/// The picture with the background as the last object. Tables show in constant time whether a window contains a wholly
+/// The picture, with the background as the last object. Tables tell in constant time whether a window contains a wholly
 /// covered pixel.
 class Segmentation {
  public:
@@ -78,7 +79,7 @@ class Segmentation {
   std::vector<GaussKernel> kernels_;
   std::vector<float> background_;
   std::vector<PixelState> state_;
-  // Per object: count of pixels above and to the left, as a sum table.
+  // For each object, a summed-area table of the number of pixels above and to the left.
   std::vector<std::vector<std::int32_t>> whole_count_;
 };
 
@@ -274,7 +275,7 @@ void SegmentationReport::add(const SegmentationReport& other) {
 
 bool has_radiance(const ObjectLayer& layer, double radiance_max) {
   constexpr double kShare = 1.0 / 4096;
-  // Silhouette pixels may include some of the surroundings, so they count only if there are no other pixels.
+  // Silhouette pixels may contain colours of other objects, so they count only if there are no other pixels.
   for (const float coverage_min : {kWholeCoverage, 0.0f}) {
     double sum = 0.0;
     std::size_t count = 0;

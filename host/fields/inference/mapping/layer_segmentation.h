@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Splits ray-traced images into objects (Hakura et al. 2000, section 3.1): from a layer's picture and every object's
-// coverage to one picture per object, without bleeding across silhouettes. The paper filters the supersampled picture
-// under the object's mask and divides by the filtered mask. Here renderers have already filtered the picture, so a
-// mixed pixel is split by the appearance of its objects nearby.
+// Splits ray-traced images into objects (Hakura et al. 2000, section 3.1): makes one picture per object from a layer's
+// picture and every object's coverage, without bleeding across silhouettes. The paper filters the supersampled picture
+// under the object's mask and divides by the filtered mask. Here the renderer has already filtered the picture, so a
+// mixed pixel is split according to the colours of its objects in nearby pixels.
 #pragma once
 
 #include <cstddef>
@@ -11,28 +11,29 @@
 
 namespace multum {
 
-/// Pixels with at least this share count as wholly covered: shares from renderers and OpenGL are sums of many terms,
-/// and
-/// end slightly below 1.
+/// Pixels with at least this share count as wholly covered. The limit is below 1, because renderers and OpenGL add up
+/// shares from many terms, with rounding errors.
 constexpr float kWholeCoverage = 0.999f;
 
 struct SegmentationSettings {
-  double sigma = 1.0;       // pixels, > 0, of the Gaussian; its radius is 3 sigma
-  double sigma_max = 16.0;  // pixels: sigma is doubled up to this value until a wholly covered pixel is in reach
+  double sigma = 1.0;       // sigma of the Gaussian in pixels, > 0; its radius is 3 sigma
+  double sigma_max = 16.0;  // in pixels; sigma is doubled up to this value until a wholly covered pixel is in reach
   double coverage_whole = static_cast<double>(kWholeCoverage);  // (0.5, 1]
   double coverage_min = 1.0 / 64;  // [0, 1): pixels with less coverage are left out of the object's layer
   double radiance_max = 1.0;       // > 0
-  double radiance_min = -1e-3;     // <= 0: lower values are errors; higher negative values are the renderer's ringing
-  int threads = 0;                 // number of threads; <= 0: one per core
+  double radiance_min = -1e-3;     // at most 0; lower values are errors, higher negative values are the renderer's
+                                   // ringing
+  int threads = 0;                 // number of threads; <= 0 means one per core
 };
 
 struct SegmentationInput {
   int width = 0, height = 0;
-  std::span<const float> rgb;                     // 3 per pixel
+  std::span<const float> rgb;                     // three values per pixel
   std::vector<std::span<const float>> coverages;  // coverage by each object, 0..1 per pixel
 };
 
-/// Pixels count per object's layer: a pixel that two objects share counts twice. Values count per channel.
+/// Pixels are counted in each object's layer, so a pixel that two objects share counts twice. Values are counted per
+/// channel.
 struct SegmentationReport {
   std::size_t not_finite_pixels = 0;  // NaN or infinite in some channel
   std::size_t negative_pixels = 0;    // finite, and below radiance_min in some channel
@@ -55,9 +56,9 @@ struct ObjectLayer {
 std::vector<ObjectLayer> segment_layer(const SegmentationInput& input, const SegmentationSettings& settings,
                                        SegmentationReport* report);
 
-/// Returns whether the object is in the layer at all: the root mean square over its wholly covered pixels is above
-/// 1/4096 of radiance_max, a step of 12 bits. A small highlight is far above this threshold. Artefacts of lossy
-/// compression in black areas are far below it.
+/// Returns whether the object is in the layer at all: whether the root mean square over its wholly covered pixels is
+/// above 1/4096 of radiance_max, the step of 12-bit values. A small highlight is far above this threshold. Artefacts of
+/// lossy compression in black areas are far below it.
 bool has_radiance(const ObjectLayer& layer, double radiance_max);
 
 }  // namespace multum

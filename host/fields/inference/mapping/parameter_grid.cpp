@@ -47,7 +47,7 @@ void count_up(const std::vector<ParameterRange>& ranges, const std::vector<std::
 }
 
 // Visits the same points in an order in which each point is a neighbour of the previous one. A dimension runs backwards
-// if the steps of the dimensions above it have an odd sum.
+// if the indices of the slower dimensions, counted from their first ones, have an odd sum.
 void plough(const std::vector<ParameterRange>& ranges, const std::vector<std::size_t>& dimensions, int number,
             std::vector<int>& at) {
   count_up(ranges, dimensions, number, at);
@@ -132,7 +132,8 @@ int ParameterGrid::sample_at(const std::vector<int>& at) const {
 }
 
 std::vector<ParameterPoint> ParameterGrid::points(const AnimationLayer& layer) const {
-  std::vector<bool> is_fixed(parameters_.size());  // the layer depends on this parameter: one index per point
+  std::vector<bool> is_fixed(parameters_.size());  // true if the layer depends on this parameter, so that a point has
+                                                   // only one index along it
   for (std::size_t d = 0; d < parameters_.size(); ++d)
     is_fixed[d] =
         std::find(layer.depends_on.begin(), layer.depends_on.end(), parameters_[d].name) != layer.depends_on.end();

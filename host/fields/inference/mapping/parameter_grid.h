@@ -57,13 +57,13 @@ class ParameterGrid {
  private:
   void find_blocks(const AnimationJob& job);
   void find_poses(const AnimationJob& job);
-  std::vector<ParameterRange> ranges(int block) const;  // of each parameter
+  std::vector<ParameterRange> ranges(int block) const;  // ranges along all parameters
   std::string point_name(const std::vector<bool>& is_fixed, const std::vector<ParameterRange>& ranges,
                          const std::vector<int>& at) const;
   int sample_at(const std::vector<int>& at) const;
 
   std::vector<AnimationParameter> parameters_;
-  std::vector<int> block_sizes_;  // block size along each parameter; its count if it has no blocks
+  std::vector<int> block_sizes_;  // block size along each parameter, or its number of samples if it has no blocks
   std::vector<int> block_counts_;
   int block_count_ = 1;
   std::vector<int> block_of_sample_;

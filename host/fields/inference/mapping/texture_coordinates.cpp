@@ -27,7 +27,8 @@
 namespace multum {
 namespace {
 
-// Gaps and periods are detected from float coordinates near 1, with an error of 2^-24 plus the errors of exporters.
+// The tolerance for finding gaps and periods. Float coordinates near 1 have an error of 2^-24, and exporters add
+// errors.
 constexpr double kPeriodTolerance = 1e-5;
 
 struct SeenMesh {
@@ -64,7 +65,8 @@ Interval triangle_extent(const ObjectMesh& mesh, std::uint32_t triangle, glm::le
   return extent;
 }
 
-// Returns the middle of the largest gap between intervals on a circle of circumference 1; nullopt: no gap.
+// Returns the middle of the largest gap between intervals on a circle of circumference 1, or nullopt if there is no
+// gap.
 std::optional<double> middle_of_gap(std::vector<Interval> intervals) {
   // End of the covered part, starting from the previous period.
   double covered = -std::numeric_limits<double>::infinity();
@@ -86,9 +88,9 @@ std::optional<double> middle_of_gap(std::vector<Interval> intervals) {
   return middle;
 }
 
-// Returns whether visible triangles meet across the seam: whether there are vertices in one place whose coordinates
-// differ by whole periods in `direction` and are equal in the other direction. Places are compared with a tolerance of
-// a millionth of the object's size.
+// Returns whether visible triangles meet across the seam. Triangles meet there if vertices at one place have
+// coordinates that differ by whole periods in `direction` and are equal in the other direction. Places are compared
+// with a tolerance of a millionth of the object's size.
 bool is_joined(const SeenMesh& scene, glm::length_t direction) {
   struct Corner {
     glm::dvec3 place;
@@ -122,7 +124,7 @@ bool is_joined(const SeenMesh& scene, glm::length_t direction) {
   return false;
 }
 
-// Step 1: moves the branch cut in a texture dimension with wrapping.
+// Step 1: moves the branch cut in a periodic texture direction.
 void cut_branch(const SeenMesh& scene, std::size_t direction, TextureMapping* mapping) {
   const auto axis = static_cast<glm::length_t>(direction);
   WrapMode* wrap = direction == 0 ? &mapping->wrap_s : &mapping->wrap_t;
@@ -147,7 +149,7 @@ std::array<bool, 2> periodic_directions(const TextureMapping& mapping) {
 
 // Step 2: finds the most isometric affine map in the least-squares sense, eq. 7, with texels of the screen's
 // resolution. The start is a root of the mean of S^T S over visible pixels; S is the Jacobian from texture coordinates
-// to screen. The start's singular values are the mean values of S, however the mesh scales u and v.
+// to screen. The start's singular values are the mean singular values of S, however the mesh scales u and v.
 glm::dmat2 isometric_map(const SeenMesh& scene, bool is_diagonal) {
   glm::dmat2 mean(0.0);
   std::vector<IsometricEdge> edges;
@@ -164,7 +166,7 @@ glm::dmat2 isometric_map(const SeenMesh& scene, bool is_diagonal) {
   std::size_t count = 0;
   for (const VisiblePixels& pixels : scene.pixels) count += pixels.count;
   mean /= static_cast<double>(count);
-  // Cholesky: mean = R^T R with R upper triangular. Its element b is zero if the map must stay diagonal.
+  // Cholesky: mean = R^T R with R upper triangular. The element b of R is zero if the map must stay diagonal.
   glm::dmat2 start(0.0);
   start[0][0] = std::sqrt(mean[0][0]);
   start[1][0] = is_diagonal ? 0.0 : mean[1][0] / start[0][0];
@@ -177,14 +179,14 @@ glm::dmat2 isometric_map(const SeenMesh& scene, bool is_diagonal) {
 }
 
 struct Stretch {
-  double largest = 0.0;            // singular value of texels to pixels
+  double largest = 0.0;            // singular value of the map from texels to pixels
   glm::dvec2 direction{1.0, 0.0};  // the right singular vector of `largest`, in texels
   std::size_t degenerate_pixels = 0;
 };
 
 // With B = d(texel)/d(pixel), the largest singular value of B^-1 is the reciprocal of the smallest singular value of B.
-// Its direction in texels is the left singular vector of B: the eigenvector of B B^T. The smallest singular value is
-// computed as |det B| divided by the largest one, which avoids cancellation.
+// The direction of this value in texels is the left singular vector of B, which is the eigenvector of B B^T. The
+// smallest singular value is computed as |det B| divided by the largest one, which avoids cancellation.
 Stretch view_stretch(const VisiblePixels& pixels, const glm::dmat2& map) {
   Stretch stretch;
   double squared = 0.0;
@@ -225,7 +227,8 @@ Stretch largest_stretch(const SeenMesh& scene, const glm::dmat2& map) {
   return all;
 }
 
-// Returns the map with smaller texels along `direction`, by `factor`. A diagonal map is scaled along the nearer axis.
+// Returns the map with texels that are smaller by `factor` along `direction`. A diagonal map is scaled along the axis
+// nearest to `direction`.
 glm::dmat2 scale_along(const glm::dmat2& map, glm::dvec2 direction, double factor, bool is_diagonal) {
   if (is_diagonal)
     direction = std::abs(direction.x) >= std::abs(direction.y) ? glm::dvec2(1.0, 0.0) : glm::dvec2(0.0, 1.0);
@@ -236,7 +239,8 @@ glm::dmat2 scale_along(const glm::dmat2& map, glm::dvec2 direction, double facto
 glm::dmat2 hold_stretch(const SeenMesh& scene, glm::dmat2 map, double threshold, bool is_diagonal,
                         TextureMapping* mapping) {
   constexpr int kRoundsMax = 100;  // "usually a very small number"
-  // The last percent, and any rest after the rounds, is scaled in all directions at once.
+  // The last percent of excess stretch, and any excess after the last round, is removed by scaling in all directions at
+  // once.
   constexpr double kAlmost = 1.01;
   constexpr double kRounding = 1e-9;  // relative
   Stretch stretch = largest_stretch(scene, map);
@@ -268,11 +272,11 @@ Rectangle bounds(const std::vector<glm::dvec2>& hull, const glm::dmat2& map) {
 }
 
 // Step 5: finds the bounding rectangle of least area over discrete directions: half a degree apart, then finer around
-// the best. The area includes the texel for margins, so that thin objects are not turned needlessly; a turn must lower
-// the area.
+// the best. A turn must lower the area. The area includes a texel for margins, so that thin objects are not turned
+// needlessly.
 glm::dmat2 rotate_to_least_area(const std::vector<glm::dvec2>& hull, const glm::dmat2& map) {
   constexpr int kDirections = 180, kRefinements = 4;
-  constexpr double kGainMin = 1e-6;  // of the area
+  constexpr double kGainMin = 1e-6;  // share of the area
   const auto rotated = [&](double angle) {
     const double c = std::cos(angle), s = std::sin(angle);
     return glm::dmat2(c, s, -s, c) * map;
@@ -297,7 +301,7 @@ glm::dmat2 rotate_to_least_area(const std::vector<glm::dvec2>& hull, const glm::
   return rotated(best);
 }
 
-// Step 6: returns the texels along one side: whole, a power of two if requested, and at most side_max.
+// Step 6: returns the number of texels along one side: a power of two if requested, and at most side_max.
 int side_length(double texels, const AnimationTexture& texture) {
   constexpr double kRounding = 1e-6;  // rounding tolerance: 64.0000001 texels are 64 texels
   const int wanted = static_cast<int>(std::ceil(std::clamp(texels - kRounding, 1.0, double{1 << 20})));
@@ -308,8 +312,8 @@ int side_length(double texels, const AnimationTexture& texture) {
 }
 
 // Step 6: maps texels to 0..1. A clamped direction keeps half a texel free at both ends, so that bilinear filtering
-// reads no texels beyond the border. Rounding up makes the texels smaller. A periodic direction spans exactly one
-// period.
+// reads no texels beyond the border. The rounded-up number of texels only makes the texels smaller. A periodic
+// direction spans exactly one period.
 void set_resolution(const std::vector<glm::dvec2>& hull, const glm::dmat2& map, const AnimationTexture& texture,
                     TextureMapping* mapping) {
   const Rectangle box = bounds(hull, map);

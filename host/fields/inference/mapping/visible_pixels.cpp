@@ -26,7 +26,7 @@ std::array<ClipVertex, 3> triangle_corners(const ObjectMesh& mesh, const Mapping
   return corners;
 }
 
-// Returns pixels times w, rows downwards, and w.
+// Returns pixel coordinates times w, with y downwards, and w.
 glm::dvec3 homogeneous_pixels(const ClipVertex& vertex, const ItemBuffer& items) {
   const glm::dvec4& p = vertex.position;
   return {(0.5 * p.w + 0.5 * p.x) * items.width, (0.5 * p.w - 0.5 * p.y) * items.height, p.w};
@@ -37,7 +37,7 @@ glm::dvec2 to_pixels(const ClipVertex& vertex, const ItemBuffer& items) {
   return glm::dvec2(p) / p.z;
 }
 
-// Texture coordinates are floats, so an area that rounding errors of a line could cause counts as zero.
+// Texture coordinates are floats, so rounding errors can give a line a small area. Such an area counts as zero.
 bool is_line_in_texture(const std::array<ClipVertex, 3>& corners) {
   constexpr double kRounding = 0x1.0p-22;  // four times half a unit in the last place
   double side = 0.0, size = 0.0;
@@ -48,8 +48,9 @@ bool is_line_in_texture(const std::array<ClipVertex, 3>& corners) {
   return std::abs(cross(corners[1].uv - corners[0].uv, corners[2].uv - corners[0].uv)) <= kRounding * size * side;
 }
 
-// The columns of `at` are the screen corners times w, and the columns of `value` are the required results times w (`at`
-// contains the corners' w). `value * at^-1` is linear before the division, as perspective is (Heckbert 1989).
+// The columns of `at` are the screen corners times w, with w itself in the last row. The columns of `value` are the
+// required results times w. The map `value * at^-1` is linear in homogeneous coordinates, like perspective (Heckbert
+// 1989).
 VisibleTriangle make_visible_triangle(const ObjectMesh& mesh, const MappingView& view, std::uint32_t triangle) {
   const auto corners = triangle_corners(mesh, view, triangle);
   glm::dmat3 at, value;
@@ -60,14 +61,14 @@ VisibleTriangle make_visible_triangle(const ObjectMesh& mesh, const MappingView&
     value[i] = glm::dvec3(corner.uv - corners[0].uv, 1.0);
     scale *= glm::length(at[i]);
   }
-  constexpr double kEdgeOn = 1e-13;  // share of the corners' product; smaller areas are only rounding errors
+  constexpr double kEdgeOn = 1e-13;  // relative to the product of the corners; smaller areas are only rounding errors
   const bool is_degenerate = is_line_in_texture(corners) || !(std::abs(glm::determinant(at)) > kEdgeOn * scale);
   return {triangle, is_degenerate, is_degenerate ? glm::dmat3(0.0) : value * glm::inverse(at)};
 }
 
-// Returns the part of a triangle that a run shows, with a margin of one pixel, because neighbouring pixels may have
-// sub-pixels of the object although their centres miss the object. The part is clipped to the triangle, so that it
-// stays bounded at a horizon.
+// Returns the part of a triangle that a run shows, with a margin of one pixel. The margin is needed because
+// neighbouring pixels may have sub-pixels on the object although their centres miss it. The part is clipped to the
+// triangle, so that it stays bounded at a horizon.
 ClipPolygon clip_to_run(const ObjectMesh& mesh, const MappingView& view, std::uint32_t triangle, const PixelRun& run) {
   const glm::dvec2 size(view.items->width, view.items->height);
   const glm::dvec2 low = glm::dvec2(run.x_begin - 1, run.y - 1) / size,
@@ -109,7 +110,7 @@ std::optional<glm::dmat2> uv_jacobian(const VisibleTriangle& triangle, glm::dvec
   if (triangle.is_degenerate) return std::nullopt;
   const glm::dmat3& h = triangle.screen_to_uv;
   const glm::dvec3 value = h * glm::dvec3(screen, 1.0);
-  if (!(value.z > 0.0)) return std::nullopt;  // behind the eye: rounding at a corner on the near plane
+  if (!(value.z > 0.0)) return std::nullopt;  // behind the eye because of rounding at a corner on the near plane
   // The quotient rule: d(a / q) = (da - (a / q) dq) / q.
   const glm::dvec2 uv = glm::dvec2(value) / value.z;
   return glm::dmat2((glm::dvec2(h[0]) - uv * h[0].z) / value.z, (glm::dvec2(h[1]) - uv * h[1].z) / value.z);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Finds the visible pixels of one object in one picture, and how its texture coordinates change across each pixel. The
-// steps of texture mapping use both (Hakura et al. 2000, section 3.4).
+// Finds the visible pixels of one object in one picture, and how its texture coordinates change across each pixel.
+// Texture mapping uses both (Hakura et al. 2000, section 3.4).
 #pragma once
 
 #include <cstddef>
@@ -21,7 +21,7 @@ namespace multum {
 
 struct VisibleTriangle {
   std::uint32_t triangle;
-  bool is_degenerate;  // has no area in the texture or on the screen, so no Jacobian
+  bool is_degenerate;  // has no Jacobian, because it has no area in the texture or on the screen
   // Maps (x, y, 1) in pixels to (q du, q dv, q): texture coordinates from the triangle's first corner, with
   // perspective.
   glm::dmat3 screen_to_uv;
@@ -34,23 +34,25 @@ struct PixelRun {
 };
 
 struct VisiblePixels {
-  std::vector<VisibleTriangle> triangles;  // ascending
+  std::vector<VisibleTriangle> triangles;  // in ascending order
   std::vector<PixelRun> runs;
   std::size_t count = 0;
 };
 
 VisiblePixels find_visible_pixels(const ObjectMesh& mesh, const MappingView& view);
 
-/// Returns d(u, v) / d(x, y) at a point of the screen; its columns are the derivatives by x and by y. nullopt if the
-/// Jacobian does not exist.
+/// Returns the Jacobian d(u, v) / d(x, y) at a point of the screen, or nullopt if it does not exist. The columns are
+/// the derivatives by x and by y.
 std::optional<glm::dmat2> uv_jacobian(const VisibleTriangle& triangle, glm::dvec2 screen);
 
 /// Appends edges of the visible triangles for eq. 7, after clipping with the viewing frustum. A clipped triangle gives
-/// the edges of the triangles in its remaining part; a triangle that fills the screen has only these edges.
+/// the edges of the triangles in its remaining part, because a triangle that fills the screen has no other visible
+/// edges.
 void append_isometric_edges(const ObjectMesh& mesh, const MappingView& view, const VisiblePixels& pixels,
                             std::vector<IsometricEdge>* edges);
 
-/// Returns the corners of the points' convex hull, anticlockwise; fewer than three if all points are on a line.
+/// Returns the corners of the points' convex hull, anticlockwise. There are fewer than three if all points are on a
+/// line.
 std::vector<glm::dvec2> convex_hull(std::vector<glm::dvec2> points);
 
 /// Returns the hull of the texture coordinates of all visible parts. `shift(triangle)` moves each triangle.

@@ -18,7 +18,8 @@
 namespace multum {
 namespace {
 
-constexpr std::uint64_t kUnitsAMatrix = 4;  // progress units: measuring a matrix takes about as long as four solutions
+constexpr std::uint64_t kUnitsAMatrix = 4;  // units of progress per matrix: measuring one takes about as long as four
+                                            // solutions
 
 }  // namespace
 
@@ -118,7 +119,7 @@ void AnimationProbe::measure(int pose, const std::vector<std::size_t>& objects, 
     request.tasks.push_back({field_.job().objects[k].mesh, mapping_at(pose, k), static_cast<float>(anisotropy(k)),
                              settings_.has_mips, path(pose, k), key(pose, k)});
   }
-  // A private folder, because another process may measure the same pose. The folder is always removed at the end.
+  // The folder is private, because another process may measure the same pose. The folder is always removed at the end.
   const std::unique_ptr<WorkFolder> work = WorkFolder::make(settings_.folder);
   const std::string file = work->path() + "/request.probe.json";
   write_probe_request(request, file);

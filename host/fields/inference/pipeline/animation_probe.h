@@ -13,16 +13,17 @@
 
 namespace multum {
 
-using ObjectMappings = std::vector<std::vector<TextureMapping>>;  // [object of the job][block]; width 0: not visible
+using ObjectMappings = std::vector<std::vector<TextureMapping>>;  // [object of the job][block]; width 0 means not
+                                                                  // visible
 
 struct ProbeSettings {
   std::string viewer;            // the program
-  std::string context = "auto";  // its OpenGL context
-  std::string folder;            // of the matrices
+  std::string context = "auto";  // OpenGL context of multum-view
+  std::string folder;            // folder of the matrices
   int threads = 0;
-  bool has_mips = true;     // false: bilinear, level 0 only
-  int supersampling = 0;    // 0: as in the job
-  double anisotropy = 0.0;  // anisotropy of all objects; 0: the job's value per object
+  bool has_mips = true;     // if false, bilinear filtering of level 0 only
+  int supersampling = 0;    // 0 means as in the job
+  double anisotropy = 0.0;  // anisotropy of all objects; 0 means the job's value for each object
 };
 
 class AnimationProbe {
@@ -45,7 +46,7 @@ class AnimationProbe {
   /// Returns the units of progress that run() counts.
   std::uint64_t unit_count() const;
 
-  int measured = 0;  // matrices, by run()
+  int measured = 0;  // number of matrices that run() measured
 
  private:
   std::uint64_t unit_count(int pose) const;

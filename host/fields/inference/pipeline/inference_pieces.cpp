@@ -35,7 +35,7 @@ std::vector<PointCounts> points_of_blocks(const ParameterizedScene& field, const
 }
 
 // Returns the number of fitted pixels plus solved texels. The result is a whole number, so that every machine divides
-// the work in the same way. The mapping's visible pixels count each pose only once.
+// the work in the same way. A mapping's visible pixels include each pose only once.
 std::uint64_t weight(const TextureMapping& mapping, const PointCounts& counts, std::uint64_t poses) {
   const auto side = [](int texels) { return static_cast<std::uint64_t>(std::max(texels, 1)); };
   return mapping.visible_pixels * counts.samples / std::max<std::uint64_t>(poses, 1) +
@@ -48,7 +48,7 @@ InferredObject object_of(const ParameterizedScene& field, const ObjectMappings& 
   object.name = job.objects[k].name;
   object.mesh = job.objects[k].mesh;
   for (TextureMapping mapping : mappings[k]) {
-    mapping.width = std::max(1, mapping.width);  // for invisible objects
+    mapping.width = std::max(1, mapping.width);  // for invisible objects, whose width is 0
     mapping.height = std::max(1, mapping.height);
     object.mappings.push_back(mapping);
   }
@@ -135,7 +135,7 @@ InferredManifest manifest_of(const ParameterizedScene& field, const AnimationInf
     for (InferredLayer& layer : m.objects[texture.object].layers)
       if (layer.name == job.layers[texture.layer].name)
         for (const int sample : texture.samples) layer.textures[static_cast<std::size_t>(sample)] = texture.file;
-  // Removes a layer from an object that is black in the layer in every sample.
+  // Removes a layer from an object if the object is black in it in every sample.
   for (InferredObject& object : m.objects)
     std::erase_if(object.layers, [&](const InferredLayer& layer) {
       return std::all_of(layer.textures.begin(), layer.textures.end(), [](const auto& file) { return file.empty(); });

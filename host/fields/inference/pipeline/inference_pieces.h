@@ -33,7 +33,7 @@ std::vector<InferencePiece> inference_pieces(const ParameterizedScene& field, co
 std::vector<std::vector<InferencePiece>> divide_pieces(const ParameterizedScene& field, const ObjectMappings& mappings,
                                                        int count);
 
-/// Returns the manifest of all textures. `geometry_hash`: as in AnimationProbe.
+/// Returns the manifest of all textures. `geometry_hash` is as in AnimationProbe.
 InferredManifest manifest_of(const ParameterizedScene& field, const AnimationInferSettings& settings,
                              const ObjectMappings& mappings, const std::string& geometry_hash,
                              const std::vector<TextureResult>& textures);

@@ -143,7 +143,7 @@ class InferencePipeline {
       texture.history = std::move(solved.history);
       texels = std::move(solved.texels);
       for (float& value : texels) value = static_cast<float>(static_cast<double>(value) * job_.radiance_max);
-      // Rounds texels as the file does, so that a resumed run starts the next texture from the same values.
+      // Rounds texels to the values in the file, so that a resumed run starts the next texture from the same values.
       round_to_half(texels);
       write_texture(path, k, key, texture, texels);
     }
@@ -164,7 +164,7 @@ class InferencePipeline {
     ObjectSystem& system = systems_[k];
     std::string matrices_key;
     for (const int sample : point.samples) matrices_key += probe_.key(field_.pose_of(sample), k);
-    // Reuses the system if the same pixels have weight.
+    // Reuses the previous system if the same pixels have weight.
     if (system.inference && system.key == matrices_key) {
       bool is_same = true;
       for (std::size_t i = 0; i < point.samples.size() && is_same; ++i)
@@ -217,7 +217,7 @@ class InferencePipeline {
     return hash.finish();
   }
 
-  // Returns the texels of an earlier run with this key; empty: the texture must be inferred.
+  // Returns the texels of an earlier run with this key. The list is empty if the texture must be inferred.
   std::vector<float> texels_there(const std::string& path, const std::string& key) const {
     if (settings_.force || settings_.damaged.contains(path) || provenance_key(path) != key) return {};
     try {

@@ -3,8 +3,9 @@
 // filter matrices. Each of its layers gets one texture for each point of the parameters that the layer depends on. The
 // texture is inferred from all samples of the point together (eq. 4). If an object is in no layer, it gets no textures.
 //
-// Each point is a neighbour of the point solved before, whose texture is the start. Textures are written as soon as
-// they are solved. An existing texture with the same inputs and settings is reused, so a stopped run can resume.
+// Each point is a neighbour of the point solved before; the texture of that point is the start value. Textures are
+// written as soon as they are solved. An existing texture with the same inputs and settings is reused, so a stopped run
+// can resume.
 #pragma once
 
 #include <array>
@@ -26,13 +27,13 @@ struct AnimationInferSettings {
   std::string output;            // folder
   std::string device;            // selector of Device::open()
   std::string viewer;            // multum-view
-  std::string context = "auto";  // its OpenGL context
+  std::string context = "auto";  // OpenGL context of multum-view
   int threads = 1;
   bool has_absolute_geometry = false;  // store the scene file's absolute path instead of a relative one
   bool force = false;                  // infer existing textures again
   std::set<std::string> damaged;       // paths of existing textures that must not be reused
-  int hold_out = 0;                    // 2 or more: every such sample along the views is left out of layers that do not
-                                       // depend on them; 0: none
+  int hold_out = 0;                    // N >= 2 leaves out every Nth sample along the views, in layers that do not
+                                       // depend on the view; 0 leaves out none
   bool with_baseline = true;           // also measure forward mapping
   double gradient_tolerance = 1e-3;
   int iteration_max = 400;
@@ -45,11 +46,11 @@ struct TextureResult {
   std::size_t point = 0;               // index among the grid's points of the layer
   int block = 0;                       // block of the grid; selects the object's mapping
   std::vector<int> samples;            // of the job
-  std::vector<double> squared_errors;  // mean of each sample over wholly covered pixels, 8-bit sRGB units
+  std::vector<double> squared_errors;  // mean squared error of each sample over wholly covered pixels, 8-bit sRGB units
   std::vector<double> pixel_counts;
   std::vector<double> forward_squared_errors;  // errors of forward mapping; empty if not requested
   std::vector<bool> is_held_out;               // whether each sample is left out of solving
-  std::string file;                            // relative to the output folder; empty: the layer is black
+  std::string file;                            // relative to the output folder; empty if the layer is black
   bool was_there = false;
   bool converged = true;
   int iterations = 0;
@@ -85,7 +86,7 @@ struct AnimationInferResult {
   std::uint64_t rows = 0, rows_rejected = 0;
   int matrices_measured = 0, systems_normal = 0, systems_matrix = 0;
   int nan_depths = 0;
-  // The terms that are added up above. Several shares of the work may have some terms in common.
+  // The terms of the sums above. Several shares of the work may have some terms in common.
   std::vector<PointReport> points;
   std::vector<MatrixRows> matrices;
 };
@@ -95,10 +96,11 @@ struct InferencePiece;  // host/fields/inference/pipeline/inference_pieces.h
 /// Returns the file of a texture, relative to the output folder.
 std::string texture_file(const AnimationJob& job, std::size_t object, std::size_t layer, const ParameterPoint& point);
 
-/// Returns whether a sample is held out: every `hold_out`-th view is, if the layer has the same texture in other views.
+/// Returns whether a sample is held out. Every `hold_out`-th view is held out if the layer has the same texture in
+/// other views.
 bool is_held_out(const AnimationJob& job, int hold_out, const AnimationLayer& layer, int sample);
 
-/// Infers the textures of some pieces, without a manifest. Throws the same errors as infer_animation().
+/// Infers the textures of some pieces and writes no manifest. Throws the same errors as infer_animation().
 AnimationInferResult infer_pieces(const ParameterizedScene& field, const AnimationInferSettings& settings,
                                   const ObjectMappings& mappings, const std::vector<InferencePiece>& pieces,
                                   Progress* progress);
@@ -107,7 +109,7 @@ AnimationInferResult infer_pieces(const ParameterizedScene& field, const Animati
 void finish_inference(const ParameterizedScene& field, const AnimationInferSettings& settings,
                       const ObjectMappings& mappings, AnimationInferResult& result);
 
-/// Throws Error, Cancelled. Finished textures remain.
+/// Throws Error or Cancelled. Finished textures remain.
 AnimationInferResult infer_animation(const ParameterizedScene& field, const AnimationInferSettings& settings,
                                      Progress* progress);
 

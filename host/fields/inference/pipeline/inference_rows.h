@@ -11,8 +11,8 @@
 
 namespace multum {
 
-/// Returns the coverage of each row: the lower of the coverages in the ray-traced picture and in OpenGL; 0 if it is
-/// below `coverage_min`.
+/// Returns the coverage of each row: the lower of its coverages in the ray-traced picture and in OpenGL, or 0 if this
+/// is below `coverage_min`.
 std::vector<float> row_weights(const FilterMatrix& matrix, const ObjectLayer& layer, double coverage_min);
 
 /// Returns whether both the ray-traced picture and OpenGL cover the row's pixel wholly. In a mixed pixel, the object's

@@ -45,7 +45,7 @@ struct ShareWork {
 };
 
 std::vector<ShareWork> divide_work(const ParameterizedScene& field, const ObjectMappings& mappings, int count) {
-  std::vector<std::vector<ParameterPoint>> points;  // of each layer
+  std::vector<std::vector<ParameterPoint>> points;  // points of each layer
   for (const AnimationLayer& layer : field.job().layers) points.push_back(field.grid().points(layer));
   std::vector<ShareWork> shares;
   for (std::vector<InferencePiece>& pieces : divide_pieces(field, mappings, count)) {
@@ -140,7 +140,7 @@ TextureResult texture_from(const Json& json, const PointName& name, const Parame
   texture.samples = point.samples;
   for (const int sample : point.samples)
     texture.is_held_out.push_back(is_held_out(job, settings.hold_out, job.layers[texture.layer], sample));
-  if (json.at("sha256").get<std::string>().empty()) return texture;  // black
+  if (json.at("sha256").get<std::string>().empty()) return texture;  // the layer is black
   texture.file = texture_file(job, texture.object, texture.layer, point);
   texture.squared_errors = figures_from(json.at("errors"), point.samples.size());
   texture.pixel_counts = figures_from(json.at("pixels"), point.samples.size());
@@ -159,8 +159,8 @@ TextureResult texture_from(const Json& json, const PointName& name, const Parame
 // A checked record, and the textures that do not match it.
 struct CheckedShare {
   AnimationInferResult result;
-  std::set<std::string> damaged;  // paths
-  std::string why;                // fault of the first damaged texture; empty: all are intact
+  std::set<std::string> damaged;  // paths of damaged textures
+  std::string why;                // fault of the first damaged texture; empty if all are intact
 };
 
 class RecordReader {
@@ -168,7 +168,7 @@ class RecordReader {
   RecordReader(const ParameterizedScene& field, const AnimationInferSettings& settings, const ShareWork& work)
       : field_(field), settings_(settings), work_(work) {}
 
-  // Throws Error(kEnvironment) naming the record and the command that makes it again.
+  // Throws Error(kEnvironment), which names the record and the command that makes it again.
   CheckedShare read(const ShareName& name, const std::string& key) const {
     const Json content = read_share_record(name, key);
     try {
@@ -243,7 +243,7 @@ void add_times(const StageSeconds& from, StageSeconds& to) {
     to.*member += from.*member;
 }
 
-// Counts points and matrices that several shares used only once.
+// Counts points and matrices only once, even if several shares used them.
 void add_result(AnimationInferResult&& from, AnimationInferResult& to) {
   if (to.renderer.empty()) to.renderer = from.renderer;
   if (to.device.empty()) to.device = from.device;

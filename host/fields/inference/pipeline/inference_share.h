@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Divides an inference among processes that share the output folder. A share infers the textures of its pieces
 // (inference_pieces.h) and writes its findings to a record (host/foundation/base/share_record.h). A merge checks the
-// records of all shares and the hashes of their textures, and writes the manifest. The manifest is identical to that of
-// a single process.
+// records of all shares and the hashes of their textures, and writes the manifest. A single process would write the
+// same manifest.
 #pragma once
 
 #include "host/fields/inference/pipeline/inference_pipeline.h"
@@ -14,16 +14,17 @@ struct InferenceShare {
 };
 
 struct InferenceShareResult {
-  bool was_there = false;  // a complete share with the same inputs and settings existed: nothing was done
+  bool was_there = false;  // true if nothing was done, because a complete share with the same inputs and settings
+                           // existed
   int textures = 0;        // textures of the share, including existing ones
 };
 
-/// Throws Error, Cancelled; finished textures remain.
+/// Throws Error or Cancelled. Finished textures remain.
 InferenceShareResult infer_share(const ParameterizedScene& field, const AnimationInferSettings& settings,
                                  const InferenceShare& share, Progress* progress);
 
-/// Returns the same result as infer_animation(). Throws Error(kEnvironment) naming every share whose record or textures
-/// are missing, damaged or made from other inputs, with the option that makes the share again.
+/// Returns the same result as infer_animation(). Throws Error(kEnvironment) if the record or textures of a share are
+/// missing, damaged or made from other inputs. The message names every such share and the option that makes it again.
 AnimationInferResult merge_inference(const ParameterizedScene& field, const AnimationInferSettings& settings, int count,
                                      Progress* progress);
 

@@ -119,11 +119,11 @@ std::vector<std::vector<float>> ParameterizedScene::coverages(int number) const 
   return coverages;
 }
 
-// An object-index image gives the object at the middle of each pixel. If the geometry also shows this object in the
+// An object-index image names the object at the middle of each pixel. If the geometry also shows this object in the
 // pixel, the geometry gives the shares of all objects. Otherwise, for example for displaced or unlisted objects, the
-// whole pixel belongs to the object of the image.
+// whole pixel belongs to the object that the image names.
 void ParameterizedScene::unmix_silhouettes(int pose, std::vector<std::vector<float>>& coverages) const {
-  constexpr int kSubPixels = 4;  // sub-pixels along a pixel's side: steps of 1/16
+  constexpr int kSubPixels = 4;  // sub-pixels along a pixel's side, so that shares have steps of 1/16
   const int factor = std::clamp(kItemBufferSideMax / std::max(job_.width, job_.height), 1, kSubPixels);
   const std::vector<std::vector<float>> drawn =
       item_coverage(draw_item_buffer(placed(pose), camera(pose).projection, factor * job_.width, factor * job_.height),

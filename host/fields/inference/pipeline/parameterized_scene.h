@@ -40,7 +40,8 @@ class ParameterizedScene {
   /// Returns the job's object as forward mapping reads it; `layer` must outlive the result.
   ForwardView forward_view(std::size_t object, int pose, const ObjectLayer& layer) const;
 
-  /// Returns an affine map of the object's texture coordinates for the poses of one block; width 0: not visible there.
+  /// Returns an affine map of the object's texture coordinates for the poses of one block. The width is 0 if the object
+  /// is not visible in these poses.
   TextureMapping find_mapping(std::size_t object, int block) const;
 
   /// Returns the share of every pixel that each of the job's objects covers.

@@ -13,20 +13,20 @@ namespace multum {
 
 struct ComparisonRow {
   std::string name;                    // "trilinear, regularisation 0.1"
-  std::vector<double> squared_errors;  // one per object of the job, all layers added, wholly covered pixels,
-                                       // 8-bit sRGB units; negative: not visible
+  std::vector<double> squared_errors;  // one per object of the job, all layers added, over wholly covered pixels, in
+                                       // 8-bit sRGB units; negative if not visible
 };
 
 struct InferenceComparison {
   std::string sample;
-  int supersampling = 1;             // supersampling of the rows, if any
+  int supersampling = 1;             // supersampling of the matrix rows
   std::vector<double> pixel_counts;  // pixels of each of the job's objects
   std::vector<ComparisonRow> rows;
 };
 
-/// Compares with one sample per pixel, as hardware draws without antialiasing, and with the job's supersampling. With
-/// supersampling, anisotropic filtering is left out, because its footprints take many draws to measure. Measures the
-/// required matrices in OUTPUT/comparison.
+/// Makes the comparison with one sample per pixel, which is how hardware draws without antialiasing, and with the job's
+/// supersampling. With supersampling, anisotropic filtering is left out, because its footprints take many draws to
+/// measure. Stores the measured matrices in OUTPUT/comparison.
 InferenceComparison compare_inference(const ParameterizedScene& field, int sample, const ObjectMappings& mappings,
                                       const AnimationInferSettings& settings, Progress* progress);
 

@@ -19,8 +19,8 @@
 namespace multum {
 namespace {
 
-// Samples per run of the viewer. Each run sets up OpenGL and reads the geometry once. The command line stays far below
-// the 128 KiB that every system accepts.
+// Samples per run of the viewer. Each run sets up OpenGL and reads the geometry once. With this number, the command
+// line stays far below the 128 KiB that every system accepts.
 constexpr std::size_t kSamplesAChild = 256;
 
 const std::vector<std::string> kRgb = {"R", "G", "B"};
@@ -123,7 +123,7 @@ InferenceFrames render_frames(const ParameterizedScene& field, const FrameSettin
   const AnimationJob& job = field.job();
   InferenceFrames result;
   make_folder(settings.output + "/frames");
-  progress_start(progress, 2 * samples.size());  // two units per frame: it is drawn and compared
+  progress_start(progress, 2 * samples.size());  // two units per frame, for drawing and comparing
   for (std::size_t begin = 0; begin < samples.size(); begin += kSamplesAChild) {
     const std::size_t end = std::min(samples.size(), begin + kSamplesAChild);
     const std::vector<int> some(samples.begin() + static_cast<std::ptrdiff_t>(begin),

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Compares frames that multum-view draws with inferred textures with the ray-traced pictures (Hakura et al. 2000,
-// section 3.3). A texture's own error includes only one layer and the pixels used for solving. A frame's error includes
-// all layers, silhouettes, and occlusion between objects.
+// Has multum-view draw frames with the inferred textures, and compares them with the ray-traced pictures (Hakura et al.
+// 2000, section 3.3). A texture's own error includes only one layer and the pixels used for solving. A frame's error
+// includes all layers, silhouettes, and occlusion between objects.
 #pragma once
 
 #include <string>
@@ -15,7 +15,7 @@ namespace multum {
 struct FrameSettings {
   std::string output;            // folder with the manifest; frames go into OUTPUT/frames
   std::string viewer;            // multum-view
-  std::string context = "auto";  // its OpenGL context
+  std::string context = "auto";  // OpenGL context of multum-view
 };
 
 /// Three values per pixel, row 0 at the top; 1 is the job's radiance_max.
@@ -31,8 +31,10 @@ struct FrameErrors {
   int sample = 0;    // of the job
   std::string file;  // relative to the output folder
   double squared_error = 0.0, pixel_count = 0.0;
-  double uncovered_pixels = 0.0;                                   // pixels left out: alpha below kWholeCoverage
-  double not_finite_pixels = 0.0;                                  // pixels left out: NaN or infinite in either picture
+  double uncovered_pixels = 0.0;                                   // number of pixels left out because their alpha is
+                                                                   // below kWholeCoverage
+  double not_finite_pixels = 0.0;                                  // number of pixels left out because they are NaN or
+                                                                   // infinite in either picture
   std::vector<double> object_squared_errors, object_pixel_counts;  // one per object of the job, where it covers
                                                                    // pixels wholly in the ray-traced picture
 };
@@ -42,25 +44,25 @@ struct InferenceFrames {
   double seconds = 0.0;  // seconds for drawing, reading and comparing
 };
 
-/// The mean over the pixels of all frames; count 0 if there are no pixels.
+/// The mean over the pixels of all frames. The count is 0 if there are no pixels.
 struct FrameMean {
   double squared_error = 0.0, pixel_count = 0.0;
 };
 FrameMean mean_frame_error(const InferenceFrames& frames);
 FrameMean mean_object_error(const InferenceFrames& frames, std::size_t object);
 
-/// Draws `samples` with the textures in the output folder and compares them. Throws Error, Cancelled.
+/// Draws `samples` with the textures in the output folder and compares them. Throws Error or Cancelled.
 InferenceFrames render_frames(const ParameterizedScene& field, const FrameSettings& settings,
                               const std::vector<int>& samples, Progress* progress);
 
 /// Returns the ray-traced picture of a frame: R G B if the file has these channels, else the sum of the job's layers.
-/// It is clipped at radiance_max, which becomes 1.
+/// Values are clipped at radiance_max and divided by it.
 std::vector<float> ray_traced_picture(const ParameterizedScene& field, int sample);
 
 /// Reads a frame of multum-view. Throws Error(kInput) if it does not have the job's size.
 RenderedFrame read_frame(const AnimationJob& job, const std::string& path);
 
-/// Leaves sample and file of the result empty.
+/// Leaves the members `sample` and `file` of the result empty.
 FrameErrors compare_frame(const std::vector<float>& ray_traced, const RenderedFrame& frame,
                           const std::vector<std::vector<float>>& coverages);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Shows the report of `multum infer` as one HTML page, which refers only to the pictures in OUTPUT/report. The page
-// supports light mode, dark mode and printing. Its texts are in host/fields/inference/report/templates.
+// supports light mode, dark mode and printing. The texts of the page are in host/fields/inference/report/templates.
 #pragma once
 
 #include <map>

@@ -143,7 +143,7 @@ Png8Image cut_out(const Png8Image& image, const std::vector<float>& coverage, co
     for (int x = box.x; x < box.x + box.width; ++x) {
       const auto pixel = static_cast<std::size_t>(y * image.width + x);
       const bool is_covered = coverage[pixel] >= kWholeCoverage;
-      for (std::size_t c = 0; c < 3; ++c)  // invisible parts are black, which compresses to almost no bytes
+      for (std::size_t c = 0; c < 3; ++c)  // invisible parts become black, which compresses to almost no bytes
         cut.interleaved.push_back(is_covered ? image.interleaved[3 * pixel + c] : std::uint8_t{0});
       cut.interleaved.push_back(is_covered ? 255 : 0);
     }

@@ -245,7 +245,7 @@ Json inference_figures(const InferenceReport& report) {
   Json json;
   json["software"] = std::string("multum ") + MULTUM_VERSION;
   json["job"] =
-      // No folder names, because reports are sent to others.
+      // Contains no folder names, because users send reports to others.
       text_of_path(std::filesystem::path(job.path).filename().string());
   json["device"] = result.device;
   json["renderer"] = result.renderer;
@@ -279,7 +279,7 @@ std::string inference_report_json(const InferenceReport& report) {
 }
 
 std::string texel_count_text(const InferenceReport& report, const LayerSummary& layer, const std::string& times) {
-  std::set<std::tuple<int, int, int>> sizes;  // by area
+  std::set<std::tuple<int, int, int>> sizes;  // sorted by area
   for (const TextureResult& texture : report.result.textures) {
     if (texture.object != layer.object || texture.layer != layer.layer || texture.file.empty()) continue;
     const TextureMapping& m = report.result.mappings[layer.object][static_cast<std::size_t>(texture.block)];

@@ -18,12 +18,12 @@ struct InferenceReport {
   const AnimationInferSettings& settings;
   const AnimationInferResult& result;
   int sample = 0;                                   // sample of the pictures
-  const InferenceFrames* frames = nullptr;          // null: not drawn
-  const InferenceComparison* comparison = nullptr;  // null: not made
+  const InferenceFrames* frames = nullptr;          // null if frames were not drawn
+  const InferenceComparison* comparison = nullptr;  // null if no comparison was made
 };
 
 /// One layer of an object, over all its textures. Mean squared errors are over all pixels of all samples, in 8-bit sRGB
-/// units; negative if there are no pixels.
+/// units. The errors are negative if there are no pixels.
 struct LayerSummary {
   std::size_t object = 0, layer = 0;
   int textures = 0;
@@ -31,7 +31,7 @@ struct LayerSummary {
   double squared_error = -1.0, pixel_count = 0.0;
   double forward_squared_error = -1.0;
   double held_out_squared_error = -1.0, held_out_pixel_count = 0.0;  // forward mapping has no held-out samples
-  // Worst error of a sample that was used for solving.
+  // The highest error of any sample that was used for solving.
   double worst_squared_error = -1.0;
   int worst_sample = -1;
   double iterations_median = 0.0;

@@ -19,7 +19,7 @@ struct PyramidTables {
   std::vector<float> diagonal;  // diagonal of R^T R, one value per texel
 };
 
-/// `strip_length`: texels per work-item, at least 1.
+/// `strip_length` is the number of texels per work-item, at least 1.
 PyramidTables make_pyramid_tables(const MipLayout& layout, bool is_periodic_s, bool is_periodic_t, int strip_length);
 
 }  // namespace multum

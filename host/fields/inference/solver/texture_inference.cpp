@@ -15,16 +15,16 @@ namespace multum {
 namespace {
 
 constexpr double kDelta = 1.0 / 512;  // d of eq. (5)
-// Number of partial sums: the same for every device, so that results do not depend on the device, and enough for a
-// GPU's work-items. With 64 partial sums, an iteration on an H100 took 2.5 ms, but its products only 0.04 ms
-// (docs/evidence/GPU.md).
+// Number of partial sums. The number is the same for every device, so that results do not depend on the device, and
+// large enough to keep a GPU busy. With 64 partial sums, an iteration on an H100 took 2.5 ms, but its products only
+// 0.04 ms (docs/evidence/GPU.md).
 constexpr std::size_t kPartCount = 2048, kPartsAGroup = 32;
 constexpr int kHalvingsMax = 12;  // most halvings of a Newton step that leads uphill
 
 using Sums = std::array<double, 3>;
 
-// Eq. (5): g, g' and g'' with u = x + d, v = 1 + d - x: g = 1 / (u v), g' = g (1/v - 1/u),
-// g'' = 2 g (1/u^2 - 1/(u v) + 1/v^2).
+// Computes g, g' and g'' of eq. (5), with u = x + d and v = 1 + d - x: g = 1 / (u v), g' = g (1/v - 1/u), g'' = 2 g
+// (1/u^2 - 1/(u v) + 1/v^2).
 struct RangeTerm {
   double value, slope, curvature;
 };
@@ -134,8 +134,8 @@ class Solver {
         if (range_weight_ > 0.0)
           curvature[t][c] = static_cast<float>(0.5 * range_weight_ * range_term(static_cast<double>(x)).curvature);
         const float diagonal = system_.diagonal[t] + curvature[t][c];
-        // Invisible texels without pyramidal regularization do not change. Texels also do not change if the
-        // regularization is so weak that the inverse of the diagonal would be infinite.
+        // Without pyramidal regularization, invisible texels do not change. The same is true if the regularization is
+        // so weak that the inverse of the diagonal would be infinite.
         if (is_held || !(diagonal >= std::numeric_limits<float>::min())) continue;
         inverse[t][c] = system_.settings.precondition ? 1.0f / diagonal : 1.0f;
       }
@@ -166,7 +166,7 @@ class Solver {
   }
 
   // Solves H step = -gradient over the free values, down to a share of the gradient. More precision is not useful,
-  // because values that leave their range change the problem. Returns the iterations.
+  // because values that leave their range change the problem. Returns the number of iterations.
   int find_step(int iteration_max) {
     const Sums before = projected_gradient_squares();
     Sums goal;
@@ -190,7 +190,7 @@ class Solver {
       system_.apply(p_, q_);
       const Sums curvatures = curvature_product();
       Sums alpha{0.0, 0.0, 0.0}, beta{0.0, 0.0, 0.0};
-      // A colour that is solved, or whose curvature is zero, does not move.
+      // A colour does not move if it is solved or its curvature is zero.
       for (std::size_t c = 0; c < 3; ++c)
         if (curvatures[c] > 0.0 && norms[c] > goal[c]) alpha[c] = products[c] / curvatures[c];
       const Sums last = products;

@@ -8,10 +8,10 @@
 //
 // where c_r is the pixel's coverage and 0 <= x <= 1.
 //
-// Departures: The paper minimizes f, including the range term, with one nonlinear conjugate gradient. Here linear
-// conjugate gradient solves Newton steps. Values at a bound whose gradient points outwards are held there, and steps
-// end at the bounds. The constraint then holds exactly, even without the range term. The paper needs the range term for
-// this constraint, but that term pulls dark texels away from black.
+// Departures: The paper minimizes f, including the range term, with one run of nonlinear conjugate gradient. Here
+// linear conjugate gradient solves Newton steps. Steps end at the bounds, and values at a bound are held there while
+// their gradient points outwards. The constraint then holds exactly, even without the range term. The paper needs the
+// range term for this constraint, but that term pulls dark texels away from black.
 #pragma once
 
 #include <cstdint>
@@ -26,7 +26,7 @@ namespace multum {
 
 struct InferenceStep {
   int iteration;          // conjugate gradient iterations so far
-  double objective;       // f(x), all colours
+  double objective;       // f(x), summed over all colours
   double gradient_ratio;  // ratio of the projected gradient to the gradient at x = 0, for the worst colour
   std::uint64_t held;     // texel colours at a bound
 };
@@ -43,15 +43,16 @@ class TextureSystem;
 /// The system of one texture seen in some views. Solves for any number of right-hand sides.
 class TextureInference {
  public:
-  /// All matrices must have one texture size and sampler. Throws Error(kInput) if they do not, or if no row is left;
-  /// Error(kEnvironment) if the device has too little memory.
+  /// All matrices must have one texture size and sampler. Throws Error(kInput) if they do not, or if no row is left.
+  /// Throws Error(kEnvironment) if the device has too little memory.
   TextureInference(Device& device, const std::vector<InferenceView>& views, const InferenceSettings& settings,
                    int threads);
   ~TextureInference();
   TextureInference(TextureInference&&) noexcept;
 
-  /// `colours`: three per row for all views' rows in order, including rows of weight 0; 0..1. `start`: three per texel,
-  /// of a neighbouring sample, or empty. The result does not depend on the number of threads or on the run.
+  /// `colours` has three values of 0..1 per row, for all views' rows in order, including rows of weight 0. `start` has
+  /// three values per texel, from a neighbouring sample, or is empty. Every run gives the same result with any number
+  /// of threads.
   InferenceResult solve(const std::vector<float>& colours, const std::vector<float>& start);
 
   /// Returns A x for every row: three values per row.
@@ -59,8 +60,8 @@ class TextureInference {
 
   bool uses_normal_form() const;
   std::size_t row_count() const;
-  std::size_t entry_count() const;         // of A
-  std::size_t normal_entry_count() const;  // entries of A^T A; an estimate unless A^T A is used
+  std::size_t entry_count() const;         // number of entries of A
+  std::size_t normal_entry_count() const;  // number of entries of A^T A; only an estimate if A^T A is not used
 
  private:
   std::unique_ptr<TextureSystem> system_;

@@ -6,7 +6,7 @@
 namespace multum {
 namespace {
 
-// Share of a pixel; texels with at least this much weight are not blended with the coarser level.
+// Texels with at least this much weight, in pixels, are not blended with the coarser level.
 constexpr float kFull = 0.25f;
 
 }  // namespace

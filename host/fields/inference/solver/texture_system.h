@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The linear system of texture inference on an OpenCL device: the stacked filter matrices of some views, with each row
-// multiplied by the square root of its weight, and the derived matrices (Hakura et al. 2000, section 3.2, eqs. 2-4, 6).
+// Defines the linear system of texture inference on an OpenCL device (Hakura et al. 2000, section 3.2, eqs. 2-4, 6).
+// The system has the stacked filter matrices of some views, with each row multiplied by the square root of its weight,
+// and the derived matrices.
 #pragma once
 
 #include <array>
@@ -80,7 +81,7 @@ class TextureSystem {
   bool has_pyramid() const { return pyramid_weight > 0.0 && layout.level_count() > 1; }
   void make_pyramid();
 
-  SparseRows rows_;                  // weighted
+  SparseRows rows_;                  // rows times the square roots of their weights
   std::vector<float> root_weights_;  // one per row of every view; 0 for rows that are left out
   DeviceRows matrix_, transpose_, normal_;
   DeviceBuffer row_values_, residual_;

@@ -115,7 +115,7 @@ class MomentWriter::Work {
     MULTUM_CHECK(header.representation == Representation::kMoments);
   }
 
-  const BakedHeader header;  // must outlive the portions, like
+  const BakedHeader header;  // like the scan, must outlive the portions
   MomentScan scan{header};
   BakedWriter writer;
 };

@@ -19,8 +19,8 @@ constexpr int kMomentErrorBytes = 112 * 1024;
 /// Writes rows as MovmfWriter does (host/formats/asset/lobes/movmf_writer.h), but stores level 0 like any other level.
 class MomentWriter {
  public:
-  /// Ignores the measured error and the content hash in `header`: commit() sets both. Throws as AtomicFile does if the
-  /// path cannot be written, and Error(kUsage) for an unknown compression.
+  /// Ignores the measured error and the content hash in `header`, because commit() sets both. Throws as AtomicFile does
+  /// if the path cannot be written, and Error(kUsage) for an unknown compression.
   MomentWriter(const std::string& path, const BakedHeader& header, const BakedWriteOptions& options);
   /// Removes the file, unless commit() was called.
   ~MomentWriter();
@@ -42,7 +42,7 @@ class MomentWriter {
 /// Reads rows with several threads. Only one thread may call it at a time.
 class MomentReader {
  public:
-  /// Opens the file and checks its structure. Throws Error(kInput) naming the file, what was found and what was
+  /// Opens the file and checks its structure. Throws Error(kInput), which names the file, what was found and what was
   /// expected. Decompresses with `threads` threads; 0 means one per core.
   explicit MomentReader(const std::string& path, int threads = 0, TexelCheck check = TexelCheck::kRefuse);
   ~MomentReader();
@@ -57,7 +57,7 @@ class MomentReader {
   /// Returns the checksum of the file's content for verify_moments(). First read every row of every stored level once,
   /// from the top.
   std::string finish_hash();
-  const std::vector<std::string>& changed_rows() const;  // for TexelCheck::kReport
+  const std::vector<std::string>& changed_rows() const;  // rows that TexelCheck::kReport has found
 
  private:
   class File;

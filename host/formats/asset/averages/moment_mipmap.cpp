@@ -16,12 +16,12 @@
 namespace multum {
 namespace {
 
-// Relative to the square of the mean. The rounding of floats causes smaller variances (2^-24 at level 0, a few times
-// 2^-24 for averages).
+// A variance below this fraction of the square of the mean counts as 0. The rounding of floats causes smaller variances
+// (2^-24 at level 0, a few times 2^-24 for averages).
 constexpr double kVarianceZero = 1e-6;
 
-// Returns E[b^2] about the rounded mean. Rounds to nearest if there is a variance; otherwise rounds down, so that
-// readers clamp the variance to 0.
+// Returns E[b^2] about the rounded mean. If there is a variance, it is rounded to nearest. Otherwise it is rounded
+// down, so that readers clamp the variance to 0.
 float rounded_square(float square, float mean, float rounded_mean) {
   const double exact_mean = static_cast<double>(mean), about = static_cast<double>(rounded_mean);
   const double variance = static_cast<double>(square) - exact_mean * exact_mean;
@@ -50,7 +50,7 @@ bool quantize_direction(glm::vec3& n) {
   return true;
 }
 
-// Rounds single directions as such, and all other normals as lobes of amplitude 1
+// Rounds single directions so that they stay single directions. Rounds all other normals as lobes of amplitude 1
 // (host/formats/asset/lobes/movmf_quantize.cpp).
 void quantize_normals(glm::vec3* normals, std::size_t count) {
   MovmfLevel lobe{0, 1, {{}}, {}};
@@ -105,8 +105,9 @@ void quantize_moments(MomentLevel& rows, StorageEncoding encoding, int threads) 
 }
 
 float least_slope_deviation(StorageEncoding encoding) {
-  // Rounding to nearest half moves E[b^2] by at most 2^-11 of its value. Float averages have up to 15 pairwise
-  // roundings along a row of 32768 texels, each at most 2^-24 of the sum. The rounding of the mean counts twice.
+  // A rounding error of E[b^2] changes the variance by the same amount. Rounding to the nearest half causes an error of
+  // at most 2^-11 of E[b^2]. Float averages have up to 15 pairwise roundings along a row of 32768 texels, each at most
+  // 2^-24 of the sum, and the rounding of the mean counts twice.
   constexpr double kQuarter = 0.25;
   const double moved = encoding == StorageEncoding::kHalf ? std::ldexp(1.0, -11) : std::ldexp(1.0, -19);
   return static_cast<float>(std::sqrt(moved / kQuarter));

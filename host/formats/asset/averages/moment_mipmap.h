@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Contents of a baked file of moments: the cheap baselines, in one pyramid that any linear filter mixes exactly. For
+// Contents of a baked file of moments: two cheap baselines in one pyramid, which any linear filter mixes exactly. For
 // the normals n of each texel, with slopes b = -(n_x, n_y) / n_z, it stores
 //   E[b], E[b b^T]   a Gaussian of slopes (LEAN: Olano and Baker 2010), in the layout of maketx --bumpslopes
 //   E[n]             whose length gives the spread in Toksvig's rule (Toksvig 2005)
@@ -22,11 +22,11 @@ namespace multum {
 constexpr float kSlopeZMin = 0.05f;
 constexpr float kSlopeMax = 20.0f;
 
-/// The height that maketx writes for normal maps, which have no height.
+/// The height that maketx writes for normal maps, because they have no height.
 constexpr float kNoHeight = -1.0f;
 
-/// Moments of slopes, laid out as the channels b0_h to b5_dh2dsdt of maketx --bumpslopes. s grows to the right, t up.
-/// A unit normal (+X right, +Y up, +Z out) has the slopes dh/ds = -n_x / n_z and dh/dt = -n_y / n_z.
+/// Moments of slopes, laid out as the channels b0_h to b5_dh2dsdt of maketx --bumpslopes. s grows to the right, and t
+/// upwards. A unit normal (+X right, +Y up, +Z out) has the slopes dh/ds = -n_x / n_z and dh/dt = -n_y / n_z.
 struct SlopeMoments {
   float height = kNoHeight;
   float s = 0.0f, t = 0.0f;               // E[dh/ds], E[dh/dt]
@@ -38,8 +38,8 @@ static_assert(sizeof(SlopeMoments) == 6 * sizeof(float));
 struct MomentLevel {
   int width = 0;
   int height = 0;
-  std::vector<SlopeMoments> slopes;  // [y * width + x]
-  std::vector<glm::vec3> normals;    // mean vector, |n| <= 1
+  std::vector<SlopeMoments> slopes;  // index: [y * width + x]
+  std::vector<glm::vec3> normals;    // mean vectors, |n| <= 1
   std::vector<glm::vec3> colours;    // mean linear RGB; empty if the map has no colours
   std::vector<float> weights = {};   // mean weights of basis BRDFs; may be empty
 };
@@ -57,20 +57,20 @@ std::vector<MomentLevel> empty_moment_levels(int width, int height);
 MomentLevel rows_of(const MomentLevel& level, int first_row, int row_count);
 
 /// Rounds every value to what the encoding stores. kFloat rounds nothing. kHalf (docs/reference/file_format.md,
-/// "Moments") rounds first moments to nearest and stores second moments about the rounded first ones. The variance
-/// then has one rounding of the square instead of two of the mean: its error is at most b^2 / 2048, and a single
-/// direction gets variance 0. The mean normal is rounded like a lobe of amplitude 1.
+/// "Moments") rounds first moments to nearest, and stores second moments about the rounded first moments. Then only the
+/// rounding of the square changes the variance, not the rounding of the mean. The variance's error is at most b^2 /
+/// 2048, and a single direction gets variance 0. The mean normal is rounded like a lobe of amplitude 1.
 void quantize_moments(MomentLevel& rows, StorageEncoding encoding, int threads);
 
-/// Smallest standard deviation of slopes whose variance the encoding keeps within a quarter, at a slope of 1. At a
-/// slope b, it is |b| times this value (test MomentQuantizeTest.KeepsRoughnessDownToTheLeast).
+/// The smallest standard deviation of slopes whose variance the encoding stores with an error of at most a quarter, at
+/// a slope of 1. At a slope b, it is |b| times this value (test MomentQuantizeTest.KeepsRoughnessDownToTheLeast).
 float least_slope_deviation(StorageEncoding encoding);
 
 /// Writes a file atomically, without rounding: call quantize_moments() first. Throws as write_movmf_mipmap() does.
 void write_moment_mipmap(const std::string& path, const MomentMipmap& mipmap, const BakedWriteOptions& options,
                          Progress* progress = nullptr);
 
-/// Reads a baked file of moments. Throws Error(kInput) naming the file, what was found and what was expected.
+/// Reads a baked file of moments. Throws Error(kInput), which names the file, what was found and what was expected.
 /// Decompresses with `threads` threads; 0 means one per core.
 MomentMipmap read_moment_mipmap(const std::string& path, int threads = 0);
 

@@ -15,14 +15,14 @@ namespace multum {
 
 struct MomentScan::Texels {
   std::size_t nonfinite = 0;
-  WorstTexel variance, slope, length, weight;  // excess beyond the tolerance
+  WorstTexel variance, slope, length, weight;  // how far values exceed their tolerances
 };
 
 namespace {
 
 // Tolerances for rounding (docs/reference/file_format.md). A variance or covariance may differ by this fraction of its
-// moment; a length may differ by this amount. Rounding down subtracts up to a whole step of the square, 2^-10 of its
-// value; averaging in float adds an error of about 2^-24.
+// moment, and a length may differ by this amount. Rounding to halfs lowers a square by up to a whole step, 2^-10 of its
+// value. Averaging in float adds an error of about 2^-24.
 double variance_tolerance(StorageEncoding encoding) { return encoding == StorageEncoding::kHalf ? 1.05e-3 : 2e-6; }
 double length_tolerance(StorageEncoding encoding) { return encoding == StorageEncoding::kHalf ? 2e-3 : 1e-6; }
 
@@ -30,8 +30,8 @@ bool is_finite(const float* values, int count) {
   return std::all_of(values, values + count, [](float value) { return std::isfinite(value); });
 }
 
-// Returns how far a second moment is below the product of its means, beyond rounding. A covariance must also obey the
-// Cauchy-Schwarz inequality.
+// Returns by how much a second moment is too small for its means, beyond the tolerance for rounding. A covariance must
+// also obey the Cauchy-Schwarz inequality.
 double missing_variance(const SlopeMoments& m, double tolerance) {
   constexpr double kLeastStep = 6e-8;  // spacing of halfs near zero
   const auto room = [&](double moment) { return tolerance * std::abs(moment) + kLeastStep; };
@@ -75,7 +75,7 @@ void MomentScan::add(int level, int first_row, const MomentLevel& rows) {
 std::vector<VerifyFinding> MomentScan::findings() const {
   std::vector<VerifyFinding> findings = {
       finite_finding(texels_->nonfinite, "non-finite texels"),
-      excess_finding("variance", texels_->variance, "no variance is below 0, no correlation exceeds 1",
+      excess_finding("variance", texels_->variance, "no variance is below 0, and no correlation exceeds 1",
                      "E[b b] contradicts E[b], beyond rounding,"),
       excess_finding("slope", texels_->slope, fmt::format("no mean slope exceeds {}", kSlopeMax),
                      "a mean slope is too steep"),

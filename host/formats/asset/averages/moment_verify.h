@@ -25,7 +25,7 @@ class MomentScan {
   /// Returns the findings for all rows added so far.
   std::vector<VerifyFinding> findings() const;
 
-  struct Texels;  // counts and worst texels
+  struct Texels;  // counts of texels, and the worst texels
 
  private:
   const BakedHeader header_;
@@ -33,7 +33,7 @@ class MomentScan {
 };
 
 /// Reads the file by rows of tiles, so that only a few are in memory. Throws Error(kInput) if the structure is
-/// unreadable; every other failed check is a finding. Calls `seen` once for every row.
+/// unreadable. Every other failed check is a finding. Calls `seen` once for every row.
 std::vector<VerifyFinding> verify_moments(const std::string& path, int threads, const MomentRowsSeen& seen = {});
 
 }  // namespace multum

@@ -19,8 +19,8 @@ namespace {
 constexpr char kOrderAttribute[] = "multum:shOrder";
 constexpr const char* kChannelNames[] = {"R", "G", "B", "A"};
 
-// Names the part's channels R, G, B, A, as far as there are coefficients. The first coefficient's index is 4 times the
-// number in the part's name.
+// Names the part's channels R, G, B and A. A part with fewer coefficients has fewer channels. The first coefficient's
+// index is 4 times the number in the part's name.
 BakedPart coefficient_part(const BakedHeader& header, int order, int part) {
   BakedPart made{fmt::format("sh.{:02}", part),
                  {},
@@ -111,7 +111,7 @@ class ShWriter::Work {
   }
 
   const int order;
-  const BakedHeader header;  // must outlive the portions, like
+  const BakedHeader header;  // like the scan, must outlive the portions
   ShScan scan{header, order};
   BakedWriter writer;
 };
@@ -165,7 +165,8 @@ class ShReader::File {
       float* const first = &values[0].x;
       read_part(part, level, first_row, row_count, first, static_cast<std::size_t>(channels) * texels);
       if (channels == 4) continue;
-      // Spreads the values out from the back: each texel's place is at or after the place of its values.
+      // Spreads the values out from the back, because each texel's place is at or after the present place of its
+      // values.
       for (std::size_t i = texels; i-- > 0;) {
         glm::vec4 texel(0.0f);
         std::copy_n(first + i * static_cast<std::size_t>(channels), channels, &texel.x);

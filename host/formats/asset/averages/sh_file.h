@@ -12,16 +12,16 @@
 
 namespace multum {
 
-/// Returns the side of tiles: the default if a row of tiles is small, a smaller side if each texel has many
-/// coefficients. The writer holds an unfinished row of tiles for every level. The result depends only on the arguments,
-/// so that a file always has the same bytes.
+/// Returns the side of tiles: the default, or a smaller side if a row of tiles would be large because each texel has
+/// many coefficients. The writer holds an unfinished row of tiles for every level. The result depends only on the
+/// arguments, so that a file always has the same bytes.
 int sh_tile_size(int map_width, int order, int default_size);
 
 /// Writes rows as MovmfWriter does (host/formats/asset/lobes/movmf_writer.h), but stores level 0 like any other level.
 class ShWriter {
  public:
-  /// Ignores the measured error and the content hash in `header`: commit() sets both. Throws as AtomicFile does if the
-  /// path cannot be written, and Error(kUsage) for an unknown compression.
+  /// Ignores the measured error and the content hash in `header`, because commit() sets both. Throws as AtomicFile does
+  /// if the path cannot be written, and Error(kUsage) for an unknown compression.
   ShWriter(const std::string& path, const BakedHeader& header, int order, const BakedWriteOptions& options);
   /// Removes the file, unless commit() was called.
   ~ShWriter();
@@ -43,7 +43,7 @@ class ShWriter {
 /// Reads rows with several threads. Only one thread may call it at a time.
 class ShReader {
  public:
-  /// Opens the file and checks its structure. Throws Error(kInput) naming the file, what was found and what was
+  /// Opens the file and checks its structure. Throws Error(kInput), which names the file, what was found and what was
   /// expected. Decompresses with `threads` threads; 0 means one per core.
   explicit ShReader(const std::string& path, int threads = 0, TexelCheck check = TexelCheck::kRefuse);
   ~ShReader();
@@ -59,7 +59,7 @@ class ShReader {
   /// Returns the checksum of the file's content for verify_sh(). First read every row of every stored level once, from
   /// the top.
   std::string finish_hash();
-  const std::vector<std::string>& changed_rows() const;  // for TexelCheck::kReport
+  const std::vector<std::string>& changed_rows() const;  // rows that TexelCheck::kReport has found
 
  private:
   class File;

@@ -45,8 +45,9 @@ void quantize_sh(ShLevel& rows, StorageEncoding encoding, int threads) {
   });
 }
 
-// Half rounding changes each coefficient by at most half a unit in the last place, 2^-11 of its value, and a square by
-// twice that fraction. With floats, the basis is within 4e-6 of its bound, and each averaging step adds about 2^-24.
+// With halfs, rounding changes each coefficient by at most 2^-11 of its value, and its square by at most 2^-10. With
+// floats, the errors of the basis (4e-6 of its bound) and of each averaging step (about 2^-24) stay below the second
+// value.
 double sh_power_tolerance(StorageEncoding encoding) { return encoding == StorageEncoding::kHalf ? 1e-3 : 2e-5; }
 
 }  // namespace multum

@@ -2,7 +2,7 @@
 // Contents of a baked file of spherical harmonics: the mean of Y_lm(n) over the normals n of each texel. This mean is
 // the distribution of normals, cut off above an order (Han et al. 2007, section 5). The mean is linear, so any filter
 // mixes texels exactly. If a BRDF's width is included (BakedHeader::has_roughness), the distribution describes
-// microfacets: band l of a finest normal is scaled by a_l of the vMF with mean cosine c(roughness).
+// microfacets. Band l of a finest normal is then scaled by a_l of the vMF with mean cosine c(roughness).
 #pragma once
 
 #include <vector>
@@ -21,7 +21,7 @@ namespace multum {
 struct ShLevel {
   int width = 0;
   int height = 0;
-  std::vector<std::vector<glm::vec4>> parts;  // [part][y * width + x]; empty if not stored
+  std::vector<std::vector<glm::vec4>> parts;  // index: [part][y * width + x]; empty if not stored
   std::vector<glm::vec3> colours;             // mean linear RGB; empty if the map has no colours
   std::vector<float> weights = {};            // mean weights of basis BRDFs; may be empty
 
@@ -47,15 +47,15 @@ ShLevel rows_of(const ShLevel& level, int first_row, int row_count);
 /// Rounds every value to what the encoding stores: kHalf rounds to nearest, kFloat rounds nothing.
 void quantize_sh(ShLevel& rows, StorageEncoding encoding, int threads);
 
-/// Largest relative change of a band's sum of squares by rounding (docs/reference/file_format.md, "Spherical
-/// harmonics").
+/// The largest relative change of a band's sum of squares because of rounding (docs/reference/file_format.md,
+/// "Spherical harmonics").
 double sh_power_tolerance(StorageEncoding encoding);
 
 /// Writes a file atomically, without rounding: call quantize_sh() first. Throws as write_movmf_mipmap() does.
 void write_sh_mipmap(const std::string& path, const ShMipmap& mipmap, const BakedWriteOptions& options,
                      Progress* progress = nullptr);
 
-/// Reads a baked file of spherical harmonics. Throws Error(kInput) naming the file, what was found and what was
+/// Reads a baked file of spherical harmonics. Throws Error(kInput), which names the file, what was found and what was
 /// expected. Decompresses with `threads` threads; 0 means one per core.
 ShMipmap read_sh_mipmap(const std::string& path, int threads = 0);
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // By the addition theorem, the coefficients of band l of one direction are on a sphere of radius sqrt((2l+1)/4pi). A
-// mean of directions is therefore inside the sphere, and level 0 is on the sphere. With a BRDF's width included, level
-// 0 is inside too; its band l = 1 has c = 1/2 to 1 times the radius.
+// mean of directions is therefore inside the sphere, and level 0 is on the sphere. If a BRDF's width is included, level
+// 0 is inside too. Its band l = 1 then has c = 1/2 to 1 times the radius.
 #include "host/formats/asset/averages/sh_verify.h"
 
 #include <fmt/format.h>
@@ -16,7 +16,7 @@ namespace multum {
 
 struct ShScan::Texels {
   std::size_t nonfinite = 0;
-  WorstTexel strong, unlike, weight;  // excess beyond the tolerance
+  WorstTexel strong, unlike, weight;  // how far values exceed their tolerances
 };
 
 namespace {
@@ -51,7 +51,7 @@ void scan_texel(const BakedHeader& header, int order, const ShLevel& rows, std::
     const double excess = power_of_band(rows, i, place.band) - 1.0;
     scan.strong.offer(excess - tolerance, place);
     if (place.level > 0 || (header.has_roughness && place.band > 1)) continue;
-    const double missing_max = header.has_roughness ? 0.75 : 0.0;  // 1 - c^2
+    const double missing_max = header.has_roughness ? 0.75 : 0.0;  // 1 - c^2 for c = 1/2
     scan.unlike.offer(-excess - missing_max - tolerance, place);
   }
 }

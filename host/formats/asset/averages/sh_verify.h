@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Checks a baked file of spherical harmonics without its source: structure, checksum, finite values, and bands no
-// stronger than the bands of one direction.
+// Checks a baked file of spherical harmonics without its source: structure, checksum, finite values, and bands that are
+// not stronger than the bands of one direction.
 #pragma once
 
 #include <functional>
@@ -26,7 +26,7 @@ class ShScan {
   /// Returns the findings for all rows added so far.
   std::vector<VerifyFinding> findings() const;
 
-  struct Texels;  // counts and worst texels
+  struct Texels;  // counts of texels, and the worst texels
 
  private:
   const BakedHeader header_;
@@ -35,7 +35,7 @@ class ShScan {
 };
 
 /// Reads the file by rows of tiles, so that only a few are in memory. Throws Error(kInput) if the structure is
-/// unreadable; every other failed check is a finding. Calls `seen` once for every row.
+/// unreadable. Every other failed check is a finding. Calls `seen` once for every row.
 std::vector<VerifyFinding> verify_sh(const std::string& path, int threads, const ShRowsSeen& seen = {});
 
 }  // namespace multum

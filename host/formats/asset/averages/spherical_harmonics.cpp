@@ -33,13 +33,13 @@ ZonalCoefficients zonal_blinn_phong(int order, double s) {
 }
 
 ZonalCoefficients zonal_lambert(int order) {
-  ZonalCoefficients a = zonal_blinn_phong(order, 1.0);  // 1/pi max(t, 0)
+  ZonalCoefficients a = zonal_blinn_phong(order, 1.0);  // coefficients of 1/pi max(t, 0)
   for (double& value : a) value *= M_PI;
   return a;
 }
 
 // a_l = a_(l-1) R_l, with R_l = I_(l+1/2) / I_(l-1/2) = 1 / ((2l + 1)/kappa + R_(l+1)). The recurrence runs downward
-// from the asymptotic quotient at an l well above the last.
+// from an l well above the last, where R_l is approximated by its asymptotic quotient.
 ZonalCoefficients zonal_vmf(int order, double mean_cosine) {
   constexpr int kAbove = 30;
   ZonalCoefficients a(static_cast<std::size_t>(order) + 1, 1.0);

@@ -17,7 +17,7 @@
 
 namespace multum {
 
-/// Lowest order; an order stores all bands l from 1 up to the order. Order 0 stores no coefficients.
+/// The lowest order. An order stores all bands l from 1 up to the order; order 0 would store no coefficients.
 constexpr int kShOrderMin = 1;
 constexpr int kShOrderMax = 20;
 
@@ -28,13 +28,13 @@ constexpr int sh_coefficient(int l, int m) { return l * l + l + m - 1; }
 /// Number of parts of four coefficients. For even orders, all parts are full.
 constexpr int sh_part_count(int order) { return (sh_coefficient_count(order) + 3) / 4; }
 
-/// Y_00.
+/// The value of Y_00.
 constexpr double kShConstant = 0.28209479177387814;
 /// Y_1,-1, Y_10 and Y_11 of a unit normal are y, z and x times this factor.
 constexpr float kShNormalFactor = 0.48860251f;
 
-/// Constants of the recurrence, in order of use: for each m from 0, first (p_mm, 0), then (a_lm, b_lm) of l = m + 1 to
-/// `order`.
+/// Constants of the recurrence, in order of use. For each m from 0, (p_mm, 0) comes first, followed by (a_lm, b_lm) of
+/// l = m + 1 to `order`.
 struct ShStep {
   float a, b;
 };
@@ -42,7 +42,7 @@ std::vector<ShStep> sh_recurrence(int order);
 constexpr int sh_step_count(int order) { return (order + 1) * (order + 2) / 2; }
 
 /// Zonal coefficients of a function f of the cosine t: [l] = 2 pi integral f(t) P_l(t) dt, for l from 0 to `order`.
-/// Convolution multiplies band l by coefficient l.
+/// Convolution with f multiplies band l by coefficient l.
 using ZonalCoefficients = std::vector<double>;
 
 /// Exact coefficients of (s + 1)/(2 pi) max(t, 0)^s: a_0 = 1, a_1 = (s + 1)/(s + 2), a_l = a_l-2 (s - l + 2)/(s + l +
@@ -50,12 +50,12 @@ using ZonalCoefficients = std::vector<double>;
 ZonalCoefficients zonal_blinn_phong(int order, double s);
 /// Exact coefficients of max(t, 0): pi, 2 pi/3, pi/4, 0, -pi/24, 0, ...
 ZonalCoefficients zonal_lambert(int order);
-/// Coefficients 1, c, ... of the von Mises-Fisher distribution with mean cosine c, 0 < c <= 1; all are 1 at c = 1. A
+/// Coefficients 1, c, ... of the von Mises-Fisher distribution with mean cosine c, 0 < c <= 1. All are 1 at c = 1. A
 /// BRDF's width multiplies the bands of a finest normal by them (kernels/device/vmf_zonal.clh).
 ZonalCoefficients zonal_vmf(int order, double mean_cosine);
-/// Coefficients of max(t, 0) for normals whose bands a BRDF's width has weakened, as zonal_vmf() does. Divides by the
-/// vMF coefficients of the map's mean cosine (BakedHeader::mean_cosine). No divisor is below 0.1, because smaller bands
-/// contain mostly rounding errors.
+/// Coefficients of max(t, 0) for normals whose bands a BRDF's width has weakened, as zonal_vmf() does. They are divided
+/// by the vMF coefficients of the map's mean cosine (BakedHeader::mean_cosine). The divisors are at least 0.1, because
+/// weaker bands contain mostly rounding errors.
 ZonalCoefficients zonal_lambert_of_rough(int order, double mean_cosine);
 
 }  // namespace multum

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lets OpenEXR read a file opened by host/foundation/base/files/regular_file. If OpenEXR got a name, it would wait for
-// a FIFO.
+// Lets OpenEXR read a file opened by host/foundation/base/files/regular_file. If OpenEXR opened a FIFO by its name, it
+// would wait for a writer.
 #pragma once
 
 #include <ImfIO.h>
@@ -17,7 +17,7 @@ class ExrInputStream : public Imf::IStream {
   /// Throws Error(kInput) if the path is not a regular file, and an Iex exception if it cannot be opened.
   explicit ExrInputStream(const std::string& path);
 
-  // These throw Iex exceptions, as the library's own stream does.
+  // These functions throw Iex exceptions, as the library's own stream does.
   bool read(char values[], int count) override;
   std::uint64_t tellg() override { return static_cast<std::uint64_t>(std::streamoff(stream_.tellg())); }
   void seekg(std::uint64_t position) override { stream_.seekg(static_cast<std::streamoff>(position)); }

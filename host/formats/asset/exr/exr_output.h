@@ -26,7 +26,7 @@ class ExrOutputStream : public Imf::OStream {
   OutputFile file_;
 };
 
-/// Writes a file that appears whole or not at all; `write` writes its contents. Throws Error(kEnvironment) if the disk
+/// Writes a file that appears whole or not at all. `write` writes its contents. Throws Error(kEnvironment) if the disk
 /// or OpenEXR fails.
 void write_exr_file(const std::string& path, const std::function<void(Imf::OStream& stream)>& write);
 

@@ -6,7 +6,7 @@
 namespace multum {
 
 void use_exr_threads(int threads) {
-  // With a single thread, each call does its own work.
+  // If there is only one thread, each call does its own work.
   if (threads > 1 && Imf::globalThreadCount() < threads) Imf::setGlobalThreadCount(threads);
 }
 

@@ -64,7 +64,7 @@ struct ExrHalfWriter::State {
 
   AtomicFile file;
   ExrOutputStream stream;
-  int width, height, row = 0;  // the next
+  int width, height, row = 0;  // `row` is the next row
   std::vector<const char*> channels;
   std::optional<Imf::OutputFile> output;
   std::vector<half> values;

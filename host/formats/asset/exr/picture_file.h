@@ -17,7 +17,7 @@ void write_exr_picture(const std::string& path, int width, int height, const std
 /// Error(kEnvironment) if the disk fails.
 class ExrHalfWriter {
  public:
-  /// `channels`: 3, or 4 with alpha.
+  /// `channels` is 3, or 4 with alpha.
   ExrHalfWriter(const std::string& path, int width, int height, int channels = 3);
   ~ExrHalfWriter();
   ExrHalfWriter(const ExrHalfWriter&) = delete;

@@ -23,7 +23,7 @@ namespace multum {
 namespace {
 
 constexpr int kQuickLevelMax = 3;  // levels above use libdeflate
-constexpr int kDefaultLevel = 6;   // zlib's for -1
+constexpr int kDefaultLevel = 6;   // level that zlib uses for -1
 
 struct FreeCompressor {
   void operator()(libdeflate_compressor* compressor) const { libdeflate_free_compressor(compressor); }
@@ -41,13 +41,13 @@ struct ThreadCompressor {
 // levels 1 and 2 enters its third string into the hash table under a wrong hash (igzip_icf_body_h1_gr_bt.asm,
 // .write_first_byte). The loop hashes `rcx >> 16`, but at this point rcx is the stream's address, not the data. So the
 // same bytes found other matches if the stack had another address: 1 tile in 5000 of 4 KiB or more, 1 tile in 500 of 40
-// bytes. The loop for the last bytes of a stream does not have this fault. A flush makes that loop take the first four
-// bytes, for about 10 bytes per tile. Test: ZlibCompressTest.SameBytesWhereverTheStackIs.
+// bytes. The loop for the last bytes of a stream does not have this fault. With a flush, that loop takes the first four
+// bytes, at a cost of about 10 bytes per tile. Test: ZlibCompressTest.SameBytesWhereverTheStackIs.
 std::size_t compress_quickly(const Bytef* source, uLong source_size, Bytef* destination, uLong destination_size) {
   constexpr uLong kFirstBytes = 4;
   static thread_local std::vector<unsigned char> working(ISAL_DEF_LVL1_DEFAULT);
   isal_zstream stream{};
-  isal_deflate_init(&stream);  // because isal_deflate_stateless_init leaves hist_bits (the window) uninitialized
+  isal_deflate_init(&stream);  // used because isal_deflate_stateless_init leaves hist_bits (the window) uninitialized
   stream.level = 1;
   stream.level_buf = working.data();
   stream.level_buf_size = static_cast<std::uint32_t>(working.size());
@@ -101,7 +101,7 @@ extern "C" int compress2(Bytef* destination, uLongf* destination_size, const Byt
   const bool is_quick = level >= 1 && level <= multum::kQuickLevelMax && source_size <= kQuickBytesMax &&
                         *destination_size <= kQuickBytesMax;
   std::size_t size = is_quick ? multum::compress_quickly(source, source_size, destination, *destination_size) : 0;
-  // With ISA-L, incompressible data needs a few bytes more than compressBound().
+  // With ISA-L, incompressible data need a few bytes more than compressBound().
   if (size == 0)
     size = multum::compress_well(source, source_size, destination, *destination_size,
                                  level < 0 ? multum::kDefaultLevel : level);

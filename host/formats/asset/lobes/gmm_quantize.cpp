@@ -14,7 +14,8 @@
 namespace multum {
 namespace {
 
-// In floats, a 2 sigma^2 below this value (8 roundings of 2^-24) is indistinguishable from a single direction.
+// If a 2 sigma^2 in floats is below this value (8 roundings of 2^-24), the lobe cannot be distinguished from a single
+// direction.
 constexpr double kSpreadZero = 5e-7;
 
 float clamped_step_value(double steps) { return static_cast<float>(std::clamp(steps, -32767.0, 32767.0) * kSnormStep); }
@@ -36,9 +37,9 @@ float grid_inwards(double value, StorageEncoding encoding) {
   return value < 0.0 ? -below : below;
 }
 
-// Rounds the mean to nearest, then the third value about the rounded mean. If the third value would exceed a, the mean
-// is rounded inwards instead: E|p|^2 never exceeds a, and snorm16 cannot store more. For a single direction, the third
-// value is rounded down, so that readers clamp its variance to 0. NaN and infinity stay unchanged, so that
+// Rounds the mean to nearest, then the third value about the rounded mean. If the third value would exceed a, rounds
+// the mean inwards instead, because E|p|^2 never exceeds a, and snorm16 cannot store more. For a single direction, the
+// third value is rounded down, so that readers clamp its variance to 0. NaN and infinity stay unchanged, so that
 // verify_movmf() reports them.
 glm::vec4 round_gaussian(const glm::vec4& lobe, double a, StorageEncoding encoding) {
   if (a <= 0.0) return glm::vec4(0.0f);
@@ -100,8 +101,9 @@ glm::vec3 normal_of_point(const glm::vec3& point, bool is_shortened) {
 }
 
 float gmm_kappa_max(StorageEncoding encoding) {
-  // Half a step of the third value is a quarter of 2 sigma^2. A step of snorm16 is 1/32767. A step of halfs is 1/2048
-  // near the rim, where the third value is near 1, and smaller elsewhere. GmmQuantizeTest.KeepsVariance measures it.
+  // At these kappas, half a step of the third value changes 2 sigma^2 by a quarter. A step of snorm16 is 1/32767. A
+  // step of halfs is 1/2048 near the rim, where the third value is near 1, and smaller elsewhere.
+  // GmmQuantizeTest.KeepsVariance measures this.
   switch (encoding) {
     case StorageEncoding::kSnorm16: return 30000.0f;
     case StorageEncoding::kHalf: return 2000.0f;

@@ -5,7 +5,7 @@
 //   a mu_x, a mu_y, a (2 sigma^2 + |mu|^2), a        mu = mean (n_x, n_y), sigma^2 = variance of one coordinate
 //
 // All are linear in the normals, so a filter T(.) mixes them exactly: 2 sigma^2 = T(third) / T(a) - |T(a mu)/T(a)|^2.
-// Near the rim this is a small difference of numbers near 1, and independent rounding would leave little of it. So the
+// Near the rim this is a small difference of numbers near 1, which independent rounding would mostly destroy. So the
 // third value is rounded last, about the rounded mean. The spread then has one rounding error instead of three
 // (docs/reference/file_format.md, "Encodings of Gaussians").
 #pragma once
@@ -14,11 +14,11 @@
 
 namespace multum {
 
-/// Returns sigma^2 of a stored or filtered lobe: never negative, 0 if a is 0.
+/// Returns sigma^2 of a stored or filtered lobe. It is never negative, and 0 if a is 0.
 float gmm_variance(const glm::vec4& lobe);
 
-/// Converts one finest normal, shortened to c n by a BRDF's width, to a lobe of amplitude 1: (x, y, x^2 + y^2 + 2 v)
-/// of the unit normal. v is the planar variance of its facets (kernels/device/planar_sample.clh).
+/// Converts one finest normal, which a BRDF's width has shortened to c n, to a lobe of amplitude 1: (x, y, x^2 + y^2 +
+/// 2 v) of the unit normal. v is the planar variance of its facets (kernels/device/planar_sample.clh).
 glm::vec3 rough_point(const glm::vec3& shortened);
 /// Inverse of rough_point(): returns c n, for renderers that have only the file.
 glm::vec3 shortened_normal(const glm::vec3& rough_point);
@@ -31,7 +31,7 @@ glm::vec3 normal_of_point(const glm::vec3& point, bool is_shortened);
 /// at any mean.
 float gmm_kappa_max(StorageEncoding encoding);
 
-/// Counts lobes narrower than gmm_kappa_max() allows, except for single directions.
+/// Counts lobes that are narrower than gmm_kappa_max() allows. Single directions do not count.
 SharpLobes count_sharp_gaussians(const MovmfLevel& level, StorageEncoding encoding, int threads);
 
 /// Rounds rows of a level >= 1 to stored values.

@@ -12,8 +12,8 @@
 namespace multum {
 
 struct LobeFamily {
-  // Gaussians over points (x, y) of the disc instead of lobes on the sphere. The third channel is E[x^2 + y^2] instead
-  // of E[z]. Selects the kernels.
+  // True for Gaussians over points (x, y) of the disc instead of lobes on the sphere. The third channel is E[x^2 + y^2]
+  // instead of E[z]. This flag selects the kernels.
   bool is_planar;
   bool one_lobe_is_mean;  // true if the average of the normals is the best fit of one lobe, so that EM is not needed
   const char* plural;
@@ -23,7 +23,7 @@ struct LobeFamily {
   const char* finest_text;
   const char* finest_rough_text;  // text for files that include a BRDF's width
   const char* finest_rough_channel;
-  const char* finest_third_name;  // name of the third value in messages
+  const char* finest_third_name;  // name of the third value, for messages
 
   // Rounds rows of a level >= 1 to stored values.
   void (*quantize)(MovmfLevel& rows, StorageEncoding encoding, int threads);
@@ -31,8 +31,8 @@ struct LobeFamily {
   float (*kappa_max)(StorageEncoding encoding);
   SharpLobes (*count_sharp)(const MovmfLevel& level, StorageEncoding encoding, int threads);
 
-  // Converts a normal to a stored value of level 0, where every texel is a single direction. `is_shortened`: the normal
-  // is shortened by a BRDF's width.
+  // Converts a normal to a stored value of level 0, where every texel is a single direction. `is_shortened` is true if
+  // a BRDF's width has shortened the normal.
   glm::vec3 (*finest_of_normal)(const glm::vec3& normal, bool is_shortened);
   // Converts a stored value of level 0 to a normal.
   glm::vec3 (*normal_of_finest)(const glm::vec3& stored, bool is_shortened);
@@ -46,7 +46,7 @@ struct LobeFamily {
 extern const LobeFamily kSphericalLobes;  // von Mises-Fisher (movmf_finest.h, movmf_mipmap.h)
 extern const LobeFamily kPlanarLobes;     // Gaussians (gmm_quantize.h)
 
-/// Returns the family of a representation of lobes; MULTUM_CHECKs that `representation` is one.
+/// Returns the family of a representation of lobes. MULTUM_CHECKs that `representation` has lobes.
 const LobeFamily& lobe_family(Representation representation);
 
 }  // namespace multum

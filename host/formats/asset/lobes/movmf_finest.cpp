@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Derives level 0 from x and y. z rounds up, so that |(x, y, z)| >= 1. A texel of one direction then has no spread.
+// Derives level 0 from x and y. z is rounded up, so that |(x, y, z)| >= 1. A texel of one direction then has no spread.
 // Filtered texels that share the direction have no spread either, because their projections add up
 // (host/formats/asset/lobes/movmf_quantize.cpp).
 //
@@ -34,8 +34,8 @@ int nearest_step(float x) {
 
 float step_value(int step) { return static_cast<float>(step / static_cast<double>(kSnormSteps)); }
 
-// Returns the least k with i^2 + j^2 + k^2 >= 32767^2, exactly. The root of a non-square integer below 2^30 differs by
-// more than 2^-17 from every integer.
+// Returns exactly the least k with i^2 + j^2 + k^2 >= 32767^2. Computing the root in double is safe, because the root
+// of a non-square integer below 2^30 differs by more than 2^-17 from every integer.
 float z_snorm(float x, float y) {
   const int i = nearest_step(x), j = nearest_step(y);
   const int rest = std::max(kSnormSteps * kSnormSteps - i * i - j * j, 0);
@@ -44,8 +44,8 @@ float z_snorm(float x, float y) {
   return step_value(below < root ? below + 1 : below);
 }
 
-// Returns the least half with x^2 + y^2 + z^2 >= 1, exactly if x and y are halfs. Every term is a multiple of 2^-48,
-// so the doubles are exact. A root that is not a half differs from every half by at least 2^-49.
+// Returns exactly the least half with x^2 + y^2 + z^2 >= 1 if x and y are halfs. Every term is a multiple of 2^-48, so
+// the doubles are exact. A root that is not a half differs from every half by at least 2^-49.
 float z_half(double root) {
   half z(static_cast<float>(root));
   if (static_cast<double>(static_cast<float>(z)) < root) z.setBits(static_cast<unsigned short>(z.bits() + 1));
@@ -57,7 +57,7 @@ float z_float(double root) {
   return static_cast<double>(z) < root ? std::nextafter(z, 2.0f) : z;
 }
 
-// Returns whether x^2 + y^2 exceeds 1; computes exactly, in whole steps.
+// Returns whether x^2 + y^2 exceeds 1. Computes exactly, in whole steps.
 bool is_beyond_rim(float x, float y) {
   const int i = nearest_step(x), j = nearest_step(y);
   return i * i + j * j > kSnormSteps * kSnormSteps;
@@ -71,7 +71,7 @@ void quantize_plane(glm::vec3& n, StorageEncoding encoding) {
   }
 }
 
-// Rounds x, y and z of many unit vectors without branches. Wide registers turn a small negative value into -0; such
+// Rounds x, y and z of many unit vectors without branches. Wide registers turn a small negative value into -0. Such
 // values are set to 0, as in other code.
 MULTUM_VECTOR_CLONES
 void quantize_directions_snorm(glm::vec3* normals, std::size_t count) {
@@ -116,7 +116,7 @@ float finest_z(float x, float y, StorageEncoding encoding) {
 float finest_square(float x, float y, StorageEncoding encoding) {
   if (encoding == StorageEncoding::kSnorm16) {
     const int i = nearest_step(x), j = nearest_step(y);
-    return step_value(std::min((i * i + j * j) / kSnormSteps, kSnormSteps));  // exactly
+    return step_value(std::min((i * i + j * j) / kSnormSteps, kSnormSteps));  // computed exactly
   }
   const auto wide_x = static_cast<double>(x), wide_y = static_cast<double>(y);
   return grid_below(wide_x * wide_x + wide_y * wide_y, encoding);
@@ -130,7 +130,7 @@ void quantize_unit_vectors(glm::vec3* normals, std::size_t count, StorageEncodin
   }
 }
 
-// The third value is x^2 + y^2, and snorm16 stores at most 1. Beyond the rim, x and y are rounded inwards instead, as
+// The third value is x^2 + y^2, and snorm16 stores at most 1. Beyond the rim, x and y are therefore rounded inwards, as
 // in other levels (gmm_quantize.cpp).
 void quantize_points(glm::vec3* points, std::size_t count, StorageEncoding encoding) {
   for (std::size_t i = 0; i < count; ++i) {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Level 0 of a baked map in compact form. Every texel is one direction in one lobe (a = 1, |r| = 1), so it needs only
-// a normal, the number of the lobe and a colour. The file stores x and y, and the reader derives z
-// (docs/reference/file_format.md, "The finest level"); the structs here hold all three. With a BRDF's width included,
-// normals are shorter than 1 and points of the plane scatter, so the file stores the third value too.
+// Level 0 of a baked map in compact form. Every texel is one direction in one lobe (a = 1, |r| = 1), so it needs only a
+// normal, the number of the lobe and a colour. The file stores x and y, and the reader derives z
+// (docs/reference/file_format.md, "The finest level"); the structs here hold all three. If a BRDF's width is included,
+// normals are shorter than 1 and points of the plane scatter, so the file also stores the third value.
 #pragma once
 
 #include <cstddef>
@@ -15,7 +15,7 @@
 
 namespace multum {
 
-/// Rows of level 0 from the top; texels from the left.
+/// Rows of level 0 from the top, with texels from the left.
 struct MovmfFinest {
   int width = 0;
   int height = 0;  // rows held here
@@ -32,19 +32,19 @@ struct MovmfFinest {
 };
 
 /// Returns z of a normal whose x and y are already rounded: sqrt(1 - x^2 - y^2), rounded UP to the encoding's grid
-/// (32-bit floats for kFloat). So |(x, y, z)| >= 1: rounding never adds spread. Readers compute the same.
+/// (32-bit floats for kFloat). So |(x, y, z)| >= 1, and rounding never adds spread. Readers compute the same value.
 float finest_z(float x, float y, StorageEncoding encoding);
 
 /// Returns x^2 + y^2 of rounded x and y, rounded DOWN to the grid. A Gaussian's variance is then clamped to 0, and
 /// filtering texels of one direction adds no variance.
 float finest_square(float x, float y, StorageEncoding encoding);
 
-/// Rounding at level 0 for each family of lobes (host/formats/asset/lobes/lobe_family.h): normals with z, and points
-/// with x^2 + y^2.
+/// Rounding at level 0 for each family of lobes (host/formats/asset/lobes/lobe_family.h). One family has normals with
+/// z, the other has points with x^2 + y^2.
 void quantize_unit_vectors(glm::vec3* normals, std::size_t count, StorageEncoding encoding);
 void quantize_points(glm::vec3* points, std::size_t count, StorageEncoding encoding);
-/// Returns whether the normal is a single direction that one lobe stores. Roughness shortens vectors and scatters
-/// points.
+/// Returns whether the normal is a single direction that one lobe stores. This is not true with roughness, which
+/// shortens vectors and scatters points.
 bool is_unit_vector(const glm::vec3& normal, bool has_roughness);
 bool is_single_point(const glm::vec3& point, bool has_roughness);
 
@@ -57,7 +57,7 @@ void quantize_movmf(MovmfFinest& rows, StorageEncoding encoding, int threads);
 MovmfFinest finest_of(const MovmfLevel& level, int first_row, int row_count,
                       Representation representation = Representation::kMovmf, bool has_roughness = false);
 
-/// Converts rows to full lobes: (normal, 1) and the colour for the texel's lobe, zeros for the others.
+/// Converts rows to full lobes. The texel's lobe gets (normal, 1) and the colour; the other lobes get zeros.
 MovmfLevel expand(const MovmfFinest& rows, int lobe_count);
 /// Expands rows into a level with enough room.
 void expand_into(const MovmfFinest& rows, MovmfLevel& level, int first_row, int threads);

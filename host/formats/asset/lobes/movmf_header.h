@@ -18,8 +18,8 @@ namespace multum {
 std::vector<Imf::Header> make_headers(const MovmfMipmap& header, const std::vector<MovmfPart>& parts,
                                       const BakedWriteOptions& options);
 
-/// Reads everything except pixels from the first part's header. Throws Error(kInput) naming `path`, what was found and
-/// what was expected.
+/// Reads everything except pixels from the first part's header. Throws Error(kInput), which names `path`, what was
+/// found and what was expected.
 MovmfMipmap parse_header(const Imf::Header& header, const std::string& path);
 
 }  // namespace multum

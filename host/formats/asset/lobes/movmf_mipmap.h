@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Contents of a baked file in memory: a mip pyramid whose texels each hold a mixture of von Mises-Fisher lobes (Han et
-// al. 2007, section 7). No other code is linked by both the bakes (OpenCL) and the runtime (GL).
+// al. 2007, section 7). This is the only code that both the bakes (OpenCL) and the runtime (GL) link.
 //
-// A lobe is stored as a * (r_x, r_y, r_z, 1). a is the amplitude; the amplitudes of a texel sum to 1. r is the mean
-// vector of the lobe's normals, |r| <= 1, in tangent space: +X right (u grows), +Y up (towards the image's first
+// A lobe is stored as a * (r_x, r_y, r_z, 1). The amplitude is a; the amplitudes of a texel sum to 1. The mean vector
+// of
+// the lobe's normals is r, with |r| <= 1, in tangent space: +X right (u grows), +Y up (towards the image's first
 // row), +Z out. All four channels are linear in the normals, so hardware filtering T(.) gives exact first moments: a
 // = T(a), r = T(a r) / T(a).
 #pragma once
@@ -27,9 +28,11 @@ constexpr int kLobeCountMax = 8;
 struct MovmfLevel {
   int width = 0;
   int height = 0;
-  std::vector<std::vector<glm::vec4>> lobes;    // [lobe][y * width + x] = (a r_x, a r_y, a r_z, a)
-  std::vector<std::vector<glm::vec3>> colours;  // [lobe][y * width + x] = a * linear RGB; empty if there are no colours
-  // [lobe][(y * width + x) * weight_count + k] = a * weight k of a basis BRDF; empty if the map has no weights
+  std::vector<std::vector<glm::vec4>> lobes;    // index: [lobe][y * width + x]; value: (a r_x, a r_y, a r_z, a)
+  std::vector<std::vector<glm::vec3>> colours;  // index: [lobe][y * width + x]; value: a * linear RGB; empty if there
+                                                // are no colours
+  // Index: [lobe][(y * width + x) * weight_count + k]. Value: a * weight k of a basis BRDF. Empty if the map has no
+  // weights.
   std::vector<std::vector<float>> weights = {};
 };
 
@@ -39,7 +42,7 @@ struct MovmfMipmap {
   BakedHeader header;                   // full_header() sets its sizes and has_colours from the levels
   std::vector<MovmfLevel> levels = {};  // ROUND_DOWN: level l is max(1, W >> l) by max(1, H >> l), down to 1 x 1
 
-  // Sizes of the map (level 0).
+  // Size of the map (level 0).
   int width() const { return levels.empty() ? 0 : levels.front().width; }
   int height() const { return levels.empty() ? 0 : levels.front().height; }
   int lobe_count() const { return levels.empty() ? 0 : static_cast<int>(levels.front().lobes.size()); }
@@ -60,19 +63,19 @@ void drop_finer_levels(MovmfMipmap& mipmap, int first_level);
 /// Copies some rows of a level into a level.
 MovmfLevel rows_of(const MovmfLevel& level, int first_row, int row_count);
 
-/// Returns the SHA-256 over the hexadecimal SHA-256 digests of each part's levels, finest level first. Parts come in
-/// the order level 0, lobes, colours. A level's digest covers its rows as little-endian 32-bit floats in channel order
-/// (docs/reference/file_format.md).
+/// Returns the SHA-256 over the hexadecimal SHA-256 digests of each part's levels, with the finest level first. Parts
+/// come in the order level 0, lobes, colours. A level's digest covers its rows as little-endian 32-bit floats in
+/// channel order (docs/reference/file_format.md).
 std::string movmf_content_hash(const MovmfMipmap& mipmap, int threads);
 
 /// Writes `mipmap` atomically, without rounding: call quantize_movmf() first. Each texel of level 0 must be one
-/// direction in one lobe; the file stores its x and y. Throws Error(kEnvironment) if the disk fails, Error(kUsage) for
-/// an unknown compression. Progress counts no units, and can cancel after each row of tiles until the file has its
+/// direction in one lobe; the file stores its x and y. Throws Error(kEnvironment) if the disk fails, and Error(kUsage)
+/// for an unknown compression. Progress counts no units, and can cancel after each row of tiles until the file has its
 /// name. To write row by row, use MovmfWriter (host/formats/asset/lobes/movmf_writer.h).
 void write_movmf_mipmap(const std::string& path, const MovmfMipmap& mipmap, const BakedWriteOptions& options,
                         Progress* progress = nullptr);
 
-/// Reads a baked file of lobes. Throws Error(kInput) naming the file, what was found and what was expected.
+/// Reads a baked file of lobes. Throws Error(kInput), which names the file, what was found and what was expected.
 /// Decompresses with `threads` threads; 0 means one per core.
 MovmfMipmap read_movmf_mipmap(const std::string& path, int threads = 0);
 
@@ -80,14 +83,14 @@ MovmfMipmap read_movmf_mipmap(const std::string& path, int threads = 0);
 MovmfMipmap read_movmf_header(const std::string& path);
 
 /// Returns the largest kappa whose spread (1/kappa) a lobe of amplitude 1 stores with an error of at most about a
-/// quarter. Lobes with a larger kappa become even sharper, up to a single direction.
+/// quarter. Rounding makes lobes with a larger kappa even sharper; they can become a single direction.
 float storage_kappa_max(StorageEncoding encoding);
 
 /// Lobes of a level, before rounding, whose spread is lost because they are sharper than storage_kappa_max(). Single
-/// directions do not count, because every encoding keeps them. There are none for kFloat.
+/// directions do not count, because every encoding keeps them. With kFloat, no lobes count.
 struct SharpLobes {
   std::uint64_t count = 0;
-  double amplitude = 0.0;  // their sum, in texels
+  double amplitude = 0.0;  // sum of their amplitudes, in texels
 };
 SharpLobes count_sharp_lobes(const MovmfLevel& level, StorageEncoding encoding, int threads);
 

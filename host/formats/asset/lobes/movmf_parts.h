@@ -16,7 +16,7 @@ enum class MovmfPartKind { kFinest, kLobe, kColour, kWeights };
 
 struct MovmfPart : BakedPart {
   MovmfPartKind kind;
-  int lobe;  // index of the lobe, for the other kinds of parts
+  int lobe;  // index of the lobe; unused for kFinest
 
   /// Returns the first value of a level's rows; not valid for kFinest.
   const float* values(const MovmfLevel& rows) const;
@@ -26,8 +26,8 @@ struct MovmfPart : BakedPart {
 /// Returns the parts of a mipmap with or without texels.
 std::vector<MovmfPart> movmf_parts(const MovmfMipmap& header);
 
-/// Interleaves texels of the part "finest" in stored order: R, G, B if the map has colours; lobe; x; y; z with
-/// roughness; weights.
+/// Interleaves texels of the part "finest" in stored order: R, G, B if the map has colours; lobe; x; y; z if the map
+/// has roughness; weights.
 void interleave(const MovmfFinest& rows, std::size_t first_texel, std::size_t count, float* values);
 
 }  // namespace multum

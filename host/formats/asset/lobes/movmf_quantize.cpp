@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 // Rounds lobes to stored values. A lobe's spread 1 - |r| decides how wide a highlight is, and |r| is near 1 for glossy
-// and flat places. Rounding a r_x, a r_y, a r_z and a independently moves |r| by up to 1/a steps of the grid. This
-// blurs a highlight of roughness 0.1 on a tilted flat area to half its peak. So the four values are rounded together:
-//   1. Amplitudes are rounded first, and (snorm16) sum to exactly 1, by largest remainder.
+// and flat places. If a r_x, a r_y, a r_z and a were rounded independently, |r| would change by up to 1/a steps of the
+// grid. This would blur a highlight of roughness 0.1 on a tilted flat area to half its peak. So the four values are
+// rounded together:
+//   1. Amplitudes are rounded first. For snorm16, they sum to exactly 1, by largest remainder.
 //   2. r is multiplied by the ROUNDED amplitude, so that rounding a leaves |r| unchanged.
 //   3. Each of the three products is rounded down or up, which gives 8 candidates. The chosen one has the projection on
 //      the lobe's direction that is closest to a |r|. For a single direction (|r| = 1), the projection must be at least
 //      a, so rounding never adds spread. Filtering adds none either, because projections of texels that share a
 //      direction add up.
-// Using the length |a r| instead would let a lobe of one step turn by 60 degrees at full length. After filtering with a
-// neighbouring lobe of amplitude 0.7, the peak was 4 % lower (QuantizeTest). Readers clamp |r| to 1.
+// If the length |a r| were used instead, a lobe of one step could turn by 60 degrees at full length. After filtering
+// with a neighbouring lobe of amplitude 0.7, the peak was then 4 % lower (QuantizeTest). Readers clamp |r| to 1.
 #include <half.h>
 
 #include <algorithm>
@@ -29,11 +30,12 @@
 namespace multum {
 namespace {
 
-// In fp32 sums, a spread below this value (8 roundings of 2^-24) is indistinguishable from a single direction.
+// If a spread in fp32 sums is below this value (8 roundings of 2^-24), the lobe cannot be distinguished from a single
+// direction.
 constexpr double kSpreadZero = 5e-7;
 
-// The two grid neighbours of a value. The magnitude of `inner` is not larger than the value, the magnitude of `outer`
-// not smaller.
+// The two grid neighbours of a value. The magnitude of `inner` is at most that of the value, and the magnitude of
+// `outer` is at least that of the value.
 struct Bracket {
   float inner;
   float outer;
@@ -63,7 +65,7 @@ Bracket bracket_half(double value) {
   return {static_cast<float>(other), static_cast<float>(nearest)};
 }
 
-// The 8 ways to round. Bit 0 of a corner states whether x is rounded outwards, bit 1 whether y is, bit 2 whether z is.
+// The 8 ways to round. Bit 0 of a corner is set if x is rounded outwards, bit 1 if y is, and bit 2 if z is.
 struct Corners {
   Bracket x, y, z;
   glm::vec3 at(unsigned corner) const {
@@ -85,8 +87,8 @@ std::array<double, 8> projections(const Corners& corners, const glm::dvec3& dire
           xy[0] + z[1], xy[1] + z[1], xy[2] + z[1], xy[3] + z[1]};
 }
 
-// Returns the corner with the closest projection; if several are equally close, the first of them. The direction turns
-// by at most one step.
+// Returns the corner with the closest projection, or the first of them if several are equally close. The direction
+// turns by at most one step.
 unsigned nearest_corner(const std::array<double, 8>& projection, double wanted) {
   unsigned best = 7;
   double best_cost = HUGE_VAL;
@@ -98,8 +100,8 @@ unsigned nearest_corner(const std::array<double, 8>& projection, double wanted) 
   return best;
 }
 
-// For single directions, returns the corner that turns least among the corners that are not shorter. The corner with x,
-// y and z all rounded outwards is never shorter.
+// Used for single directions. Among the corners that are not shorter, returns the corner that turns least. The corner
+// with x, y and z all rounded outwards is never shorter.
 unsigned least_turned_corner(const Corners& corners, const std::array<double, 8>& projection, double wanted,
                              const glm::dvec3& target) {
   unsigned best = 7;
@@ -135,11 +137,11 @@ glm::vec4 round_lobe(const glm::vec4& stored, float a, const BracketOf& bracket_
 }
 
 // Values of neighbouring texels, arranged so that the compiler vectorizes the loops. All operations equal those of
-// round_lobe(). At level 1 of a map with four lobes, most lobes are single directions or empty. Each kind is gathered
-// and rounded separately.
+// round_lobe(). At level 1 of a map with four lobes, most lobes are single directions or empty. Therefore lobes of each
+// kind are gathered and rounded separately.
 using Block = std::array<double, kRoundingBlock>;
 
-// Lobes of one kind: mean vectors r, their lengths, rounded amplitudes, and positions in the block.
+// Lobes of one kind, with their mean vectors r, lengths of these, rounded amplitudes, and positions in the block.
 struct Gathered {
   Block x, y, z, length, amplitude;
   std::array<std::size_t, kRoundingBlock> index;
@@ -223,7 +225,7 @@ void divide(Gathered& lobes, const Block& divisor) {
   }
 }
 
-// Wide registers turn a small negative value into -0, other code turns it into 0; both are stored as 0.
+// Wide registers turn a small negative value into -0, and other code turns it into 0. Both are stored as 0.
 void scatter(const Gathered& rounded, glm::vec4* lobes) {
   for (std::size_t i = 0; i < rounded.count; ++i)
     lobes[rounded.index[i]] = {static_cast<float>(rounded.x[i]) + 0.0f, static_cast<float>(rounded.y[i]) + 0.0f,
@@ -252,7 +254,9 @@ void round_block_snorm(glm::vec4* lobes, const double* amplitudes, std::size_t c
     glm::vec4& lobe = lobes[all.index[i]];
     if (all.length[i] < 1.0 - kSpreadZero) spread.add(all, i);
     else if (all.length[i] < 2.0) single.add(all, i);
-    else lobe = round_lobe(lobe, static_cast<float>(all.amplitude[i]), bracket_snorm);  // not finite, or without mean
+    else
+      lobe = round_lobe(lobe, static_cast<float>(all.amplitude[i]), bracket_snorm);  // the lobe is not finite, or has
+                                                                                     // no mean
   }
   round_single(single);
   round_spread(spread);
@@ -275,9 +279,10 @@ bool is_sharp(const glm::vec4& lobe, double spread_min) {
 }  // namespace
 
 float storage_kappa_max(StorageEncoding encoding) {
-  // Measured by QuantizeTest.KeepsSpreadUpToKappaMax over random lobes of amplitude 1, tilted up to 60 degrees. At
-  // both limits, 1 - |r| changes by 4 % in the median and by 14 % at the 95th percentile, in proportion to kappa. The
-  // worst case is a flat lobe, where only z is rounded: half a step there changes 1 - |r| by 31 % and 24 %.
+  // Measured by QuantizeTest.KeepsSpreadUpToKappaMax over random lobes of amplitude 1, tilted up to 60 degrees. At both
+  // limits, 1 - |r| changes by 4 % in the median and by 14 % at the 95th percentile, in proportion to kappa. The worst
+  // case is a flat lobe, where only z is rounded. Half a step then changes 1 - |r| by 31 % for snorm16 and 24 % for
+  // halfs.
   switch (encoding) {
     case StorageEncoding::kSnorm16: return 20000.0f;
     case StorageEncoding::kHalf: return 1000.0f;
@@ -287,7 +292,7 @@ float storage_kappa_max(StorageEncoding encoding) {
 }
 
 SharpLobes count_sharp_lobes(const MovmfLevel& level, StorageEncoding encoding, int threads) {
-  if (encoding == StorageEncoding::kFloat) return {};  // rounds nothing
+  if (encoding == StorageEncoding::kFloat) return {};  // floats are not rounded
   return count_lobes(level, threads, is_sharp, 1.0 / static_cast<double>(storage_kappa_max(encoding)));
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads rows of a baked file; read_movmf_mipmap() reads all rows, read_movmf_header() reads none.
+// Reads rows of a baked file. read_movmf_mipmap() reads all rows, and read_movmf_header() reads none.
 #pragma once
 
 #include <memory>
@@ -13,17 +13,17 @@ namespace multum {
 /// Reads rows with several threads. Only one thread may call it at a time.
 class MovmfReader {
  public:
-  /// Opens the file and checks its structure. Throws Error(kInput) naming the file, what was found and what was
+  /// Opens the file and checks its structure. Throws Error(kInput), which names the file, what was found and what was
   /// expected. Decompresses with `threads` threads; 0 means one per core.
   explicit MovmfReader(const std::string& path, int threads = 0, TexelCheck check = TexelCheck::kRefuse);
   ~MovmfReader();
   MovmfReader(const MovmfReader&) = delete;
   MovmfReader& operator=(const MovmfReader&) = delete;
 
-  /// Returns all contents except texels: levels have sizes and empty lobes.
+  /// Returns all contents except texels. Levels have sizes and empty lobes.
   const MovmfMipmap& header() const;
-  /// Height of one row of tiles. Reads that begin at a multiple of this height and cover a multiple of it decompress no
-  /// row twice.
+  /// The height of one row of tiles. If reads begin at a multiple of this height and cover a multiple of it, no row is
+  /// decompressed twice.
   int tile_size() const;
   /// Rows found by TexelCheck::kReport, such as "part lobe.1, level 3, texel rows 0 to 127".
   const std::vector<std::string>& changed_rows() const;

@@ -97,8 +97,7 @@ int any_worse_sum(const double* sums, std::size_t count, double worst) {
 // and of amplitudes to snorm16, which may differ from the fit by a step.
 constexpr double kWeightTolerance = 2e-3;
 
-// Returns how far the third value of a Gaussian is below the square of its mean, beyond the tolerance for rounding
-// down.
+// Returns how far the third value of a Gaussian is below the square of its mean. Rounding down is tolerated.
 double missing_variance(StorageEncoding encoding, const glm::vec4& v) {
   const glm::dvec4 lobe(v);
   if (!(lobe.w > 0.0)) return std::abs(lobe.z);
@@ -210,7 +209,7 @@ void MovmfScan::add_texels(int level, int first_row, const MovmfLevel& rows, std
   }
 }
 
-// Every texel is in one lobe; the zeros of the other lobes need no check.
+// Every texel is in one lobe, so the zeros of the other lobes need no check.
 void MovmfScan::add_finest(int first_row, const MovmfFinest& rows) {
   if (has_lobes_alone() && !lobes_->any_is_worse(rows, header_.header.encoding)) return;
   MovmfFinest whole = rows;

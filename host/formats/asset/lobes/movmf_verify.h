@@ -38,7 +38,7 @@ class MovmfScan {
 };
 
 /// Reads the file by rows of tiles, so that only a few are in memory. Throws Error(kInput) if the structure is
-/// unreadable; every other failed check is a finding. Calls `seen` once for every row.
+/// unreadable. Every other failed check is a finding. Calls `seen` once for every row.
 std::vector<VerifyFinding> verify_movmf(const std::string& path, int threads, const MovmfRowsSeen& seen = {});
 
 }  // namespace multum

@@ -30,7 +30,7 @@ struct KindInfo {
   PyramidKind kind;
   const char* name;  // suffix of "multum:representation", after "pyramid of "
   std::vector<const char*> channels;
-  const char* interop;  // colorInteropID
+  const char* interop;  // value of colorInteropID
   const char* text;
 };
 
@@ -69,7 +69,7 @@ std::vector<Imf::Header> pyramid_headers(const PyramidHeader& header, const Bake
   headers[0].insert("multum:representation", Imf::StringAttribute(std::string(kPrefix) + info.name));
   headers[0].insert("multum:formatVersion", Imf::IntAttribute(kFormatVersion));
   headers[0].insert("colorInteropID", Imf::StringAttribute(info.interop));
-  headers[0].insert("textureformat", Imf::StringAttribute("Plain Texture"));  // as maketx writes it
+  headers[0].insert("textureformat", Imf::StringAttribute("Plain Texture"));  // the same text as maketx writes
   return headers;
 }
 
@@ -136,7 +136,7 @@ class PyramidScan {
   const StorageEncoding encoding_;
   std::vector<Level> levels_;
   std::size_t nonfinite_ = 0;
-  double largest_ = 0.0;  // of level 0
+  double largest_ = 0.0;  // largest magnitude in level 0
 };
 
 class PyramidPortion : public BakedRows {

@@ -43,14 +43,14 @@ struct Pyramid {
   std::vector<PyramidLevel> levels;
 };
 
-/// Rounds to values that the encoding stores. Values beyond the largest half become 65504; returns the number of such
+/// Rounds to values that the encoding stores. Values above the largest half become 65504. Returns the number of such
 /// values.
 std::uint64_t quantize_pyramid(std::vector<float>& values, StorageEncoding encoding);
 
 class PyramidWriter {
  public:
-  /// Ignores the content hash in `header`: commit() sets it. Throws as AtomicFile does if the path cannot be written,
-  /// and Error(kUsage) for an unknown compression.
+  /// Ignores the content hash in `header`, because commit() sets it. Throws as AtomicFile does if the path cannot be
+  /// written, and Error(kUsage) for an unknown compression.
   PyramidWriter(const std::string& path, const PyramidHeader& header, const BakedWriteOptions& options);
   /// Removes the file, unless commit() was called.
   ~PyramidWriter();
@@ -71,8 +71,8 @@ class PyramidWriter {
 /// Returns whether the header says that the file is a pyramid. Throws Error(kInput) if the file is not an EXR file.
 bool is_pyramid_file(const std::string& path);
 
-/// Reads a pyramid of any kind. Throws Error(kInput) naming the file, what was found and what was expected. Rejects
-/// texels that are not finite.
+/// Reads a pyramid of any kind. Throws Error(kInput), which names the file, what was found and what was expected.
+/// Rejects texels that are not finite.
 Pyramid read_pyramid(const std::string& path);
 /// Reads a pyramid that must be of one kind.
 Pyramid read_pyramid(const std::string& path, PyramidKind expected);

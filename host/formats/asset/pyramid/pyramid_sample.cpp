@@ -7,7 +7,7 @@
 namespace multum {
 namespace {
 
-// Returns the texel at index `i`, which may be beyond the border; -1 means black.
+// Returns the index of the texel for index `i`, which may be beyond the border. -1 means black.
 int wrapped(int i, int size, WrapMode mode) {
   if (i >= 0 && i < size) return i;
   switch (mode) {
@@ -24,7 +24,7 @@ int wrapped(int i, int size, WrapMode mode) {
 
 // Reduces a coordinate to one period, so that its texel index fits an int.
 double reduced(double place, WrapMode mode) {
-  constexpr double kFar = 1e6;  // for clamp and black, all places beyond this distance are equal
+  constexpr double kFar = 1e6;  // beyond this distance, clamp and black give the same value everywhere
   const double period = mode == WrapMode::kPeriodic ? 1.0 : 2.0;
   if (mode == WrapMode::kPeriodic || mode == WrapMode::kMirror) return place - period * std::floor(place / period);
   return std::clamp(place, -kFar, kFar);

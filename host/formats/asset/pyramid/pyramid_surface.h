@@ -16,22 +16,22 @@ namespace multum {
 
 struct PyramidSurface {
   int columns = 0, rows = 0;
-  std::vector<glm::vec3> positions, normals;  // row by row from the top; normals are from differences
+  std::vector<glm::vec3> positions, normals;  // row by row from the top; normals are computed from differences
   std::vector<glm::vec2> uvs;                 // v grows upwards in the image
   std::vector<std::uint32_t> indices;         // three per triangle, counterclockwise from above (heights)
 };
 
-/// Samples a surface at level `d`, clamped to the existing levels and to at most 4096 points per side. Heights are
-/// over a rectangle about the origin whose longer side is 1: x to the right of the image, y up, z the height.
-/// Positions are used unchanged.
+/// Samples a surface at level `d`, which is clamped to the existing levels and to at most 4096 points per side. Heights
+/// are over a rectangle about the origin whose longer side is 1. x points to the right of the image, y up, and z is the
+/// height. Positions are used unchanged.
 PyramidSurface surface_at_level(const Pyramid& pyramid, double d);
 
 constexpr int kPatchStepsMax = 64;
 
 /// Uses the points of surface_at_level() as control points of a uniform bicubic B-spline, with `steps`
 /// (1..kPatchStepsMax) cells along each side of a patch. Uses fewer steps if the grid would exceed 4096 points per
-/// side. Normals are exact for the spline. The spline ends at the grid's border points; positions are closed in
-/// directions where the map is periodic.
+/// side. Normals are exact for the spline. The spline ends at the grid's border points. If the map is periodic in a
+/// direction, positions are closed in this direction.
 PyramidSurface patches_at_level(const Pyramid& pyramid, double d, int steps);
 
 struct SurfaceView {
@@ -41,7 +41,7 @@ struct SurfaceView {
 
 /// Returns the level whose neighbouring points are `spacing` pixels apart, as the root mean square over the surface.
 /// Every cell counts with its size seen face-on, so turning the surface does not change the level. Returns 0 if even
-/// the finest points are farther apart. The area is computed from a coarse level, without bumps.
+/// the finest points are farther apart. The area is computed from a coarse level, so it does not include bumps.
 double level_of_projection(const Pyramid& pyramid, const SurfaceView& view, double spacing);
 
 }  // namespace multum

@@ -11,10 +11,10 @@
 //      | |  viewer | |     Every texel has the same solid angle, 8 / size^2. So an average over texels is an average
 //      | \         / |     over solid angle, and a level has the same meaning everywhere. Williams indexes by x and y:
 //      |  '-.....-'  |     his map ends at the circle, where the solid angle of a texel is unbounded. This map goes
-//      +-------------+     on behind the circle, so that filters at a silhouette find the right values.
+//      +-------------+     on outside the circle, so that filters at a silhouette find the right values.
 //
-// Distortion at angle a from the centre: lengths along the radius are scaled by cos(a/2), lengths across by 1 /
-// cos(a/2). On the circle these factors are 1 / sqrt 2 and sqrt 2.
+// Distortion at angle a from the centre: lengths along the radius are scaled by cos(a/2), and lengths across the radius
+// by 1 / cos(a/2). On the circle these factors are 1 / sqrt 2 and sqrt 2.
 #pragma once
 
 #include <string>
@@ -35,16 +35,16 @@ struct ReflectanceFrame {
 /// to `viewer`, another direction is used.
 ReflectanceFrame reflectance_frame(const glm::dvec3& viewer, const glm::dvec3& up);
 
-/// Returns s, t of a unit normal in world space. The normal away from the viewer maps to every corner; the result is
-/// the first one.
+/// Returns s, t of a unit normal in world space. The normal away from the viewer maps to every corner. For it, the
+/// function returns the first corner.
 glm::dvec2 reflectance_place(const ReflectanceFrame& frame, const glm::dvec3& normal);
 /// Returns the unit normal at `place`.
 glm::dvec3 reflectance_normal(const ReflectanceFrame& frame, const glm::dvec2& place);
 
-/// Side of the square that maps to 0..1.
+/// Side of the square of points p that maps to 0..1.
 constexpr double kReflectanceSide = 2.8284271247461903;
 
-/// Writes and reads the frame as "frame" in the file's settings. The reader throws Error(kInput) naming `path`.
+/// Writes and reads the frame as "frame" in the file's settings. The reader throws Error(kInput), which names `path`.
 std::string reflectance_frame_json(const ReflectanceFrame& frame);
 ReflectanceFrame parse_reflectance_frame(const std::string& settings, const std::string& path);
 

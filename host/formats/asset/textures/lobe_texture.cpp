@@ -13,7 +13,7 @@
 namespace multum {
 namespace {
 
-constexpr int kBlockSide = 4, kBlockBytes = 16;  // of BC5
+constexpr int kBlockSide = 4, kBlockBytes = 16;  // for BC5
 
 nlohmann::ordered_json vector_json(const glm::vec4& v) { return {v.x, v.y, v.z, v.w}; }
 

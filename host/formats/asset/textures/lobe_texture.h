@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lobes as GPU textures (`multum export FILE.ndf.exr --lobes`): a KTX2 file of one 2D array texture with one or two
+// Lobes as GPU textures (`multum export FILE.ndf.exr --lobes`). A KTX2 file holds one 2D array texture with one or two
 // layers per lobe. For each lobe, an affine map turns the layers' values into (a r, a)
 // (docs/reference/lobe_textures.md, "Lobes for GPUs"). Because the map is affine, filters may mix stored texels.
 #pragma once
@@ -16,7 +16,7 @@
 
 namespace multum {
 
-constexpr char kLobeTextureKey[] = "multumLobes";  // in the key/value data
+constexpr char kLobeTextureKey[] = "multumLobes";  // key in the key/value data
 constexpr int kLobeTextureVersion = 1;
 constexpr int kLobeChannels = 4;
 
@@ -24,8 +24,8 @@ int layers_per_lobe(LobeTexels texels);
 /// Bytes of one layer of one level.
 std::uint64_t layer_bytes(LobeTexels texels, int width, int height);
 
-/// (a r, a) = offset + the sum of all columns, each times its channel. A lobe's first layer holds the first channels, a
-/// second layer the others.
+/// (a r, a) = offset + the sum of all columns, each times its channel. A lobe's first layer holds the first channels,
+/// and a second layer holds the others.
 struct LobeUnpacking {
   std::array<glm::vec4, kLobeChannels> columns{};
   glm::vec4 offset{0.0f};
@@ -49,16 +49,16 @@ struct LobeTextureHeader {
 
 struct LobeTexture {
   LobeTextureHeader header;
-  std::vector<std::vector<std::uint8_t>> levels;  // the texture's level 0 comes first; layers follow one another
+  std::vector<std::vector<std::uint8_t>> levels;  // from the texture's level 0 on; layers follow one another
 };
 
 /// Returns the key's value as JSON.
 std::string lobe_texture_text(const LobeTextureHeader& header);
 
-/// Returns whether the file is a KTX2 file; false if it cannot be read.
+/// Returns whether the file is a KTX2 file. Returns false if the file cannot be read.
 bool is_ktx2_file(const std::string& path);
 
-/// Read only the header, or the whole file. Both throw Error(kInput) naming the file, what was found and what was
+/// Read only the header, or the whole file. Both throw Error(kInput), which names the file, what was found and what was
 /// expected.
 LobeTextureHeader read_lobe_texture_header(const std::string& path);
 LobeTexture read_lobe_texture(const std::string& path);

@@ -8,7 +8,7 @@
 
 namespace multum {
 
-/// Returns 16 texels row by row, 0 to 1; `block` has 8 bytes.
+/// Returns 16 texels row by row, as values from 0 to 1. `block` has 8 bytes.
 inline std::array<float, 16> decode_scalar_block(const std::uint8_t* block) {
   const int first = block[0], second = block[1], steps = first > second ? 7 : 5;
   std::uint64_t indices = 0;

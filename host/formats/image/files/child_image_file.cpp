@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Runs OpenImageIO in a child process (host/foundation/sandbox/decoding_child.h).
 //
-// Limits of a child. In the worst case, a reader holds the whole picture (some readers hold it twice and with 4
-// channels, such as WebP), and some rows for every thread. So the limits are
+// Limits of a child. In the worst case, a reader holds the whole picture, and some rows for every thread. Some readers,
+// such as WebP, hold the picture twice and with 4 channels. So the limits are
 //   memory   memory_base + 2 file sizes + 16 bytes per declared texel; once the file is open, + 4 times the picture
 //   time     time_base + 1 s per 4 MiB of the picture, for one answer
 #include <chrono>

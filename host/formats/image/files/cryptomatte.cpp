@@ -6,11 +6,12 @@
 //   cryptomatte/KEY/manifest      JSON: {"name": "identifier in hexadecimal", ...}
 // and its channels hold ranks of (identifier, coverage) per pixel, largest coverage first:
 //   NAME00.r .g | NAME00.b .a | NAME01.r .g | NAME01.b .a | ...
-// Departure: some renderers, and programs that repack files, write R, red or Red for r. They omit the view layer from
-// the metadata's name or from the channels' names, or add it, lose the metadata, or truncate manifests. So the channels
-// identify the layer, metadata are matched to the channels by name or by KEY, and names missing in a manifest are
-// matched by their hash. A manifest in a separate file (manif_file) is not read; hashing the names gives the same
-// identifiers.
+// Departures from the specification: some renderers, and programs that repack files, write R, red or Red for r. They
+// omit
+// the view layer from the metadata's name or from the channels' names, or add it. They lose the metadata, or truncate
+// manifests. So the channels identify the layer, metadata are matched to the channels by name or by KEY, and names that
+// are missing in a manifest are matched by their hash. A manifest in a separate file (manif_file) is not read, because
+// hashing the names gives the same identifiers.
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -30,7 +31,7 @@ namespace multum {
 namespace {
 
 struct Cryptomatte {
-  std::string prefix;  // prefix of its channels: "CryptoObject" of "CryptoObject00.r"
+  std::string prefix;  // common prefix of the channels: "CryptoObject" for "CryptoObject00.r"
   std::string hash, conversion;
   std::map<std::string, std::uint32_t> manifest;
   std::vector<std::string> warnings;
@@ -56,7 +57,7 @@ std::uint32_t murmur_hash3(std::string_view text) {
   return h ^ h >> 16;
 }
 
-// Exponents of all zeros or all ones would be denormals, infinities or NaN, which programs may change.
+// Floats whose exponents are all zeros or all ones are denormals, infinities or NaN, which programs may change.
 std::uint32_t as_identifier(std::uint32_t hash) {
   const std::uint32_t exponent = hash >> 23 & 255u;
   return exponent == 0 || exponent == 255 ? hash ^ 1u << 23 : hash;
@@ -81,7 +82,7 @@ std::string parse_manifest(const std::string& text, std::map<std::string, std::u
   return json.is_object() ? wrong : "it is not a JSON object";
 }
 
-// For each KEY, the attributes by the text after "cryptomatte/KEY/".
+// For each KEY, the attributes with their names after "cryptomatte/KEY/".
 using Metadata = std::map<std::string, std::map<std::string, std::string>>;
 
 Metadata cryptomatte_metadata(const ExrFile& file) {
@@ -154,7 +155,7 @@ const std::map<std::string, std::string>* metadata_by_name(const ExrFile& file, 
   if (matches.size() != 1)
     if (const auto closer = nearest_names(matches.empty() ? names : matches, prefix); !closer.empty()) matches = closer;
   if (matches.size() > 1)
-    refuse_file(file.path(), fmt::format("has several Cryptomattes \"{}\": {}; give the whole name of one", layer,
+    refuse_file(file.path(), fmt::format("has several Cryptomattes \"{}\": {}; give the full name of one", layer,
                                          fmt::join(matches, ", ")));
   for (const auto& [key, values] : metadata)
     if (!matches.empty() && metadata_text(values, "name") == matches.front()) return &values;
@@ -178,7 +179,7 @@ Cryptomatte find_cryptomatte(const ExrFile& file, const std::string& layer) {
     refuse_file(file.path(), fmt::format("has no channel \"{}00.r\" for Cryptomatte \"{}\"; it has {}", layer, layer,
                                          fmt::join(file.channels(), ", ")));
   if (matches.size() > 1)
-    refuse_file(file.path(), fmt::format("has several Cryptomattes \"{}\": {}; give the whole name of one", layer,
+    refuse_file(file.path(), fmt::format("has several Cryptomattes \"{}\": {}; give the full name of one", layer,
                                          fmt::join(matches, ", ")));
   Cryptomatte result{matches.front(), "", "", {}, {}};
   const Metadata metadata = cryptomatte_metadata(file);
@@ -187,7 +188,8 @@ Cryptomatte find_cryptomatte(const ExrFile& file, const std::string& layer) {
     values = metadata_by_key(metadata, {layer, result.prefix, last_of(result.prefix)});
     result.warnings.push_back(
         values != nullptr
-            ? fmt::format("the metadata of Cryptomatte \"{}\" have no name and were matched by its hash", layer)
+            ? fmt::format("the metadata of Cryptomatte \"{}\" have no name; they were found by the hash of this name",
+                          layer)
             : fmt::format(
                   "found no metadata of Cryptomatte \"{}\"; its objects are matched by the MurmurHash3 of their names",
                   layer));
@@ -211,9 +213,9 @@ std::uint32_t identifier_of(const ExrFile& file, const Cryptomatte& cryptomatte,
   const auto found = cryptomatte.manifest.find(name);
   if (found != cryptomatte.manifest.end()) return found->second;
   if (!cryptomatte.hash.empty() && cryptomatte.hash != "MurmurHash3_32")
-    refuse_file(file.path(), fmt::format("the Cryptomatte manifest has no \"{}\", and its hash is \"{}\", expected "
-                                         "MurmurHash3_32",
-                                         name, cryptomatte.hash));
+    refuse_file(file.path(),
+                fmt::format("the Cryptomatte manifest has no \"{}\" and uses the hash \"{}\", expected MurmurHash3_32",
+                            name, cryptomatte.hash));
   return as_identifier(murmur_hash3(name));
 }
 

@@ -13,8 +13,8 @@ namespace multum {
 
 class ExrFile {
  public:
-  /// Throws Error(kInput) naming the file if it is missing, damaged, not an EXR file, or deep. Also rejects a part
-  /// whose data window is not the display window, because pixels would be in the wrong places.
+  /// Throws Error(kInput), which names the file, if it is missing, damaged, not an EXR file, or deep. Also rejects a
+  /// part whose data window is not the display window, because pixels would be in the wrong places.
   explicit ExrFile(std::string path);
 
   int width() const { return width_; }
@@ -25,11 +25,12 @@ class ExrFile {
   /// Returns the names of all channels. If the file has several parts, adds the names with the part's name as a prefix:
   /// "CryptoObject00.R" for channel "R" of part "CryptoObject00". has_channel() and read() know these names too.
   std::vector<std::string> all_names() const;
-  /// String attributes of all parts; if several parts have the same attribute, its value in the first part.
+  /// Returns the string attributes of all parts. If several parts have the same attribute, the first of these parts
+  /// gives its value.
   const std::map<std::string, std::string>& attributes() const { return attributes_; }
 
-  /// Returns width * height floats, row 0 at the top. Throws Error(kInput) for a missing channel (naming the existing
-  /// ones), a channel of integers, or damaged rows.
+  /// Returns width * height floats, row 0 at the top. Throws Error(kInput) for a missing channel (the message lists the
+  /// existing ones), a channel of integers, or damaged rows.
   std::vector<float> read(const std::string& channel);
   /// Returns whether the channel's samples are 32-bit floats, so that reading keeps their bits.
   bool is_float(const std::string& channel) const;

@@ -15,17 +15,17 @@ struct ExrLayers {
   std::map<std::string, std::vector<float>> channels;
 };
 
-/// Reads these channels from any part of the file. Throws Error(kInput) naming the file for a missing channel (naming
-/// the existing ones), a damaged file, or a data window that is not the display window.
+/// Reads these channels from any part of the file. Throws Error(kInput), which names the file, for a missing channel
+/// (the message lists the existing ones), a damaged file, or a data window that is not the display window.
 ExrLayers read_exr_channels(const std::string& path, const std::vector<std::string>& channels);
 
 /// Returns the names of all channels of all parts, in the file's order.
 std::vector<std::string> exr_channel_names(const std::string& path);
 
-/// Returns the share of each pixel, 0..1, that each of `names` covers, in the order of `names`: width * height floats,
+/// For each of `names`, in their order, returns the share of each pixel, 0..1, that it covers: width * height floats,
 /// row 0 at the top. `layer` is the Cryptomatte's name, such as "CryptoObject", with or without the view layer. Names
-/// missing in the manifest are matched by their MurmurHash3; without readable manifest or metadata, all names are.
-/// Throws Error(kInput) if the file has no such Cryptomatte, or several.
+/// that are missing in the manifest are matched by their MurmurHash3. Without a readable manifest or metadata, all
+/// names are matched in this way. Throws Error(kInput) if the file has no such Cryptomatte, or several.
 std::vector<std::vector<float>> read_cryptomatte_coverage(const std::string& path, const std::string& layer,
                                                           const std::vector<std::string>& names);
 
@@ -35,7 +35,7 @@ struct CryptomatteNames {
   std::vector<std::string> warnings;  // names matched by hash, with the reason; without the file's name
 };
 
-/// Searches names in a file's Cryptomatte. Matches and throws like read_cryptomatte_coverage().
+/// Searches for names in a file's Cryptomatte. Matches and throws like read_cryptomatte_coverage().
 CryptomatteNames find_cryptomatte_names(const std::string& path, const std::string& layer,
                                         const std::vector<std::string>& wanted);
 

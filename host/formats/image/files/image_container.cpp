@@ -38,12 +38,12 @@ void add_orientation(ImageContainer& container, int orientation) {
 constexpr std::string_view kPngSignature = "\x89PNG\r\n\x1a\n";
 
 // Describes the damage to a PNG signature if most of its bytes are intact; otherwise returns an empty string. The
-// signature contains line ends, which reveal transfers in text mode.
+// signature contains line ends, which show that a file was transferred in text mode.
 std::string damaged_png_signature(std::string_view head) {
   if (head.starts_with("\x89PNG\r\r\n") || head.starts_with("\x89PNG\r\r\n\x1a"))
-    return "its line ends were changed from \\n to \\r\\n, probably by a transfer in text mode";
+    return "its line endings were changed from \\n to \\r\\n, probably by a transfer in text mode";
   if (head.starts_with("\x89PNG\n\x1a"))
-    return "its line ends were changed from \\r\\n to \\n, probably by a transfer in text mode";
+    return "its line endings were changed from \\r\\n to \\n, probably by a transfer in text mode";
   if (head.size() < kPngSignature.size()) return "";
   std::string changed;
   std::size_t count = 0;
@@ -77,15 +77,15 @@ void check_png_header(const std::string& path, ByteFile& file) {
     refuse_file(path, fmt::format("damaged PNG: found {} bits per sample, expected {} for {}", bits,
                                   fmt::join(row->bits, ", "), row->name));
   if (field(26) != 0 || field(27) != 0 || field(28) > 1)
-    refuse_file(path, fmt::format("damaged PNG: found methods {}, {} and {} for compression, filters and interlacing, "
-                                  "expected 0, 0 and 0 or 1",
+    refuse_file(path, fmt::format("damaged PNG: found compression method {}, filter method {} and interlace method {}, "
+                                  "expected 0, 0, and 0 or 1",
                                   field(26), field(27), field(28)));
 }
 
 constexpr char kFirstFrame[] = "the file is an animation; only the first frame is read";
 
-// signature, then chunks of [length 4][type 4][data][CRC 4]. The picture needs IHDR PLTE tRNS gAMA sRGB IDAT IEND. An
-// XMP text chunk of 52 KB keeps OpenImageIO 2.4.7 busy for 15 s
+// A PNG file is a signature, then chunks of [length 4][type 4][data][CRC 4]. The picture needs IHDR PLTE tRNS gAMA sRGB
+// IDAT IEND. An XMP text chunk of 52 KB keeps OpenImageIO 2.4.7 busy for 15 s
 // (SharedDataDeathTest.DamagedAndHostileFilesEndInAnError).
 void inspect_png(const std::string& path, ByteFile& file, ImageContainer& container) {
   constexpr std::array<std::string_view, 7> kPicture = {"IHDR", "PLTE", "tRNS", "gAMA", "sRGB", "IDAT", "IEND"};
@@ -129,8 +129,8 @@ void inspect_png(const std::string& path, ByteFile& file, ImageContainer& contai
   if (is_srgb) container.gamma = 0.0;
 }
 
-// Segments FF marker [length 2][data] up to the first start of scan. APP0 (JFIF) and APP14 (Adobe: the colour model)
-// matter.
+// Reads segments FF marker [length 2][data] up to the first start of scan. Only two application segments matter: APP0
+// (JFIF) and APP14 (Adobe: the colour model).
 void inspect_jpeg(const std::string& path, ByteFile& file, ImageContainer& container) {
   keep(container, 0, 2);
   std::int64_t position = 2;
@@ -167,7 +167,7 @@ void inspect_jpeg(const std::string& path, ByteFile& file, ImageContainer& conta
     refuse_file(path, "the file is cut short: no JPEG end marker");
 }
 
-// Chunks [type 4][length 4][data], padded to an even number of bytes, after VP8X.
+// Reads chunks [type 4][length 4][data] after VP8X, which are padded to an even number of bytes.
 void inspect_webp_chunks(ByteFile& file, std::int64_t end, ImageContainer& container) {
   for (std::int64_t position = 12; position + 8 <= end;) {
     const std::string type = file.bytes(position, 4, "a WebP chunk");
@@ -178,12 +178,13 @@ void inspect_webp_chunks(ByteFile& file, std::int64_t end, ImageContainer& conta
   }
 }
 
-// RIFF [size 4] WEBP, then a chunk with the size: VP8X (canvas size minus 1, 24 bits), VP8L (size minus 1, 14 bits) or
-// VP8 (size, 14 bits).
+// A WebP file is RIFF [size 4] WEBP, then a chunk with the size of the picture: VP8X (canvas size minus 1, 24 bits),
+// VP8L (size minus 1, 14 bits) or VP8 (size, 14 bits).
 void inspect_webp(const std::string& path, ByteFile& file, ImageContainer& container) {
   const std::int64_t end = 8 + file.little_endian(4, 4, "the WebP size");
   if (end > file.size())
-    refuse_file(path, fmt::format("the file is cut short: {} bytes, expected {} by its WebP header", file.size(), end));
+    refuse_file(path, fmt::format("the file is cut short: {} bytes, expected {} according to its WebP header",
+                                  file.size(), end));
   const std::string chunk = file.bytes(12, 4, "a WebP chunk");
   if (chunk == "VP8X") {
     container.width = 1 + file.little_endian(24, 3, "the width");
@@ -202,8 +203,8 @@ void inspect_webp(const std::string& path, ByteFile& file, ImageContainer& conta
   keep(container, 0, file.size());
 }
 
-// Rejects baked files, recognised by the attributes of their first part (docs/reference/file_format.md): their channels
-// do not hold a map.
+// Rejects baked files, because their channels do not hold a map. They are recognised by the attributes of their first
+// part (docs/reference/file_format.md).
 void refuse_baked_file(const std::string& path, ByteFile& file) {
   std::string representation, source;
   walk_exr_headers(path, file, [&](const ExrAttribute& attribute) {
@@ -212,7 +213,7 @@ void refuse_baked_file(const std::string& path, ByteFile& file) {
     if (attribute.name == "multum:representation") representation = text();
     if (attribute.name == "multum:sourceName") source = text();
   });
-  // Accepts pyramids: their finest level is a normal picture or height field.
+  // Pyramids are accepted, because their finest level is a normal picture or height field.
   if (representation.empty() || representation.starts_with("pyramid of ")) return;
   const std::string map = source.empty() ? "the map" : source;
   refuse_file(
@@ -263,8 +264,8 @@ void refuse_misread_tiff(const std::string& path, const TiffSurvey& tiff) {
   if (!tiff.is_whole) return;                                   // the library reports the fault
   const std::vector<int> kOtherColours = {5, 8, 9, 10, 32803};  // CMYK, three kinds of Lab, a camera's mosaic
   if (std::find(kOtherColours.begin(), kOtherColours.end(), tiff.photometric) != kOtherColours.end())
-    refuse_file(path, fmt::format("found a TIFF of CMYK, Lab or a colour filter array (PhotometricInterpretation {}), "
-                                  "expected grey, RGB or a palette",
+    refuse_file(path, fmt::format("found a TIFF that stores CMYK, Lab or a colour filter array "
+                                  "(PhotometricInterpretation {}), expected grey, RGB or a palette",
                                   tiff.photometric));
   if (tiff.bits == 0) refuse_file(path, "found a TIFF without bits per sample (BitsPerSample), expected that tag");
   const std::vector<int> bits = tiff.sample_format == kFloats     ? std::vector{16, 32, 64}
@@ -279,21 +280,21 @@ void refuse_misread_tiff(const std::string& path, const TiffSurvey& tiff) {
   if (tiff.photometric == kPalette && tiff.samples > 1)
     refuse_file(path, fmt::format("found a TIFF with a palette and {} channels, expected one", tiff.samples));
   if (tiff.photometric == kWhiteIsZero && tiff.bits <= 8 && tiff.samples > 1)
-    refuse_file(path, fmt::format("found a TIFF with {} bits, 0 for white (MinIsWhite) and {} channels, all of which "
-                                  "would be inverted; expected one channel, or 0 for black",
+    refuse_file(path, fmt::format("found a TIFF with {} bits per sample, where 0 is white (MinIsWhite), and {} "
+                                  "channels, all of which would be inverted; expected one channel, or 0 as black",
                                   tiff.bits, tiff.samples));
   if (tiff.bits == 64 && tiff.is_tiled && (tiff.samples == 1 || !tiff.is_planar))
     refuse_file(
         path,
-        "found a TIFF with 64-bit floats in tiles, which OpenImageIO leaves unread; expected 32-bit floats or strips");
+        "found a TIFF with 64-bit floats in tiles, which OpenImageIO does not read; expected 32-bit floats or strips");
   if (tiff.bits == 64 && tiff.compression != 1 && !tiff.is_tiled && tiff.rows_per_strip == 0)
     refuse_file(path,
                 "found a compressed TIFF with 64-bit floats and no rows per strip (RowsPerStrip), which OpenImageIO "
-                "leaves unread; expected 32-bit floats, or that tag");
+                "does not read; expected 32-bit floats, or that tag");
 }
 
-// Workaround "TIFF rows": OpenImageIO 2.4.7 multiplies by the rows per strip, which may be the largest number that
-// fits. It then runs forever, or leaves doubles unread. So the number is limited to the picture's rows.
+// Workaround "TIFF rows": OpenImageIO 2.4.7 multiplies by the rows per strip, a number that may be the largest
+// possible. It then runs forever, or leaves doubles unread. So the number is limited to the picture's rows.
 void limit_strip_rows(ByteFile& file, const TiffSurvey& tiff, ImageContainer& container) {
   if (tiff.height < 1 || tiff.rows_per_strip <= tiff.height) return;
   const bool is_big_endian = file.bytes(0, 1, "the first byte") == "M";
@@ -304,17 +305,16 @@ void limit_strip_rows(ByteFile& file, const TiffSurvey& tiff, ImageContainer& co
   container.patches.push_back({tiff.rows_per_strip_at.begin, bytes});
 }
 
-// Workaround "TIFF white": OpenImageIO 2.4.7 inverts pictures that use 0 for white if they have up to 8 bits, but not
-// if they have more bits (ImageReaderTest.WhiteIsZeroOfTiff). With floats, no value means black. Workaround "TIFF
-// palette": it divides words of a colour map by 257, which makes words of `v * 256` one code too low
-// (ImageReaderTest.PalettesOfTiff).
+// Workaround "TIFF white": if a picture uses 0 for white, OpenImageIO 2.4.7 inverts up to 8 bits, but not more bits
+// (ImageReaderTest.WhiteIsZeroOfTiff). With floats, no value means black. Workaround "TIFF palette": OpenImageIO
+// divides words of a colour map by 257, so words of `v * 256` become one code too low (ImageReaderTest.PalettesOfTiff).
 void inspect_tiff(const std::string& path, ByteFile& file, ImageContainer& container) {
   keep(container, 0, file.size());
   const TiffSurvey tiff = survey_tiff(file, 0);
   if (tiff.photometric == kWhiteIsZero && tiff.sample_format != kUnsigned)
     refuse_file(path,
-                "found a TIFF with signed integers or floats and 0 for white (MinIsWhite); expected unsigned integers, "
-                "whose black is known, or 0 for black");
+                "found a TIFF with signed integers or floats, where 0 is white (MinIsWhite); expected unsigned "
+                "integers, whose black is known, or 0 as black");
   refuse_misread_tiff(path, tiff);
   limit_strip_rows(file, tiff, container);
   container.inverts_integers = tiff.photometric == kWhiteIsZero && tiff.bits > 8;
@@ -333,7 +333,7 @@ void inspect_tiff(const std::string& path, ByteFile& file, ImageContainer& conta
         fmt::format("the file has {} pages; only the first is read{}", tiff.page_count,
                     tiff.is_reduced ? ", although the file says that it is a reduced version of another page" : ""));
   else if (tiff.is_reduced)
-    container.notes.emplace_back("the file says that its picture is a reduced version of another");
+    container.notes.emplace_back("the file says that its picture is a reduced version of another picture");
   container.texel_metres = tiff.texel_metres;
   container.no_data = tiff.no_data;
 }
@@ -352,14 +352,14 @@ std::string format_of(std::string_view head) {
   return "";
 }
 
-// Recognizes files that are not images, but that users can pass by mistake.
+// Recognizes files that are not images, but that users may pass by mistake.
 std::string other_kind(std::string_view head) {
   using namespace std::string_view_literals;
   constexpr char kExpected[] = "expected PNG, JPEG, WebP, TIFF or OpenEXR";
   if (head.starts_with("DDS "sv))
     return fmt::format("a DDS texture for GPUs, {}: give the map that it was made from", kExpected);
   if (head.starts_with("glTF"sv))
-    return fmt::format("a glTF model, {}. 'multum gltf' converts a model, 'multum materials' lists its maps",
+    return fmt::format("a glTF model, {}. 'multum gltf' converts a model, and 'multum materials' lists its maps",
                        kExpected);
   return "";
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Examines an image file with a few lines of our own code before any image library sees it: its format by the first
-// bytes, its declared size, and the byte ranges with the picture. Libraries trust headers: they allocate memory, or
-// parse metadata for minutes, as fuzzed files show.
+// bytes, its declared size, and the byte ranges of the picture. Libraries trust headers: fuzzed files make them
+// allocate memory, or parse metadata for minutes.
 #pragma once
 
 #include <cstdint>
@@ -22,26 +22,29 @@ struct BytePatch {
 };
 
 struct ImageContainer {
-  std::string format;  // OpenImageIO's reader: "png", "jpeg", "webp", "tiff" or "openexr"
+  std::string format;  // name of OpenImageIO's reader: "png", "jpeg", "webp", "tiff" or "openexr"
   std::int64_t file_size = 0;
   std::int64_t width = 0;  // 0 if only the format's own reader knows the size (TIFF)
   std::int64_t height = 0;
-  bool has_metadata = false;               // `ranges` leave something out
+  bool has_metadata = false;               // true if `ranges` leave something out
   std::vector<ByteRange> ranges;           // the file without its metadata (texts, EXIF, XMP, ICC), in order
   std::vector<std::string> notes = {};     // ignored statements of the file about its picture, one per line
   double texel_metres = 0.0;               // GeoTIFF's ModelPixelScale if its unit is the metre; 0 if unknown
-  std::optional<double> no_data = {};      // GeoTIFF: stored value of texels without data
-  bool inverts_integers = false;           // TIFF: 0 is white; OpenImageIO 2.4.7 does not invert more than 8 bits
-  std::vector<ByteRange> byte_words = {};  // TIFF: 16-bit words `v * 256` of a colour map, which stand for `v * 257`
-  std::vector<BytePatch> patches = {};     // TIFF: bytes that OpenImageIO 2.4.7 would misread
-  double gamma = 0.0;                      // PNG: exponent from value to light (1 / gAMA); 0 for none or sRGB
+  std::optional<double> no_data = {};      // for GeoTIFF: stored value of texels without data
+  bool inverts_integers = false;           // for TIFF: true if 0 is white; OpenImageIO 2.4.7 inverts only values of up
+                                           // to 8 bits
+  std::vector<ByteRange> byte_words = {};  // for TIFF: 16-bit words `v * 256` of a colour map, which stand for `v *
+                                           // 257`
+  std::vector<BytePatch> patches = {};     // for TIFF: bytes that OpenImageIO 2.4.7 would misread
+  double gamma = 0.0;                      // for PNG: exponent from value to light (1 / gAMA); 0 for none or sRGB
 };
 
-/// Returns ImageContainer::format from the first bytes; empty if the file is missing or has another format.
+/// Returns ImageContainer::format according to the first bytes. It is empty if the file is missing or has another
+/// format.
 std::string image_format(const std::string& path);
 
 /// Throws Error(kInput) if the file is missing, cut or of another format. Also rejects a declared size outside
-/// 1..texel_count_max texels, or one that is larger than the file's bytes can hold.
+/// 1..texel_count_max texels, or a size for which the file has too few bytes.
 ImageContainer inspect_image_container(const std::string& path, std::int64_t texel_count_max);
 
 /// Throws Error(kInput) unless 1 <= width * height <= texel_count_max.

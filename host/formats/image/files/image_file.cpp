@@ -13,13 +13,13 @@
 namespace multum {
 namespace {
 
-// Our own limit, because OpenImageIO's limit holds only in the other process.
+// Our own limit. It is needed because OpenImageIO's limit applies only in the other process.
 constexpr int kChannelCountMax = 1024;
 constexpr std::size_t kPartCountMax = 256;
 
 void check_part(const std::string& path, const ImagePart& part, std::int64_t texel_count_max) {
   check_image_size(path, part.width, part.height, texel_count_max);
-  constexpr int kFarthest = 1 << 30;  // keeps sums of a position and a size within int
+  constexpr int kFarthest = 1 << 30;  // so that the sum of a position and a size fits into an int
   for (const int place : {part.x, part.y, part.full_x, part.full_y})
     if (place < -kFarthest || place > kFarthest)
       refuse_file(path,

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads the numbers of an image file; no other code in the project sees OpenImageIO's readers. The readers run in a
-// child process (child_image_file.cpp), because some broken files crash the process that opens them, and loading their
-// libraries takes a quarter of a second.
+// Reads the numbers of an image file. No other code in the project uses OpenImageIO's readers. The readers run in a
+// child process (child_image_file.cpp), because some broken files crash the process that opens them, and because
+// loading their libraries takes a quarter of a second.
 #pragma once
 
 #include <cstddef>
@@ -20,17 +20,17 @@ namespace multum {
 
 /// A file's own description of one of its pictures. Rely only on fields that check_described() checks.
 struct ImagePart {
-  int x = 0, y = 0, width = 0, height = 0, depth = 1;  // of the data window
+  int x = 0, y = 0, width = 0, height = 0, depth = 1;  // the data window
   int full_x = 0, full_y = 0, full_width = 0, full_height = 0;
-  int tile_width = 0, tile_height = 0;  // 0: scan lines
+  int tile_width = 0, tile_height = 0;  // 0 for scan lines
   int alpha_channel = -1;
   bool is_deep = false;
   int base_type = 0;                         // type of the widest channel (host/formats/image/files/number_type.h)
-  std::vector<std::string> channel_names;    // one a channel
+  std::vector<std::string> channel_names;    // one per channel
   std::vector<int> channel_types = {};       // types of the channels if they differ; empty if all are base_type
-  std::string colour_space, compression;     // as in the file; may be empty
-  int rows_per_strip = 0;                    // of TIFF
-  std::map<std::string, std::string> texts;  // string attributes; only if opened with all_parts
+  std::string colour_space, compression;     // names from the file; may be empty
+  int rows_per_strip = 0;                    // only for TIFF
+  std::map<std::string, std::string> texts;  // string attributes; only if the file was opened with all_parts
 
   int channel_count() const { return static_cast<int>(channel_names.size()); }
   int type_of(int channel) const {
@@ -48,7 +48,7 @@ struct ImageDescription {
   std::optional<double> no_data = {};   // as in ImageContainer
 };
 
-/// Rows of some channels, interleaved, as numbers of one type.
+/// Rows of some channels, with interleaved channels, as numbers of one type.
 struct PixelBlock {
   int part = 0;
   int y_begin = 0, y_end = 0;  // in the data window's coordinates
@@ -59,7 +59,7 @@ std::size_t block_bytes(const ImagePart& part, const PixelBlock& block);
 
 struct ImageFileSettings {
   std::int64_t texel_count_max = std::int64_t{1} << 30;
-  int threads = 1;         // <= 0 for one per core
+  int threads = 1;         // <= 0 means one per core
   bool all_parts = false;  // true for all parts and their texts; false for the first part
 };
 
@@ -71,7 +71,7 @@ class ImageFile {
 
   /// Returns memory for read(), valid until the next call, which discards the contents.
   virtual std::byte* reserve(std::size_t byte_count) = 0;
-  /// Reads the block to this offset of the reserved memory. Returns the library's error message, or "" after success.
+  /// Reads the block to this offset in the reserved memory. Returns the library's error message, or "" after success.
   /// Calls `while_waiting`, which may throw, while a child works. Throws Error as open_image_file() does.
   virtual std::string read(const PixelBlock& block, std::size_t offset,
                            const std::function<void()>& while_waiting = {}) = 0;

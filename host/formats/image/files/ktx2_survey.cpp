@@ -20,7 +20,7 @@ struct Ktx2Texels {
   bool is_srgb;
 };
 
-// VK_FORMAT_R8_UNORM, R8G8_UNORM, R8G8B8A8_UNORM, R8G8B8A8_SRGB, R16G16B16A16_SFLOAT.
+// These are VK_FORMAT_R8_UNORM, R8G8_UNORM, R8G8B8A8_UNORM, R8G8B8A8_SRGB, R16G16B16A16_SFLOAT.
 constexpr Ktx2Texels kKtx2Texels[] = {{9, number_type::kUint8, 1, 1, false},
                                       {16, number_type::kUint8, 2, 2, false},
                                       {37, number_type::kUint8, 4, 4, false},

@@ -25,8 +25,7 @@ class MemoryImageFile : public ImageFile {
     const bool has_alpha = part.channel_names.size() == 2 || part.channel_names.size() == 4;
     if (has_alpha && part.channel_names.back() == "A") part.alpha_channel = part.channel_count() - 1;
     description_.format = "array";
-    description_.file_size =
-        std::int64_t{image_.height} * image_.width * static_cast<std::int64_t>(image_.texel_bytes);
+    description_.file_size = std::int64_t{image_.height} * image_.width * static_cast<std::int64_t>(image_.texel_bytes);
     description_.parts.push_back(std::move(part));
   }
 

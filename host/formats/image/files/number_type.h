@@ -13,13 +13,13 @@ constexpr int kUint8 = 2, kInt8 = 3, kUint16 = 4, kInt16 = 5, kUint32 = 6, kInt3
 constexpr int kHalf = 10, kFloat = 11, kDouble = 12;
 }  // namespace number_type
 
-/// Returns whether the code is one of these.
+/// Returns whether the code is a code of these types.
 constexpr bool is_number_type(int code) { return code >= number_type::kUint8 && code <= number_type::kDouble; }
 
-/// Returns the bytes of one number; 0 for other codes.
+/// Returns the number of bytes of one number, or 0 for other codes.
 std::size_t number_bytes(int code);
 
-/// Returns a type's name for messages: "uint8", "half"; "unknown" for other codes.
+/// Returns a type's name for messages, such as "uint8" or "half". Returns "unknown" for other codes.
 const char* number_name(int code);
 
 }  // namespace multum

@@ -54,7 +54,7 @@ class PngFile {
     guarded([this] { write_header(); });
   }
 
-  /// Writes rows in the format that the file was opened with.
+  /// Writes rows in the format with which the file was opened.
   void write_rows(int row_count, const void* interleaved) {
     MULTUM_CHECK(row_ + row_count <= format_.height);
     const auto row_bytes = static_cast<std::size_t>(format_.width * format_.channels * (format_.bits / 8));
@@ -81,7 +81,7 @@ class PngFile {
                  format_.bits, colour_type(format_.channels), PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT,
                  PNG_FILTER_TYPE_DEFAULT);
     png_set_compression_level(png, format_.compression_level);
-    png_set_filter(png, PNG_FILTER_TYPE_BASE, PNG_NO_FILTERS);  // as OpenImageIO writes
+    png_set_filter(png, PNG_FILTER_TYPE_BASE, PNG_NO_FILTERS);  // same as OpenImageIO
     if (format_.colour_space == "sRGB") png_set_sRGB_gAMA_and_cHRM(png, info, PNG_sRGB_INTENT_ABSOLUTE);
     if (format_.colour_space == "Linear") png_set_gAMA(png, info, 1.0);
     png_write_info(png, info);
@@ -92,7 +92,7 @@ class PngFile {
   template <typename Work>
   void guarded(const Work& work) {
     if (setjmp(png_jmpbuf(objects_.png)) != 0) {
-      if (!bytes_.failure().empty()) bytes_.close();  // throws
+      if (!bytes_.failure().empty()) bytes_.close();  // throws the failure
       fail(message_);
     }
     work();
@@ -117,7 +117,7 @@ class PngFile {
   OutputFile bytes_;
   PngObjects objects_;
   char message_[128] = "";
-  int row_ = 0;  // the next
+  int row_ = 0;  // the next row
 };
 
 Png16Writer::Png16Writer(const std::string& path, int width, int height, const std::string& colour_space)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writes PNG files: RGB of 16 or 8 bits, row by row, for maps; whole 8-bit pictures for viewing.
+// Writes PNG files: maps as RGB of 16 or 8 bits, row by row, and whole 8-bit pictures for viewing.
 #pragma once
 
 #include <cstdint>
@@ -30,7 +30,7 @@ class Png16Writer {
 /// Writes 8-bit data like Png16Writer; the file names no colour space.
 class Png8Writer {
  public:
-  /// `channels`: 3, or 4 with alpha.
+  /// `channels` is 3, or 4 with alpha.
   Png8Writer(const std::string& path, int width, int height, int channels = 3);
   ~Png8Writer();
   Png8Writer(const Png8Writer&) = delete;
@@ -48,10 +48,10 @@ class Png8Writer {
 void write_png16(const std::string& path, int width, int height, const std::vector<std::uint16_t>& interleaved,
                  const std::string& colour_space);
 
-/// sRGB, row 0 at the top.
+/// Values are sRGB, with row 0 at the top.
 struct Png8Image {
   int width = 0, height = 0;
-  int channels = 3;  // 1: grey; 4: with alpha, not premultiplied
+  int channels = 3;  // 1 for grey; 4 with alpha, not premultiplied
   std::vector<std::uint8_t> interleaved;
 };
 

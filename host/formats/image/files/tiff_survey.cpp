@@ -18,7 +18,7 @@
 namespace multum {
 namespace {
 
-constexpr int kPageCountMax = 1000;  // pages beyond this number are not counted
+constexpr int kPageCountMax = 1000;  // more pages are not counted
 constexpr std::int64_t kEntryCountMax = 4096;
 
 struct Value {
@@ -39,8 +39,8 @@ class Directories {
     return is_big_endian_ ? file_.big_endian(position, count, "a TIFF directory")
                           : file_.little_endian(position, count, "a TIFF directory");
   }
-  // Passes every directory entry to `visit`. Returns the position of the next directory; positions are relative
-  // to `base`.
+  // Passes every directory entry to `visit`. Returns the position of the next directory. Positions are relative to
+  // `base`.
   template <typename Visit>
   std::int64_t walk(std::int64_t directory, const Visit& visit) {
     const int count_bytes = is_big_tiff_ ? 8 : 2, entry_bytes = is_big_tiff_ ? 20 : 12, word = is_big_tiff_ ? 8 : 4;

@@ -1,15 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 // Rules, in order. Each threshold lies between groups of real maps, whose values are in the comment next to the
 // threshold. The test SharedData.EveryFileOfTheManifestIsUnderstood prints the values of every file.
-//  1. One channel, or three that are equal up to compression noise: a height field. (Measured: noise up to 0.1 codes
-//     rms in 8 bits; the greyest colour image 2.5.) A grey gloss or albedo looks like a height, so a warning says so.
-//     An image with one value has no information, and an image with two values is a mask; both are rejected. Heights
-//     whose bytes are spread over channels are also recognised (packed_heights.h).
-//  2. Two channels, or a constant blue that does not complete the vectors: z is rebuilt if x^2 + y^2 <= 1 allows it.
-//     A blue that equals the rounded z of nearly flat normals is kept: both readings are then equal up to rounding.
+//  1. One channel, or three channels that are equal up to compression noise, is a height field. (Measured: the noise is
+//     up to 0.1 codes rms in 8 bits, and the greyest colour image has 2.5.) A grey gloss or albedo looks like a height,
+//     so a warning says so. An image with one value has no information, and an image with two values is a mask; both
+//     are
+//     rejected. Heights whose bytes are spread over channels are also recognised (packed_heights.h).
+//  2. With two channels, or a constant blue that does not complete the vectors, z is rebuilt if x^2 + y^2 <= 1 allows
+//  it.
+//     A blue that equals the rounded z of nearly flat normals is kept, because both readings are then equal up to
+//     rounding.
 //  3. Floats are 0..1 or signed, depending on which reading gives unit vectors. Integers are 0..1.
 //  4. z is blue itself, in 0..1, if only this reading gives unit length (`is_z_positive`).
-//  5. The file is rejected unless it looks like normals (`refusal` below), or if blue is not z (`blue_doubt`).
+//  5. The file is rejected if it does not look like normals (`refusal` below), or if blue is not z (`blue_doubt`).
 //  6. Green follows from the gradient agreement, and is up if the agreement is undecided.
 // The caller's settings take precedence; a warning names the disagreement.
 #include "host/formats/image/normals/encoding_detection.h"
@@ -33,10 +36,10 @@ namespace {
 struct Reading {
   VectorEncoding encoding;
   VectorStatistics statistics;
-  double signed_z_error = 0.0;  // for a positive z: the length error of z = 2 * blue - 1
+  double signed_z_error = 0.0;  // for a positive z, the length error that z = 2 * blue - 1 would have
 };
 
-// Returns statistics from the survey, or reads the image again for encodings that the survey did not cover.
+// Returns statistics from the survey. For encodings that the survey did not cover, reads the image again.
 struct Evidence {
   const RawImage& image;
   const ImageSurvey& survey;
@@ -49,12 +52,12 @@ struct Evidence {
   }
 };
 
-// Compression adds colours of up to one code of 8 bits. With more bits, channels that differ as much as texels do are
-// not noise, but short normals around mid-grey.
+// Compression adds colours of up to one code of 8 bits. With more bits, if channels differ as much as texels do, this
+// is not noise: such values are short normals around mid-grey.
 bool is_grey(const Evidence& evidence) { return is_grey_image(evidence.info(), evidence.survey); }
 
 // Returns whether a finite value of the first channel differs by more than `margin` from both ends of its range. In
-// most images the first rows decide.
+// most images, the first rows decide this.
 bool has_value_between(const RawImage& image, const ImageSurvey::Range& range, double margin) {
   const auto channel_count = static_cast<std::size_t>(image.info().channel_count);
   RawRows rows;
@@ -68,8 +71,8 @@ bool has_value_between(const RawImage& image, const ImageSurvey::Range& range, d
   return false;
 }
 
-// Says why a grey image is not a height field; nullopt if it may be one. Rejects images with one or two finite values.
-// Values may vary by a fiftieth of the difference of the two (an 8-bit compressed mask).
+// Returns why a grey image is not a height field, or nullopt if it may be one. Rejects images with one or two finite
+// values. Values may vary by a fiftieth of the difference of the two, as in a mask with 8-bit compression.
 std::optional<std::string> grey_refusal(const Evidence& evidence) {
   const ImageSurvey::Range range = evidence.survey.range(0);
   if (range.high < range.low) return "no value is finite";
@@ -80,7 +83,7 @@ std::optional<std::string> grey_refusal(const Evidence& evidence) {
   return fmt::format("every texel is {:.4g} or {:.4g}, as in a mask", range.low, range.high);
 }
 
-// Returns whether all vectors around +Z have the same length, which can be any. Such vectors are normals times a
+// Returns whether all vectors around +Z have the same length, whatever this length is. Such vectors are normals times a
 // constant, which normalising removes.
 bool has_one_length(const VectorStatistics& s) {
   constexpr double kSpreadMax = 0.05;
@@ -88,8 +91,8 @@ bool has_one_length(const VectorStatistics& s) {
          std::hypot(s.mean_x, s.mean_y) <= 0.5 * s.mean_z;
 }
 
-// Rates how well a reading explains the values. Unit vectors rate best, then vectors of one other length. A rebuilt z
-// rates by possible vectors that do not all lean to one side.
+// Rates how well a reading explains the values. Unit vectors rate best, followed by vectors of one other length. A
+// rebuilt z rates well if the vectors are possible and do not all lean to one side.
 double plausibility(const Reading& reading) {
   const VectorStatistics& s = reading.statistics;
   if (s.texel_count == 0.0) return -1.0;
@@ -109,7 +112,7 @@ std::vector<VectorEncoding> signedness_candidates(SampleType sample_type, Vector
   return candidates;
 }
 
-// Chooses unsigned or signed for a given use of blue: the more plausible reading, or unsigned in a tie.
+// Chooses unsigned or signed for a given use of blue. This is the more plausible reading, or unsigned in a tie.
 Reading best_signedness(const Evidence& evidence, const VectorEncoding& encoding, const NormalMapSettings& settings) {
   std::optional<Reading> best;
   for (const VectorEncoding& candidate : signedness_candidates(evidence.info().sample_type, encoding, settings)) {
@@ -119,7 +122,7 @@ Reading best_signedness(const Evidence& evidence, const VectorEncoding& encoding
   return *best;
 }
 
-// Returns the first encoding to try: blue as z, unless there is no blue.
+// Returns the first encoding to try. Blue is z, unless there is no blue.
 VectorEncoding first_encoding(const RawImageInfo& info, const NormalMapSettings& settings) {
   VectorEncoding encoding;
   encoding.flat_pair = info.sample_type == SampleType::kUint8;
@@ -137,16 +140,16 @@ bool is_blue_constant(const Evidence& evidence, const VectorStatistics& s) {
   return range <= (is_short ? 0.0 : kNoise);
 }
 
-// Returns the largest difference between the z of unit vectors and a constant blue that rounding and compression
-// explain. With 8 bits, also signed, it is 0.02; with half floats, two steps below 1.
+// Returns the largest difference between the z of unit vectors and a constant blue that rounding and compression can
+// cause. With 8 bits, also if signed, it is 0.02. With half floats, it is two steps below 1.
 double filler_noise(const RawImageInfo& info) {
   if (info.base_type == number_type::kUint8 || info.base_type == number_type::kInt8) return 2 * 2.5 / 255.0;
   return info.base_type == number_type::kHalf ? 1.0 / 512.0 : 2 * 2.5 / 65535.0;
 }
 
 // Returns whether a constant blue differs from the z of unit vectors by more than filler_noise(). Such a blue is
-// filler, as in two-channel maps saved with three channels. A tilt of 11 degrees changes z by 0.02; at this tilt, (x,
-// y, 1) and the rebuilt vector differ by 0.2 degrees, half a code of 8 bits. For flat maps both readings are flat.
+// filler, as in two-channel maps saved with three channels. A tilt of 11 degrees changes z by 0.02. At this tilt, (x,
+// y, 1) and the rebuilt vector differ by 0.2 degrees, half a code of 8 bits. For flat maps, both readings are flat.
 bool is_blue_filler(const Evidence& evidence, const Reading& reading) {
   const VectorStatistics& s = reading.statistics;
   if (s.tilted_share == 0.0) return false;
@@ -155,17 +158,18 @@ bool is_blue_filler(const Evidence& evidence, const Reading& reading) {
   return s.rebuilt_z_min < z_of(s.blue_min) - noise || s.rebuilt_z_mean > z_of(s.blue_max) + noise;
 }
 
-// Old tools and some models store z in 0..1. If z is read as 2 * blue - 1, tilts are too large: by 0.6 degrees at a
-// tilt of 16 degrees, by 8 at 36, and by 30 at 60. Measured: such files have a positive length error of 0.0012 to 0.002
-// in 8 bits, or 0.01 to 0.02 after JPEG. If the choice matters, this error is at most a third of the other error. Real
-// maps shortened by blurring or compression reach 0.020 and a ratio of 2.4, or 0.023 and 4.5. Of 636 real maps, one (a
-// picture frame) has 0.005 and 5; it does store z in 0..1.
+// Old tools and some models store z in 0..1. If their z is read as 2 * blue - 1, tilts are too large: by 0.6 degrees at
+// a tilt of 16 degrees, by 8 at 36, and by 30 at 60. The measured length error of such files, read as positive, is
+// 0.0012 to 0.002 in 8 bits, and 0.01 to 0.02 after JPEG. If the choice matters, the error of the other reading is at
+// least three times as large. Blurring or compression also shortens normals. The closest real maps of this kind have an
+// error of 0.020 and a ratio of 2.4, or 0.023 and 4.5. Of 636 real maps, one (a picture frame) has 0.005 and 5; it does
+// store z in 0..1.
 bool is_z_positive(const Evidence& evidence, const Reading& reading, const NormalMapSettings& settings) {
   constexpr double kExact = 0.012, kExactRatio = 3.0, kCompressed = 0.03, kCompressedRatio = 6.0;
   const VectorStatistics& s = reading.statistics;
   if (settings.z_range || reading.encoding.is_signed || reading.encoding.rebuild_z) return false;
-  // Half a step of 8 bits in x, y and z causes an error of 0.0023; codes of 254 for 1 cause an error three times as
-  // large.
+  // Half a step of 8 bits in x, y and z causes an error of 0.0023. If 1 is stored as code 254, the error is three times
+  // as large.
   const double least = evidence.info().sample_type == SampleType::kUint8 ? 0.007 : 0.0005;
   if (s.length_error < least) return false;
   const double ratio = s.length_error / std::max(1e-9, s.positive_length_error);
@@ -204,9 +208,9 @@ std::string summary(const Reading& reading) {
       100.0 * s.unit_share_10, s.mean_x, s.mean_y, s.mean_z, 100.0 * s.below_share, s.gradient_agreement);
 }
 
-// Says why (x, y) with a rebuilt z are not normals. Flow maps look similar: they hold directions of length up to 1 with
-// an empty blue. But they lack the gradients of a surface and are far from flat (measured: agreement 0.00, rebuilt z
-// 0.67).
+// Returns why (x, y) with a rebuilt z are not normals. Flow maps look similar, because they hold directions of length
+// up to 1 with an empty blue. But they lack the gradients of a surface and are far from flat (measured: agreement 0.00,
+// rebuilt z 0.67).
 std::optional<std::string> two_channel_refusal(const VectorStatistics& s) {
   if (s.beyond_share > 0.005) return fmt::format("x^2 + y^2 exceeds 1 on {:.1f} % of texels", 100.0 * s.beyond_share);
   if (std::hypot(s.mean_x, s.mean_y) > 0.5 * s.rebuilt_z_mean) return "the mean vector leans to one side";
@@ -216,7 +220,7 @@ std::optional<std::string> two_channel_refusal(const VectorStatistics& s) {
   return std::nullopt;
 }
 
-// Says why vectors (x, y, z) are not normals; nullopt if they are. Normals need
+// Returns why vectors (x, y, z) are not normals, or nullopt if they are. Normals need
 //   below the horizon <= 5 %            normal maps reach 1 % (gutters of an atlas), colours start at 9 %
 //   |mean xy| <= 0.5 mean z, z >= 0.4   normal maps 0.27 and 0.61, sky blue (135, 206, 235) 0.74; not required of
 //                                       vectors of unit length
@@ -258,7 +262,7 @@ double empty_share(const Evidence& evidence, const Reading& reading) {
   return static_cast<double>(count) / (static_cast<double>(evidence.info().width) * evidence.info().height);
 }
 
-// Detects a constant red next to an alpha: compressed maps with one good channel and a better alpha store x there
+// Detects a constant red next to an alpha. Compressed maps with one good channel and a better alpha store x in alpha
 // (DXT5nm).
 bool has_x_in_alpha(const Evidence& evidence) {
   if (!evidence.info().has_alpha || evidence.info().channel_count < 3) return false;
@@ -270,8 +274,8 @@ bool has_x_in_alpha(const Evidence& evidence) {
   return spread(0) <= kNoise && spread(1) > kNoise;
 }
 
-// Returns whether x and y are plausible without z: they are the slopes of a surface, and their lengths leave room for
-// z.
+// Returns whether x and y are plausible without z. This means that they are the slopes of a surface, and their lengths
+// leave room for z.
 bool is_two_channel_plausible(const Evidence& evidence, const Reading& reading) {
   if (reading.encoding.rebuild_z || evidence.info().channel_count < 3) return false;
   VectorEncoding encoding = reading.encoding;
@@ -281,13 +285,13 @@ bool is_two_channel_plausible(const Evidence& evidence, const Reading& reading) 
   return s.texel_count > 0.0 && !two_channel_refusal(s) && std::abs(s.gradient_agreement) >= 0.25;
 }
 
-// States doubt whether blue is the z of red and green. LabPBR packs, for example, store another map there (occlusion,
-// smoothness, height). Lengths then scatter at every scale, and the tilt explains little of blue. Measured: share of
-// unit lengths, dependence of z on the tilt, and spread of lengths of 4 x 4 texels. 12 lossy maps have 0.23 to 0.75,
-// 0.11 to 0.86, 0.02 to 0.11. Of 109 maps made from 25 real ones with occlusion, gloss or height in blue, half have a
-// dependence below 0.26 and a spread above 0.11. An occlusion computed from the same surface depends on the tilt by up
-// to 0.8, as in some antialiased maps; such maps get a warning. `turn` is the difference of the two readings in
-// degrees rms; if it is small, nothing is said.
+// Returns how doubtful it is that blue is the z of red and green. LabPBR packs, for example, store another map in blue
+// (occlusion, smoothness, height). Lengths then scatter at every scale, and the tilt explains little of blue. Three
+// values were measured: the share of unit lengths, the dependence of z on the tilt, and the spread of lengths of 4 x 4
+// texels. In 12 lossy maps, these are 0.23 to 0.75, 0.11 to 0.86, and 0.02 to 0.11. From 25 real maps, 109 maps were
+// made with occlusion, gloss or height in blue. Half of them have a dependence below 0.26 and a spread above 0.11. An
+// occlusion computed from the same surface depends on the tilt by up to 0.8, as in some antialiased maps; such maps get
+// a warning. `turn` is the difference of the two readings in degrees rms. If it is small, there is no doubt.
 enum class BlueDoubt { kNone, kWarned, kRefused };
 BlueDoubt blue_doubt(const Evidence& evidence, const Reading& reading) {
   const VectorStatistics& s = reading.statistics;
@@ -302,9 +306,9 @@ BlueDoubt blue_doubt(const Evidence& evidence, const Reading& reading) {
 
 std::string blue_doubt_text(const VectorStatistics& s) {
   return fmt::format(
-      "blue does not depend on red and green as z does: lengths scatter by {:.0f} % around {:.2f}, the tilt explains "
-      "{:.0f} % of blue's variance, and z from red and green differs by {:.1f} degrees rms; blue may hold occlusion, "
-      "smoothness or height",
+      "blue does not depend on red and green as z would: lengths scatter by {:.0f} % around {:.2f}, the tilt explains "
+      "{:.0f} % of the variance of blue, and z from red and green differs by {:.1f} degrees rms; blue may hold "
+      "occlusion, smoothness or height",
       100.0 * s.block_length_spread, s.length_mean, 100.0 * s.z_dependence * s.z_dependence, s.rebuilt_angle);
 }
 
@@ -323,7 +327,7 @@ void check_blue(const std::string& path, const Evidence& evidence, const Reading
   warnings.push_back(text + advised);
 }
 
-// --bumpformat cannot help a map with x in alpha, because alpha is not read; so the message does not offer it.
+// For a map with x in alpha, --bumpformat cannot help, because alpha is not read. So the message does not recommend it.
 [[noreturn]] void refuse_vectors(const std::string& path, const Evidence& evidence, const Reading& reading,
                                  const std::string& why) {
   if (has_x_in_alpha(evidence))
@@ -376,7 +380,7 @@ DetectedEncoding grey_image(const std::string& path, const Evidence& evidence, c
                 fmt::format("{}: found a grey image that is not a height field: {}; expected heights of more than two "
                             "values{}",
                             path, *why, advice(". If it is a height field, use <bumpformat height>")));
-  return height_field(reason + "; a grey gloss, mask or albedo looks like a height",
+  return height_field(reason + "; a grey gloss, mask or albedo looks like a height field",
                       {HeightCoding::kGrey, evidence.survey.no_data()}, settings);
 }
 
@@ -398,30 +402,32 @@ DetectedEncoding packed_heights(const std::string& path, const Evidence& evidenc
     throw Error(ErrorCode::kInput, fmt::format("{}: found {}, expected {} channels of 8 bits for {}", path,
                                                evidence.info().format, channel_count, height_coding_name(coding)));
   return height_field(coding_of(settings.bump_format)
-                          ? height_coding_name(coding) + ", as asked for"
-                          : height_coding_name(coding) + ": they are continuous, but single channels jump",
+                          ? height_coding_name(coding) + ", as requested"
+                          : height_coding_name(coding) + ": the heights are continuous, but single channels jump",
                       {coding, std::nullopt}, settings);
 }
 
 // Reads a file as heights because the settings request it.
 DetectedEncoding asked_heights(const std::string& path, const Evidence& evidence, const NormalMapSettings& settings) {
   if (is_grey(evidence))
-    return height_field(
-        evidence.info().channel_count == 1 ? "as asked for" : "as asked for; the mean of equal colour channels",
-        {HeightCoding::kGrey, evidence.survey.no_data()}, settings);
+    return height_field(evidence.info().channel_count == 1
+                            ? "as requested"
+                            : "as requested; heights are the mean of equal colour channels",
+                        {HeightCoding::kGrey, evidence.survey.no_data()}, settings);
   if (const std::optional<HeightCoding> packed = find_packed_heights(evidence.image))
     return packed_heights(path, evidence, *packed, settings);
   throw Error(
       ErrorCode::kInput,
-      fmt::format("{}: found colours, whose channels differ by {:.3g} of their {} rms, expected heights as asked for: "
-                  "one channel, or equal ones. Save the channel with the heights as grey (oiiotool IN --ch R -o OUT){}",
-                  path, evidence.survey.chroma_rms(), is_float_type(evidence.info().sample_type) ? "values" : "range",
-                  advice("; if the bytes of heights are spread over the channels, use <bumpformat packed16>, packed24, "
-                         "terrarium or mapbox")));
+      fmt::format(
+          "{}: found colours, whose channels differ by {:.3g} of their {} (rms), expected heights as requested: one "
+          "channel, or equal channels. Save the channel with the heights as grey (oiiotool IN --ch R -o OUT){}",
+          path, evidence.survey.chroma_rms(), is_float_type(evidence.info().sample_type) ? "values" : "range",
+          advice("; if the bytes of heights are spread over the channels, use <bumpformat packed16>, packed24, "
+                 "terrarium or mapbox")));
 }
 
-// The threshold separates maps with known green from the others (0.31 and 0.15, see vector_statistics.cpp). With few
-// samples, it is four standard deviations of the correlation of independent samples.
+// The threshold separates maps with known green, which reach at least 0.31, from other maps, which reach at most 0.15
+// (vector_statistics.cpp). With few samples, it is four standard deviations of the correlation of independent samples.
 std::optional<GreenAxis> green_from_gradients(const VectorStatistics& s) {
   const double threshold = std::max(0.25, 4.0 / std::sqrt(std::max(1.0, s.gradient_sample_count)));
   if (s.gradient_agreement >= threshold) return GreenAxis::kUp;
@@ -445,7 +451,7 @@ void warn_of_length(const Reading& reading, std::vector<std::string>& warnings) 
 void warn_of_green(const NormalMapSettings& settings, std::optional<GreenAxis> found, const VectorStatistics& s,
                    std::vector<std::string>& warnings) {
   if (!settings.green && !found) {
-    // If nothing is tilted, green is 0 in both cases.
+    // If no texel is tilted, green is 0 in both cases.
     if (s.tilted_share > 0.0)
       warnings.emplace_back("the statistics do not show the direction of green; assuming up (OpenGL)" +
                             advice(", <green up> or <green down> sets it"));
@@ -471,8 +477,8 @@ std::string describe(const VectorEncoding& encoding, const char* green_note) {
 void warn_of_set(std::optional<GreenAxis> own, std::optional<GreenAxis> of_set, std::vector<std::string>& warnings) {
   if (!own || !of_set || *own == *of_set) return;
   warnings.push_back(
-      fmt::format("green is read as {}, because of the first tile of its set that shows a direction, but the slopes in "
-                  "this tile show that green points {}{}",
+      fmt::format("green is read as {} in all tiles, because the first tile with a clear direction says so, but the "
+                  "slopes in this tile show that green points {}{}",
                   green_name(*of_set), green_name(*own), advice(": <green up> or <green down> sets it for all tiles")));
 }
 
@@ -508,7 +514,7 @@ DetectedEncoding detect_encoding(const std::string& path, const RawImage& image,
   if (channel_count == 1) {
     if (settings.bump_format == BumpFormat::kNormal)
       throw Error(ErrorCode::kInput,
-                  path + ": found 1 colour channel, expected a normal map with 2 or 3 channels as asked for");
+                  path + ": found 1 colour channel, expected a normal map with 2 or 3 channels as requested");
     return grey_image(path, evidence, "1 channel", settings);
   }
   if (settings.bump_format == BumpFormat::kAuto) {
@@ -533,7 +539,7 @@ DetectedEncoding detect_encoding(const std::string& path, const RawImage& image,
   const bool asks_set = green_of_set && !settings.green;
   const std::optional<GreenAxis> found_green = asks_set ? green_of_set(own_green) : own_green;
   result.vectors.green = settings.green.value_or(found_green.value_or(GreenAxis::kUp));
-  const char* green_note = settings.green.has_value()             ? ", as asked for"
+  const char* green_note = settings.green.has_value()             ? ", as requested"
                            : !found_green.has_value()             ? ", undecided"
                            : asks_set && found_green != own_green ? ", as in its set"
                                                                   : "";
@@ -548,8 +554,8 @@ DetectedEncoding detect_encoding(const std::string& path, const RawImage& image,
         fmt::format(", blue is {:.3g} everywhere, which is not the z of unit vectors", reading.statistics.blue_min);
   if (reading.signed_z_error > 0.0)
     result.reason += fmt::format(
-        ", lengths are within {:.2g} % of 1 (rms of tilted texels) if z is blue, within {:.2g} % "
-        "if it is 2 blue - 1",
+        ", lengths are within {:.2g} % of 1 (rms of tilted texels) if blue is z, and within {:.2g} % if z is 2 * blue "
+        "- 1",
         100.0 * reading.statistics.length_error, 100.0 * reading.signed_z_error);
   warn_of_length(reading, result.warnings);
   warn_of_green(settings, found_green, reading.statistics, result.warnings);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Detects the meaning of an image's values from their statistics: height field or normal map, signed or 0..1, two or
-// three channels, green up or down. The answer includes its reason. A file that is neither is rejected with the reason.
+// three channels, green up or down. The answer includes its reason. A file that is neither a height field nor a normal
+// map is rejected, and the message gives the reason.
 #pragma once
 
 #include <functional>
@@ -18,21 +19,21 @@ namespace multum {
 
 struct DetectedEncoding {
   bool is_height_field = false;
-  HeightReading heights;              // of a height field
-  VectorEncoding vectors;             // of a normal map
+  HeightReading heights;              // reading of a height field
+  VectorEncoding vectors;             // encoding of a normal map
   std::string description;            // NormalMapReport::encoding of a normal map
   std::string reason;                 // NormalMapReport::encoding_reason
   std::vector<std::string> warnings;  // NormalMapReport::warnings
 };
 
 /// Returns the encodings whose statistics detect_encoding() will probably need, as far as this is known before rows are
-/// read. The survey of the image should cover them.
+/// read. The survey of the image should collect these statistics.
 std::vector<VectorEncoding> likely_encodings(const RawImageInfo& info, const NormalMapSettings& settings);
 
 /// Returns whether an image is grey, up to compression noise.
 bool is_grey_image(const RawImageInfo& info, const ImageSurvey& survey);
 
-/// Returns the green of a set of tiles, given the green found in this map; nullopt if unknown.
+/// Returns the green of a set of tiles, given the green found in this map. Returns nullopt if it is unknown.
 using GreenOfSet = std::function<std::optional<GreenAxis>(std::optional<GreenAxis> own)>;
 
 /// Follows the overrides in `settings`. Throws Error(kInput) with the reason if the file is neither a normal map nor a

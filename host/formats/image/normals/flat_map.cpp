@@ -11,7 +11,7 @@
 namespace multum {
 
 Flatness flatness_of(const PlaneStore& normals) {
-  constexpr float kStep = 2.02f / 255.0f;  // step of an 8-bit component
+  constexpr float kStep = 2.02f / 255.0f;  // step of an 8-bit component, with a small margin
   const std::size_t width = size_of(normals.width());
   std::array<std::vector<float>, 3> rows{std::vector<float>(width), std::vector<float>(width),
                                          std::vector<float>(width)};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tells whether a map has the same normal everywhere; for such a map, plain averages are as good as any method.
+// Tells whether a map has the same normal everywhere. For such a map, plain averages are as good as any method.
 #pragma once
 
 #include <string>

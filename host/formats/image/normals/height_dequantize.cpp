@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Solves tiles, so that the largest maps fit into memory. Each tile is solved with kOverlap more texels on each side,
-// and neighbours are blended over both overlaps. Any mean of two surfaces within the bounds is within the bounds too.
+// and neighbours are blended over both overlaps. If two surfaces are within the bounds, any mean of them is too.
 //
 //   tile 0   1 1 1 1 1 1 \ . . .
 //   tile 1       . . . . / 1 1 1 1        weights along a row; the border between tiles is in the middle of the slope
@@ -19,13 +19,13 @@
 namespace multum {
 namespace {
 
-constexpr int kTileSide = 1024;  // about
+constexpr int kTileSide = 1024;  // approximate side of a tile
 constexpr int kOverlap = kDequantizeMargin;
 
-// Tiles along one direction of `count` texels. Known texels beyond a side also count.
+// Tiles along one direction of `count` texels. Known texels beyond a side are included.
 struct TileCuts {
-  std::vector<int> cuts;  // from 0 to count
-  int before, after;      // texels beyond the sides
+  std::vector<int> cuts;  // borders between tiles, from 0 to count
+  int before, after;      // numbers of texels beyond the sides
 
   TileCuts(int count, bool goes_on_before, bool goes_on_after)
       : before(goes_on_before ? kOverlap : 0), after(goes_on_after ? kOverlap : 0) {
@@ -56,7 +56,7 @@ bool goes_on(const HeightSide& side) {
   return side.beyond == HeightSide::Beyond::kWrapped || side.beyond == HeightSide::Beyond::kStrip;
 }
 
-// Height beyond a side where the surface ends.
+// Height beyond a side at which the surface ends.
 float height_beyond(const HeightSide& side) {
   return side.beyond == HeightSide::Beyond::kBlack ? 0.0f : std::numeric_limits<float>::quiet_NaN();
 }
@@ -76,7 +76,7 @@ PlateProblem plate_of(const HeightRows& rows, int column_begin, int column_end, 
   return problem;
 }
 
-// A row of tiles, blended along the row: rows [begin, end) and columns from -1 to width.
+// A row of tiles, blended along the row. It has rows [begin, end) and columns from -1 to width.
 struct TileRow {
   int begin = 0, end = 0;
   std::vector<float> heights;
@@ -112,7 +112,7 @@ class Dequantization {
     image.write({begin + 1, count, reinterpret_cast<const std::byte*>(heights)});
   }
 
-  // Writes the row beyond a side where the surface ends.
+  // Writes the row beyond a side at which the surface ends.
   void write_end(const HeightSide& side, int row, RawImage& image) const {
     const std::vector<float> heights(row_size(), height_beyond(side));
     if (!goes_on(side)) write_rows(row, 1, heights.data(), image);

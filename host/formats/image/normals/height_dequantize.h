@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Smooths heights of too few bits: of all heights that round to the given ones, finds the surface that bends least.
+// Smooths heights of too few bits. Of all surfaces that round to the given heights, it finds the one that bends least.
 #pragma once
 
 #include "host/formats/image/normals/height_surface.h"
@@ -11,10 +11,10 @@ namespace multum {
 /// Number of known texels beyond the image's sides that are used.
 constexpr int kDequantizeMargin = 128;
 
-/// Returns heights with one more row and column on each side, as HeightSurface::rows() does with a margin of 1: texel
+/// Returns heights with one more row and column on each side, as HeightSurface::rows() does with a margin of 1. Texel
 /// (column, row) is at (column + 1, row + 1). Each height is within `step` / 2 of the given height, or NaN if there is
-/// no height. Neighbours that differ by more than 1.5 steps are an edge, which stays sharp. The result does not depend
-/// on `threads` or `spill`. Can cancel between tiles.
+/// no height. A difference of more than 1.5 steps between neighbours is an edge, which stays sharp. The result does not
+/// depend on `threads` or `spill`. Can cancel between tiles.
 RawImage dequantized_heights(const HeightSurface& surface, double step, const SpillPolicy& spill, int threads,
                              Progress* progress);
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// With h in texels, +X right and +Y up (row 0 on top), uses central differences of second order:
+// With h in texels, +X right and +Y up (row 0 on top), normals follow from central differences of second order:
 //   dh/dx = (h(column + 1) - h(column - 1)) / 2      dh/dy = (h(row - 1) - h(row + 1)) / 2
 //   n = (-dh/dx, -dh/dy, 1) / |..|
 // Beyond the border, a periodic map wraps around, a neighbouring tile continues the surface, and black means height
-// 0. If there is no data beyond the border (clamp and mirror, or no data), the slope is the difference to the only
+// 0. If there is no data beyond the border (clamp and mirror, or no data), the slope is the difference from the only
 // neighbour:
 //   dh/dx = h(column + 1) - h(column)   or   h(column) - h(column - 1)
 #include "host/formats/image/normals/height_field.h"
@@ -35,7 +35,8 @@ double rounded(double value) {
   return std::round(value / unit) * unit;
 }
 
-// Suggests a scale that gives a usual slope, or that fits texels of a known size and heights in metres.
+// Suggests a scale that gives a usual slope. If texels have a known size and heights are in metres, suggests the exact
+// scale.
 std::string suggested_scale(const HeightSurface& surface, double slope_rms, bool is_slope_odd,
                             const NormalMapSettings& settings) {
   const RawImageInfo& info = surface.info();
@@ -60,8 +61,8 @@ constexpr double kSlopeMin = 0.05, kSlopeMax = 5.0;  // slopes of expected surfa
 
 bool is_odd(double slope_rms) { return slope_rms < kSlopeMin || slope_rms > kSlopeMax; }
 
-// Warns about odd slopes. The file does not hold a height's scale, and a grey image may not be a height; slopes reveal
-// both.
+// Warns about odd slopes. The height scale, which the file does not hold, may be wrong, or a grey image may not be a
+// height field.
 void warn_of_doubts(NormalMapReport& report, const HeightSurface& surface, double slope_rms,
                     const NormalMapSettings& settings) {
   const bool is_scale_said = settings.height_scale != 1.0f;  // users never set the default explicitly
@@ -86,15 +87,16 @@ void warn_of_doubts(NormalMapReport& report, const HeightSurface& surface, doubl
   if (!text.empty()) report.warnings.push_back(text);
 }
 
-// Sums over one row. With sums by rows, the total does not depend on the division into bands.
+// Sums over one row. Because sums are per row, the total does not depend on the division into bands.
 struct RowSums {
   std::int64_t lifted = 0;
   std::int64_t missing = 0;  // texels without a height
-  double slopes = 0.0;       // squares
-  float low = std::numeric_limits<float>::infinity(), high = -std::numeric_limits<float>::infinity();  // heights
+  double slopes = 0.0;       // sum of squared slopes
+  float low = std::numeric_limits<float>::infinity(),
+        high = -std::numeric_limits<float>::infinity();  // range of heights
 };
 
-// Returns twice the slope at a texel, from both neighbours, or from the only neighbour with a height.
+// Returns twice the slope at a texel. It follows from both neighbours, or from the only neighbour with a height.
 double twice_slope(float before, float at, float after) {
   const bool has_before = !std::isnan(before), has_after = !std::isnan(after);
   const auto difference = [](float a, float b) { return static_cast<double>(a) - static_cast<double>(b); };
@@ -110,7 +112,7 @@ HeightRows rows_of(const RawImage& dequantized, int row_begin, int row_end) {
   return {-1, row_begin, dequantized.info().width, std::move(raw.values)};
 }
 
-// Returns the normals of one row; `heights` also holds its neighbours. A texel without a height is flat.
+// Returns the normals of one row. `heights` also holds the neighbouring rows. A texel without a height is flat.
 RowSums row_normals(const HeightRows& heights, int row, int width, double height_scale,
                     const std::array<float*, 3>& normals) {
   const double half_scale = 0.5 * height_scale;
@@ -197,7 +199,7 @@ std::string description(const HeightSurface& surface, const RowSums& sums, doubl
   if (unit > 1.0) text += fmt::format(" of {:.10g}", unit);
   if (sums.missing > 0)
     text += fmt::format(
-        ", no data{} on {:.3g} % of the texels, which are flat",
+        ", no data{} in {:.3g} % of the texels, which are read as flat",
         reading.no_data ? fmt::format(" ({:.6g})", unit * static_cast<double>(*reading.no_data)) : "",
         100.0 * static_cast<double>(sums.missing) / (static_cast<double>(surface.width()) * surface.height()));
   return text;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Height fields: computes the normal of the surface (x, y, height) by central differences, one-sided where the surface
-// ends.
+// Computes normals of height fields, the surfaces (x, y, height), by central differences. The differences are one-sided
+// where the surface ends.
 #pragma once
 
 #include <cstdint>
@@ -19,7 +19,7 @@ struct HeightField {
   HeightSides sides;
 };
 
-/// Fills the report's counts, warnings and encoding. The encoding names the rms slope, which reveals a wrong
+/// Fills the report's counts, warnings and encoding. The encoding states the rms slope, which reveals a wrong
 /// height_scale. Texels without a height are flat and counted as unused. Warns about terraces, and smooths them if
 /// settings.dequantize is set. Throws and cancels as decode_normals() does.
 NormalMapRows normals_from_heights(const std::string& path, const HeightField& field, const NormalMapSettings& settings,

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// 8-bit values are recognized in any type. Otherwise, the step of integers, and of floats that are whole numbers,
-// is the greatest common divisor of the differences between values. This is 1 if all 16 bits are used.
+// 8-bit values are recognized in any type. Otherwise, the step is the greatest common divisor of the differences
+// between values. This applies to integers, and to floats that are whole numbers. It is 1 if all 16 bits are used.
 #include "host/formats/image/normals/height_steps.h"
 
 #include <algorithm>
@@ -41,7 +41,8 @@ class Lattice {
       high_ = std::max(high_, code);
     }
   }
-  // Few distinct values mean a mask or a shape with few levels, whose differences are not rounding steps.
+  // If there are few distinct values, the map is a mask or a shape with few levels. Their differences are not rounding
+  // steps.
   double step() const {
     constexpr std::int64_t kStepsMin = 15;
     if (!holds_ || divisor_ == 0) return 0.0;
@@ -57,7 +58,7 @@ class Lattice {
   std::int64_t divisor_ = 0, low_ = 0, high_ = 0;
 };
 
-// Returns lattices to try, the coarsest first: 8 bits, as v * 257, v * 256 or v / 255.
+// Returns grids of values to try, the coarsest first. The first ones are for 8 bits, as v * 257, v * 256 or v / 255.
 std::vector<Lattice> lattices(const HeightSurface& surface) {
   using Step = Lattice::Step;
   const RawImageInfo& info = surface.info();
@@ -68,7 +69,7 @@ std::vector<Lattice> lattices(const HeightSurface& surface) {
   if (reading.coding != HeightCoding::kGrey) return {codes};
   if (info.base_type == number_type::kUint16)
     return {Lattice(255.0, 1e-3, Step::kOne), Lattice(65535.0 / 256.0, 1e-3, Step::kOne), codes};
-  // The steps of half floats are up to 0.12 times these steps.
+  // Half floats have steps of up to 0.12 times the steps of 8 bits, so they get a larger tolerance.
   if (is_float_type(info.sample_type))
     return {Lattice(255.0, info.base_type == number_type::kHalf ? 0.065 : 1e-3, Step::kOne),
             Lattice(1.0, 0.0, Step::kFound)};

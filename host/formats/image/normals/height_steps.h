@@ -9,10 +9,10 @@
 namespace multum {
 
 struct HeightSteps {
-  double step = 0.0;        // all examined values are multiples of it, plus an offset; 0 if there is no step
-  double edge_share = 0.0;  // share of terrace edges among triples of texels in a line that are not all equal
-  /// Tilt in degrees of a texel whose two neighbours differ by one step; this is the smallest tilt above 0 of a smooth
-  /// slope.
+  double step = 0.0;        // all examined values are multiples of this step, plus an offset; 0 if there is no step
+  double edge_share = 0.0;  // share of terrace edges among triples of neighbouring texels that are not all equal
+  /// Returns the tilt, in degrees, of a texel whose two neighbours differ by one step. This is the smallest tilt above
+  /// 0 of a smooth slope.
   double degrees(double height_scale) const;
   /// Returns whether most triples that are not flat are terrace edges, with a visible step.
   bool are_terraces(double height_scale) const;

@@ -100,14 +100,14 @@ HeightSurface::HeightSurface(const RawImage& image, const HeightReading& reading
                              HeightSides sides)
     : image_(image), reading_(reading), is_finite_(is_finite), fix_nan_(fix_nan), sides_(std::move(sides)) {}
 
-// Elevation tiles are black where they have no data; in Terrarium, black would be 32768 m below the sea.
+// Elevation tiles are black where they have no data. In Terrarium, black would be 32768 m below the sea.
 bool HeightSurface::is_no_data(const float* texel, std::size_t channel_count) const {
   if (reading_.coding == HeightCoding::kTerrarium || reading_.coding == HeightCoding::kMapbox)
     return texel[0] == 0.0f && texel[1] == 0.0f && texel[2] == 0.0f;
   return reading_.no_data && channel_count == 1 && texel[0] == *reading_.no_data;
 }
 
-// A non-finite channel makes the texel non-finite: the result is infinite, because NaN stands for texels without a
+// If a channel is not finite, neither is the height. It becomes infinite, because NaN stands for texels without a
 // height.
 HeightRows HeightSurface::merged_rows(int row_begin, int row_end) const {
   RawRows raw;
@@ -138,7 +138,7 @@ HeightRows HeightSurface::merged_rows(int row_begin, int row_end) const {
   return rows;
 }
 
-// Fills non-finite heights. Reads the rows before repair, plus one extra row on either side.
+// Fills non-finite heights. For this, it reads the unrepaired rows and one extra row on either side.
 HeightRows HeightSurface::repaired_rows(int row_begin, int row_end) const {
   if (is_finite_) return merged_rows(row_begin, row_end);
   const int found_end = std::min(height(), row_end + 1);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Provides heights of an image, and heights beyond its borders. Slopes, their measurements and dequantization all take
-// heights from here.
+// Provides heights of an image, and heights beyond its borders. Slopes, their measurements and dequantization all use
+// these heights.
 #pragma once
 
 #include <array>
@@ -14,12 +14,13 @@
 
 namespace multum {
 
-/// Ways in which the colour channels hold a height. kGrey is their mean. The others have 8 bits per channel, and V is
-/// the number with these bytes, of which red is the highest. kPacked16: V / 65535, from red and green. kPacked24: V /
-/// 16777215, from all three channels. kTerrarium: V / 256 - 32768 metres. kMapbox: V / 10 - 10000 metres.
+/// Ways in which the colour channels hold a height. For kGrey, it is their mean. The others have 8 bits per channel,
+/// and V is the number with these bytes, of which red is the highest. kPacked16 is V / 65535, from red and green.
+/// kPacked24 is V / 16777215, from all three channels. kTerrarium is V / 256 - 32768 metres. kMapbox is V / 10 - 10000
+/// metres.
 enum class HeightCoding { kGrey, kPacked16, kPacked24, kTerrarium, kMapbox };
 
-/// Returns "16-bit heights packed in red and green", "Terrarium elevation in metres"; empty for kGrey.
+/// Returns "16-bit heights packed in red and green", "Terrarium elevation in metres" and so on. Empty for kGrey.
 std::string height_coding_name(HeightCoding coding);
 
 struct HeightReading {
@@ -32,7 +33,7 @@ double value_unit(const RawImageInfo& info, const HeightReading& reading);
 
 /// Rows of heights; NaN means no height.
 struct HeightRows {
-  int column_begin = 0;  // below 0 if there are columns beyond the border
+  int column_begin = 0;  // < 0 if there are columns beyond the border
   int row_begin = 0;
   int row_width = 0;
   std::vector<float> values;
@@ -48,11 +49,11 @@ struct HeightRows {
   const float* row(int number) const { return &values[index(column_begin, number)]; }
 };
 
-/// The surface beyond one side: nothing, the image's opposite side, heights of 0, or a strip of another image.
+/// The surface beyond one side. It is nothing, the image's opposite side, heights of 0, or a strip of another image.
 struct HeightSide {
   enum class Beyond { kEnd, kWrapped, kBlack, kStrip };
   Beyond beyond = Beyond::kEnd;
-  // For kStrip: rows or columns next to the border, in picture order. Texels beyond the depth of the strip are unknown.
+  // For kStrip, rows or columns next to the border, in picture order. Texels beyond the depth of the strip are unknown.
   std::shared_ptr<const HeightRows> strip = nullptr;
 };
 
@@ -60,14 +61,14 @@ struct HeightSides {
   HeightSide left, right, above, below;
 };
 
-/// Returns sides for wrap modes; clamp and mirror end the surface. A mirror line is between texels, and a slope would
-/// change its sign there, so a texel keeps the slope of its own side.
+/// Returns sides for wrap modes. With clamp and mirror, the surface ends. A mirror line is between texels, and a slope
+/// would change its sign there, so a texel keeps the slope of its own side.
 HeightSides wrapped_sides(WrapMode wrap_s, WrapMode wrap_t);
 
 class HeightSurface {
  public:
   /// The image must outlive the object. Repairs non-finite heights by `fix_nan`, unless `is_finite` says that there are
-  /// none. kBox3: mean of the finite 3 x 3 neighbours, otherwise 0; kBlack: 0.
+  /// none. kBox3 uses the mean of the finite 3 x 3 neighbours, or 0 if there are none; kBlack uses 0.
   HeightSurface(const RawImage& image, const HeightReading& reading, bool is_finite, FixNan fix_nan,
                 HeightSides sides = {});
 

@@ -61,8 +61,8 @@ void ImageSurvey::add_value(float value) {
   range.high = std::max(range.high, value);
 }
 
-// Recognises values that programs write without declaring them: the lowest int16 and the next one, -9999, and the
-// lowest float. All other heights must be less than half as deep.
+// Recognises values that programs write for missing heights without declaring them: the lowest int16 and the next one,
+// -9999, and the lowest float. All other heights must be less than half as deep.
 std::optional<float> ImageSurvey::no_data() const {
   if (info_.channel_count != 1) return std::nullopt;
   if (stated_) return stated_count_ > 0 ? stated_ : std::nullopt;
@@ -127,7 +127,7 @@ void ImageSurvey::ChromaSums::add(const ChromaSums& sums) {
 }
 
 std::array<ImageSurvey::ChromaSums, 2> ImageSurvey::chroma_sums() const {
-  constexpr double kOutlierShareMax = 0.01;  // as NormalMapSettings::repair_share_max
+  constexpr double kOutlierShareMax = 0.01;  // like NormalMapSettings::repair_share_max
   ChromaSums all, without_outliers;
   for (const ChromaSums& sums : chroma_) all.add(sums);
   for (const ChromaSums& sums : chroma_)
@@ -135,7 +135,7 @@ std::array<ImageSurvey::ChromaSums, 2> ImageSurvey::chroma_sums() const {
   return {all, without_outliers};
 }
 
-// Returns the rms of the values for floats, 1 for integers.
+// Returns the rms of the values for floats, and 1 for integers.
 double ImageSurvey::unit_of(const ChromaSums& sums) const {
   return is_float_type(info_.sample_type) ? std::sqrt(sums.values / sums.count) : 1.0;
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Collects statistics of an image while it is read, so that the image need not be read again: non-finite values,
-// greyness, ranges, and statistics as vectors.
+// Collects statistics of an image while it is read, so that the image need not be read again. They are counts of
+// non-finite values, greyness, ranges, and statistics of the values as vectors.
 #pragma once
 
 #include <array>
@@ -16,7 +16,7 @@ namespace multum {
 
 class ImageSurvey {
  public:
-  /// `readings`: the ways to interpret the values; statistics are collected for each.
+  /// `readings` lists the ways to interpret the values. Statistics are collected for each.
   ImageSurvey(const RawImageInfo& info, const std::vector<VectorEncoding>& readings);
 
   /// Adds a band; bands come in order from the top.
@@ -24,25 +24,25 @@ class ImageSurvey {
 
   struct Range {
     float low = std::numeric_limits<float>::infinity();
-    float high = -std::numeric_limits<float>::infinity();  // below `low` until there is a finite value
+    float high = -std::numeric_limits<float>::infinity();  // less than `low` until there is a finite value
   };
-  /// Range of a channel's finite values; excludes no_data() in images with one channel.
+  /// Returns the range of a channel's finite values. In images with one channel, it excludes no_data().
   Range range(int channel) const;
-  /// For images with one channel: the value of texels without data, as converted by SampleConverter. If the file does
-  /// not state this value, it is the lowest value, provided that the lowest value is a usual one and far below all
-  /// others.
+  /// For images with one channel, returns the value of texels without data, as converted by SampleConverter. If the
+  /// file does not state this value, it is the lowest value, provided that the lowest value is a usual one and far
+  /// below all others.
   std::optional<float> no_data() const;
   std::int64_t no_data_count() const { return no_data() ? stated_count_ + (stated_ ? 0 : low_count_) : 0; }
-  /// Number of texels with a channel that is NaN or infinite, and the index of the first one, row by row.
+  /// Number of texels with a channel that is NaN or infinite, and the index of the first one, counted row by row.
   std::int64_t nonfinite_count() const { return nonfinite_count_; }
   std::int64_t first_nonfinite() const { return first_nonfinite_; }
-  /// Numbers of texels whose channels are all NaN, or all 0.
+  /// Number of texels whose channels are all NaN, and number of texels whose channels are all 0.
   std::int64_t all_nan_count() const { return all_nan_count_; }
   std::int64_t all_zero_count() const { return all_zero_count_; }
-  /// Rms distance of three channels from their mean, over the finite texels; 1 if none is finite. For floats, it is
-  /// relative to the rms of the values, because a height in metres and a dim photograph have different scales. For
-  /// integers, it is relative to the whole range. Returns the larger of two results: for all texels, and for all
-  /// without the 1 % largest values, so that a few outliers cannot hide the other texels.
+  /// Returns the rms distance of three channels from their mean, over the finite texels; 1 if none is finite. For
+  /// floats, it is relative to the rms of the values, because a height in metres and a dim photograph have different
+  /// scales. For integers, it is relative to the whole range. Returns the larger of two results: for all texels, and
+  /// for all texels without the 1 % largest values, so that a few outliers cannot hide the other texels.
   double chroma_rms() const;
   /// Standard deviation of the channels' mean, in the same unit and over the same texels as chroma_rms().
   double grey_deviation() const;
@@ -56,8 +56,8 @@ class ImageSurvey {
   RawImageInfo info_;
   SampleConverter converter_;
   std::array<Range, 3> ranges_;
-  // For images with one channel: the value that the file states for texels without data, and the count of this value.
-  // Otherwise, the lowest value, its count, and the second lowest value.
+  // For images with one channel. If the file states a value for texels without data, these are this value and its
+  // count. Otherwise, they are the lowest value, its count, and the second lowest value.
   std::optional<float> stated_;
   std::int64_t stated_count_ = 0, low_count_ = 0;
   float second_low_ = std::numeric_limits<float>::infinity();
@@ -66,15 +66,16 @@ class ImageSurvey {
   std::int64_t all_nan_count_ = 0;
   std::int64_t all_zero_count_ = 0;
   struct ChromaSums {
-    double chroma = 0.0, values = 0.0, count = 0.0;  // squares
-    double grey = 0.0;                               // three times the channels' mean
+    double chroma = 0.0, values = 0.0, count = 0.0;  // sums of squares, and the number of values
+    double grey = 0.0;                               // sum of three times the channels' mean
     void add(const ChromaSums& sums);
   };
   // Sums over all texels, and without the 1 % largest values.
   std::array<ChromaSums, 2> chroma_sums() const;
   double unit_of(const ChromaSums& sums) const;
   double chroma_of(const ChromaSums& sums) const;
-  // Floats are summed by the binary exponent of the texel's largest value, from -149 to 127; integers all together.
+  // Floats are summed separately for each binary exponent of the texel's largest value, from -149 to 127. Integers are
+  // summed all together.
   static constexpr int kExponentMin = -149, kExponentCount = 278;
   std::array<ChromaSums, kExponentCount> chroma_;
   std::vector<VectorStatisticsSums> statistics_;

@@ -27,7 +27,7 @@ struct TexelCounts {
   std::int64_t below_horizon = 0;
 };
 
-// A shorter vector is zero within the file's precision. With 8 bits, no code is 0, and mid-grey has length sqrt(3) /
+// Shorter vectors are zero within the file's precision. With 8 bits, no code is 0, and mid-grey has length sqrt(3) /
 // 255 = 0.0068. Half and float store 0 exactly.
 double zero_length_of(SampleType type) {
   switch (type) {
@@ -37,13 +37,13 @@ double zero_length_of(SampleType type) {
   }
 }
 
-// Values that are equal for every band.
+// Values that are the same for all bands.
 struct Decoding {
   const RawImage& image;
   VectorEncoding encoding;
   double zero_length;
 
-  // Decodes one texel's normal; the result is flat if the texel has no normal.
+  // Decodes one texel's normal. The result is flat if the texel has no normal.
   TexelState decode(float r, float g, float b, glm::dvec3& n, TexelCounts& counts) const {
     n = glm::dvec3(0.0, 0.0, 1.0);
     if (encoding.empty_is_unused && is_empty(encoding, r, g, b)) {
@@ -105,7 +105,7 @@ DecodedRows decode_rows(const Decoding& decoding, int row_begin, int row_end, Te
   return rows;
 }
 
-// Returns the mean of the good texels among the 8 neighbours inside the image; the result is flat if there are none, or
+// Returns the mean of the good texels among the 8 neighbours inside the image. The result is flat if there are none, or
 // if they cancel out.
 glm::dvec3 neighbours_mean(const DecodedRows& rows, int column, int row) {
   glm::dvec3 sum(0.0);
@@ -143,7 +143,7 @@ DecodedRows repaired_rows(const Decoding& decoding, int row_begin, int row_end, 
 }
 
 // Adds a warning to the report if more than kUnusedShareNoted of the texels were never written. Throws Error(kInput)
-// for more than kUnusedShareMax, unless the settings declare the file a normal map. `empty` names the contents of
+// for more than kUnusedShareMax, unless the settings declare the file a normal map. `empty` describes the contents of
 // such texels.
 void check_unused_share(const std::string& path, NormalMapRows& map, const NormalMapSettings& settings,
                         const char* empty) {
@@ -156,7 +156,7 @@ void check_unused_share(const std::string& path, NormalMapRows& map, const Norma
     throw Error(ErrorCode::kInput,
                 fmt::format("{}: {}; expected at most {:.0f} %{}", path, found, 100.0 * kUnusedShareMax,
                             advice(" (if it is a normal map, use <bumpformat normal>)")));
-  map.report.warnings.push_back(found + "; they are treated as never written and read as flat");
+  map.report.warnings.push_back(found + "; they count as unused, and are read as flat");
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Decodes a file's values to unit normals, after their meaning is known, and repairs texels without a normal.
+// Decodes a file's values to unit normals after their meaning is known, and repairs texels without a normal.
 #pragma once
 
 #include <cmath>
@@ -13,26 +13,26 @@
 namespace multum {
 
 struct VectorEncoding {
-  bool is_signed = false;        // true if values are the vector, false if v * 2 - 1 is
-  bool rebuild_z = false;        // z = sqrt(1 - x^2 - y^2), ignoring blue
-  bool positive_z = false;       // unsigned values, except that blue is z itself: ZRange::kPositive
+  bool is_signed = false;        // true if a value v is a component of the vector, false if v * 2 - 1 is
+  bool rebuild_z = false;        // true for z = sqrt(1 - x^2 - y^2); blue is ignored
+  bool positive_z = false;       // true for unsigned values whose blue is z itself (ZRange::kPositive)
   bool empty_is_unused = false;  // true if texels for which is_empty() holds were never written
-  bool flat_pair = false;        // 8 bits: a texel whose red and green are both 127 or 128 has x = y = 0
+  bool flat_pair = false;        // for 8 bits: true if a texel whose red and green are both 127 or 128 has x = y = 0
   GreenAxis green = GreenAxis::kUp;
-  float tilt = 1.0f;  // scales x and y of the whole vector: NormalMapSettings::normal_scale
+  float tilt = 1.0f;  // scale of x and y of the whole vector: NormalMapSettings::normal_scale
 
   bool operator==(const VectorEncoding&) const = default;
 };
 
-/// Smallest z of a unit normal, 1/512; below it, the slope x/z is meaningless. The smallest positive z in an 8-bit
-/// file is 1/255, or 0.0023 after normalising even a vector of length sqrt(3). So every 8-bit normal above the surface
-/// stays unchanged, and every 8-bit normal below the surface is lifted.
+/// The smallest z of a unit normal, 1/512. Below it, the slope x/z is meaningless. The smallest positive z in an 8-bit
+/// file is 1/255, or 0.0023 after even a vector of length sqrt(3) is normalised. So every 8-bit normal above the
+/// surface stays unchanged, and every 8-bit normal below the surface is lifted.
 constexpr double kHorizonZ = 1.0 / 512.0;
 
-/// Decodes v / 255 * 2 - 1, as every GPU does. No code is then 0: 127 and 128 are -+0.0039. Tools write either code for
-/// 0, so 127.5 is the unbiased choice. (Among the measured lossless maps, the mean slopes suggest 127 for four maps and
-/// 128 for two; all are within half a code of 127.5.) But a flat texel is (127|128, 127|128, 255) in all maps, and up
-/// to half of a map's texels are flat. Such a texel is read as exactly flat instead of tilted by 0.3 degrees.
+/// Decodes v / 255 * 2 - 1, as every GPU does. No code is then 0, because 127 and 128 are -+0.0039. Tools write either
+/// code for 0, so 127.5 is the unbiased choice. (Among the measured lossless maps, the mean slopes suggest 127 for four
+/// maps and 128 for two; all are within half a code of 127.5.) But a flat texel is (127|128, 127|128, 255) in all maps,
+/// and up to half of a map's texels are flat. Such a texel is read as exactly flat instead of tilted by 0.3 degrees.
 inline glm::dvec3 decode_vector(const VectorEncoding& encoding, float r, float g, float b) {
   glm::dvec3 v(r, g, b);
   if (!encoding.is_signed)
@@ -46,19 +46,21 @@ inline glm::dvec3 decode_vector(const VectorEncoding& encoding, float r, float g
   return v;
 }
 
-/// False for NaN, infinities, and values that occur only in a renderer's broken pixels, never in scaled normals.
+/// Returns false for NaN, infinities, and values that occur only in a renderer's broken pixels, never in scaled
+/// normals.
 inline bool is_vector_value(float v) { return std::abs(v) <= 1e9f; }
 
-/// True if a texel of an unsigned file was never written. The area between the charts of an atlas is black, up to the
-/// noise of lossy compression (4 codes of 8 bits), and no normal is near (-1, -1, -1).
+/// Returns true if a texel of an unsigned file was never written. The area between the charts of an atlas is black, up
+/// to the noise of lossy compression (4 codes of 8 bits), and no normal is near (-1, -1, -1).
 inline bool is_unused(const VectorEncoding& encoding, float r, float g, float b) {
   constexpr float kBlackMax = 4.5f / 255.0f;
   return !encoding.is_signed && r <= kBlackMax && g <= kBlackMax && b <= kBlackMax && r >= 0.0f && g >= 0.0f &&
          b >= 0.0f;
 }
 
-/// True if a texel of a file with signs or floats was never written: painters and bakers leave 0 or NaN outside
-/// charts. Single texels of this kind are a renderer's faults and are repaired. If z is rebuilt, a texel of 0 is flat.
+/// Returns true if a texel of a signed or float file was never written, because painters and bakers leave 0 or NaN
+/// outside charts. Single texels of this kind are a renderer's faults and are repaired. If z is rebuilt, a texel of 0
+/// is flat.
 inline bool is_empty(const VectorEncoding& encoding, float r, float g, float b) {
   if (std::isnan(r)) return std::isnan(g) && (encoding.rebuild_z || std::isnan(b));
   return encoding.is_signed && !encoding.rebuild_z && r == 0.0f && g == 0.0f && b == 0.0f;
@@ -66,7 +68,7 @@ inline bool is_empty(const VectorEncoding& encoding, float r, float g, float b) 
 
 /// Decodes an image of 2 or 3 channels by bands, with at most a few bands per thread in memory. Fills the counts of the
 /// report, but not its encoding. Throws Error(kInput) if more than repair_share_max of the texels need repair, or if
-/// too many are black, and Error(kEnvironment) if scratch files cannot be written. Can cancel between bands.
+/// too many are black. Throws Error(kEnvironment) if scratch files cannot be written. Can cancel between bands.
 NormalMapRows decode_normals(const std::string& path, const RawImage& image, const VectorEncoding& encoding,
                              const NormalMapSettings& settings, const SpillPolicy& spill, int threads,
                              Progress* progress);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads the file, detects the meaning of its values, decodes and repairs, in this order, because a repair must not
-// change the statistics.
+// Reads the file, detects the meaning of its values, decodes, and then repairs. The repair comes last, because it must
+// not change the statistics.
 #include "host/formats/image/normals/normal_map.h"
 
 #include <array>
@@ -48,24 +48,25 @@ void check_finite(const std::string& path, const ImageSurvey& survey, int width,
 
 std::string step_text(const SeamStep& step) {
   return fmt::format(
-      "the step across its border is {:.3g} rms, steps inside are {:.3g} in the median and {:.3g} at most", step.border,
-      step.median, step.largest);
+      "the step across its border is {:.3g} rms, and steps inside are {:.3g} in the median and {:.3g} at most",
+      step.border, step.median, step.largest);
 }
 
 struct Direction {
-  const char* name;    // "s (x)"
-  const char* option;  // "swrap"
+  const char* name;    // name for messages, such as "s (x)"
+  const char* option;  // name of the option, such as "swrap"
   const SeamStep& step;
   WrapOrigin origin;
-  bool has_neighbour;  // a tile of the set continues the map there
+  bool has_neighbour;  // true if a tile of the set continues the map there
 };
 
-// True if the map repeats only by default, and the border suggests that it does not repeat.
+// Returns whether the map repeats only by default, although the border suggests that it does not repeat.
 bool is_doubtful(const Direction& direction, WrapMode said) {
   return direction.step.is_seam() && direction.origin == WrapOrigin::kDefault && said == WrapMode::kPeriodic;
 }
 
-// Returns the mode of one direction: `said`, unless the map decides; adds the result to the reason.
+// Returns the mode of one direction. This is `said`, unless the map decides. If it does, adds the decision to the
+// reason.
 WrapMode resolved_wrap(WrapMode said, const Direction& direction, DetectedEncoding& found) {
   if (direction.origin != WrapOrigin::kFound) return said;
   const WrapMode mode = direction.step.is_seam() ? WrapMode::kClamp : WrapMode::kPeriodic;
@@ -133,8 +134,8 @@ ReadImage read_image(const std::string& path, const NormalMapSettings& settings,
   return read;
 }
 
-// Returns the green found in one tile; nullopt if unknown, or if the tile is not a normal map or cannot be read. The
-// bake of that tile reports such a fault.
+// Returns the green found in one tile. Returns nullopt if it is unknown, or if the tile is not a normal map or cannot
+// be read. The bake of that tile reports such a fault.
 std::optional<GreenAxis> green_of_map(const std::string& path, const NormalMapSettings& settings,
                                       const SpillPolicy& spill, int threads, Progress* progress) {
   std::optional<GreenAxis> green;
@@ -164,7 +165,7 @@ GreenOfSet green_of_set(const NormalMapSettings& settings, const SpillPolicy& sp
   };
 }
 
-// Chooses the neighbouring tile, or else the side given by the wrap mode.
+// Chooses the neighbouring tile. If there is none, chooses the side given by the wrap mode.
 HeightSide side_of(const HeightSide& neighbour, const HeightSide& repeated, const HeightSide& wrapped) {
   if (neighbour.beyond != HeightSide::Beyond::kEnd) return neighbour;
   return wrapped.beyond == HeightSide::Beyond::kWrapped ? repeated : wrapped;

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Reads normal maps and height fields. Statistics reveal the meaning of the file's values; the meaning is printed and
-// can be overridden. A file that holds neither normals nor heights is rejected with the reason. If a single property is
-// unclear, most often green, the usual value is used with a warning (docs/reference/input_maps.md lists the rules).
+// can be overridden. A file that holds neither normals nor heights is rejected, and the message gives the reason. If a
+// single property is unclear, most often green, the usual value is used with a warning (docs/reference/input_maps.md
+// lists the rules).
 #pragma once
 
 #include <cstdint>
@@ -19,30 +20,31 @@
 
 namespace multum {
 
-class TileSet;  // host/formats/image/normals/tile_set.h
+class TileSet;  // defined in host/formats/image/normals/tile_set.h
 
 /// Origin of a wrap mode: the default, a setting, or the map itself (periodic if it tiles, otherwise clamp).
 enum class WrapOrigin { kDefault, kSaid, kFound };
 
 struct NormalMapSettings {
   BumpFormat bump_format = BumpFormat::kAuto;
-  std::optional<GreenAxis> green = std::nullopt;   // if unset, from statistics, or up if these are undecided
-  std::optional<bool> is_signed = std::nullopt;    // unset: from statistics; true: values are vectors; false: 0..1
-  std::optional<bool> two_channel = std::nullopt;  // if unset, from statistics; true: z = sqrt(1 - x^2 - y^2)
-  std::optional<ZRange> z_range = std::nullopt;    // if unset, from statistics; for unsigned files that store z
-  float height_scale = 1.0f;                       // height, in texels, of a value difference of 1; finite and not 0
-  bool dequantize = false;                         // for heights of few bits, uses the smoothest surface that fits
-  float normal_scale = 1.0f;              // scales x and y of a normal map, as glTF scales normal textures; finite
+  std::optional<GreenAxis> green = std::nullopt;   // if unset, statistics decide; up if they cannot
+  std::optional<bool> is_signed = std::nullopt;    // if unset, statistics decide; true if values are vectors, false if
+                                                   // they are 0..1
+  std::optional<bool> two_channel = std::nullopt;  // if unset, statistics decide; true for z = sqrt(1 - x^2 - y^2)
+  std::optional<ZRange> z_range = std::nullopt;    // if unset, statistics decide; for unsigned files that store z
+  float height_scale = 1.0f;                       // height, in texels, for a value difference of 1; finite and not 0
+  bool dequantize = false;                         // true to use the smoothest surface that fits heights of few bits
+  float normal_scale = 1.0f;              // scale of x and y of a normal map, as in glTF's normal textures; finite
   WrapMode wrap_s = WrapMode::kPeriodic;  // wrap mode for height differences at the border
   WrapMode wrap_t = WrapMode::kPeriodic;
   WrapOrigin wrap_s_origin = WrapOrigin::kDefault;  // if kFound, wrap_s has no meaning
   WrapOrigin wrap_t_origin = WrapOrigin::kDefault;
-  bool refuse_doubts = false;  // rejects grey, and a blue that is not z, even if bump_format is kNormal
-  bool check_nan = false;      // rejects the first NaN or Inf, with its position
+  bool refuse_doubts = false;  // true to reject grey, and a blue that is not z, even if bump_format is kNormal
+  bool check_nan = false;      // true to reject the file at the first NaN or Inf; the message gives its position
   FixNan fix_nan = FixNan::kBox3;
-  float repair_share_max = 0.01f;  // largest share of repaired texels, 0..1; with more, the file is rejected
+  float repair_share_max = 0.01f;  // largest share of repaired texels, 0..1; if more need repair, the file is rejected
   std::int64_t texel_count_max = std::int64_t{1} << 30;
-  // A tile of a set that is read as one surface; null for a single map. Jobs of one set share it.
+  // A tile of a set that is read as one surface. `tiles` is null for a single map. Jobs of one set share it.
   std::shared_ptr<TileSet> tiles = nullptr;
   std::string tile = "";
 };
@@ -58,14 +60,15 @@ struct NormalMapReport {
   std::string format;                       // "png uint8, 3 channels"
   std::string encoding;                     // "normal map, unsigned, green up (OpenGL)", "height field"
   std::string encoding_reason;              // statistics that justify the encoding, in one line
-  std::int64_t unused_texels = 0;           // never written (docs/reference/input_maps.md) or without data
-  std::int64_t nonfinite_repaired = 0;      // by NormalMapSettings::fix_nan
-  std::int64_t zero_length_repaired = 0;    // replaced by the mean of the 3 x 3 neighbours, otherwise flat
+  std::int64_t unused_texels = 0;           // texels that were never written (docs/reference/input_maps.md) or have no
+                                            // data
+  std::int64_t nonfinite_repaired = 0;      // repaired by NormalMapSettings::fix_nan
+  std::int64_t zero_length_repaired = 0;    // replaced by the mean of the 3 x 3 neighbours, or by a flat normal
   std::int64_t below_horizon_repaired = 0;  // lifted to kHorizonZ (host/formats/image/normals/normal_decode.h)
-  WrapMode wrap_s = WrapMode::kPeriodic;    // from the settings, or found in the map
+  WrapMode wrap_s = WrapMode::kPeriodic;    // taken from the settings, or found in the map
   WrapMode wrap_t = WrapMode::kPeriodic;
   std::string tiles;                  // record of data from other tiles of a set (tile_source_hash()); may be empty
-  std::vector<std::string> warnings;  // doubtful choices, and the option that settles each; one per line
+  std::vector<std::string> warnings;  // doubtful choices, one per line, with the option that settles each
 };
 
 /// Unit normals in tangent space: +X right, +Y up (towards row 0), +Z out. Planes of width * height floats, row 0 on
@@ -75,7 +78,7 @@ struct NormalMap {
   int height = 0;
   std::vector<float> x, y, z;
   NormalMapReport report;
-  bool is_shortened = false;  // by roughness, like PlaneStore::is_shortened()
+  bool is_shortened = false;  // true if roughness has shortened them, like PlaneStore::is_shortened()
 };
 
 /// Gives access to the map's planes by rows; the map must outlive the result.
@@ -91,9 +94,9 @@ struct NormalMapRows {
   NormalMapReport report;
 };
 
-/// Reads PNG, JPEG, WebP, TIFF or OpenEXR. Throws Error(kInput) naming the file, what was found and what was expected;
-/// Error(kUsage) for settings outside their ranges. Progress names its stage, counts no units, and can cancel between
-/// bands. The result does not depend on `threads` (<= 0: one per core).
+/// Reads PNG, JPEG, WebP, TIFF or OpenEXR. Throws Error(kInput), which names the file, what was found and what was
+/// expected. Throws Error(kUsage) for settings outside their ranges. Progress names its stage, counts no units, and can
+/// cancel between bands. The result does not depend on `threads` (<= 0 means one per core).
 NormalMap read_normal_map(const std::string& path, const NormalMapSettings& settings, int threads, Progress* progress);
 
 /// Reads the map into a store made by `spill`. Only a few bands of rows of file and map are in memory, except for

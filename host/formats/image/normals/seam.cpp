@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// A map that tiles is as continuous across its border as inside. Any other map has a jump at its border, unless its
-// texels are independent of each other; then the jump is neither detectable nor visible. Lines along the border, as
-// with tiles and bricks, also occur as steps inside the map. So the border is also compared with the largest step
-// inside.
+// A map that tiles is as continuous across its border as inside. Any other map has a jump at its border. If its texels
+// are independent of each other, the jump is neither detectable nor visible. Lines along the border, as with tiles and
+// bricks, also occur as steps inside the map. So the border is also compared with the largest step inside.
 #include "host/formats/image/normals/seam.h"
 
 #include <algorithm>
@@ -13,7 +12,7 @@ namespace multum {
 namespace {
 
 constexpr int kRowsMax = 512;
-constexpr int kStepsMin = 15;    // smallest number of steps inside; fewer steps do not show the usual step
+constexpr int kStepsMin = 15;    // smallest number of steps inside; with fewer, the usual step is unknown
 constexpr double kPairsMin = 8;  // smallest number of texel pairs for the rms of a step
 
 // Sums of squares over the channels of finite texels.
@@ -45,7 +44,7 @@ SeamStep step_of(const Sum& border, const std::vector<Sum>& inside) {
 
 struct SeamSums {
   std::size_t width, channel_count;
-  std::vector<Sum> columns, rows;  // steps inside
+  std::vector<Sum> columns, rows;  // steps inside the map
   Sum column_border, row_border;
 
   SeamSums(std::size_t map_width, std::size_t count) : width(map_width), channel_count(count), columns(map_width - 1) {}
@@ -63,8 +62,9 @@ struct SeamSums {
 }  // namespace
 
 // Measured on both directions of 55 real maps. In maps that tile, the border is at most 1.35 times the largest step
-// inside and then 1.8 times the median. In other maps (terrain, photographs), it is at least 1.46 and 1.9 times. Maps
-// with hard lines along the border can be below these values, although they do not tile.
+// inside, and is then 1.8 times the median. In other maps (terrain, photographs), it is at least 1.46 times the largest
+// step and 1.9 times the median. Maps with hard lines along the border can be below these values, although they do not
+// tile.
 bool SeamStep::is_seam() const { return border > 1.85 * median && border > 1.4 * largest; }
 
 MapSeams measure_seams(const RawImage& image) {

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// Solves from coarse to fine: a level's code is the mean of the 2 x 2 codes of the next finer level, and its plate is
+// Solves from coarse to fine. A level's code is the mean of the 2 x 2 codes of the next finer level, and its plate is
 // the start for that level. Each level is solved by projected gradients with Nesterov's momentum (Beck & Teboulle 2009,
 // "A fast iterative shrinkage-thresholding algorithm", FISTA with constant steps). The largest eigenvalue of the energy
 // is 64.
 //
-// Measured on smooth 8-bit surfaces with a step of 45 degrees: the mean error of normals falls from 17 degrees to 0.8
+// Measured on smooth 8-bit surfaces with a step of 45 degrees, the mean error of normals falls from 17 degrees to 0.8
 // degrees with 64 steps at the finest level, to 2.3 with 16 steps, and to 0.2 with 300 steps. Ramps, which plates
 // represent exactly, have errors below 0.1 degrees, or up to 0.6 where a plateau is longer than the map is high. More
-// steps at coarse levels would not help: the bounds of their means are too wide to determine a plate.
+// steps at coarse levels would not help, because the bounds of their means are too wide to determine a plate.
 #include "host/formats/image/normals/thin_plate.h"
 
 #include <algorithm>
@@ -19,19 +19,21 @@
 namespace multum {
 namespace {
 
-constexpr int kFinestSteps = 64, kMostSteps = 250;  // steps, with twice as many at each coarser level
-constexpr int kCoarsestSide = 8;                    // the longer side
+constexpr int kFinestSteps = 64, kMostSteps = 250;  // at the finest level; doubled at each coarser level, up to
+                                                    // kMostSteps
+constexpr int kCoarsestSide = 8;                    // number of texels of the longer side
 constexpr int kLeastSide = 3;                       // fewer rows do not bend and have no slope
-constexpr float kCut = 1.5f;                        // codes
+constexpr float kCut = 1.5f;                        // in codes
 constexpr float kEigenvalueMax = 64.0f;
 
-// A level. A weight is 1 if no cut crosses the second difference, otherwise 0.
+// A level. A weight is 1 if no cut crosses the second difference; otherwise, it is 0.
 struct Plate {
   int width = 0, height = 0;
-  std::vector<float> codes;                          // 0 without a code
+  std::vector<float> codes;                          // 0 for texels without a code
   std::vector<std::uint8_t> is_whole;                // true if the texel has a code and no cut inside
   std::vector<std::uint8_t> right_link, below_link;  // links to neighbours; 0 means cut
-  std::vector<std::uint8_t> bend_x, bend_y, twist;   // weights: h_xx, h_yy at a texel, h_xy at its lower right
+  std::vector<std::uint8_t> bend_x, bend_y, twist;   // weights of h_xx and h_yy at a texel, and of h_xy at its lower
+                                                     // right corner
 
   std::size_t at(int column, int row) const {
     return static_cast<std::size_t>(row) * static_cast<std::size_t>(width) + static_cast<std::size_t>(column);
@@ -76,8 +78,8 @@ Plate finest_plate(const PlateProblem& problem) {
   return plate;
 }
 
-// Makes a level of texels with 2 x 2 uncut texels each; its code is their mean. An odd last row or column is dropped,
-// because half a texel would have a wrong position and would bend the plate.
+// Makes a level whose texels cover 2 x 2 uncut texels each. Its codes are their means. An odd last row or column is
+// dropped, because half a texel would have a wrong position and would bend the plate.
 Plate coarser_plate(const Plate& fine) {
   Plate plate{fine.width / 2, fine.height / 2, {}, {}, {}, {}, {}, {}, {}};
   plate.codes.assign(plate.size(), 0.0f);
@@ -120,8 +122,8 @@ struct Continuation {
   int count = 0;
 };
 
-// Extends known heights by one texel into unknown ones: linearly from two linked neighbours, constantly from one
-// neighbour.
+// Extends known heights by one texel into unknown ones. From two linked neighbours, it continues them linearly; from
+// one neighbour, it repeats its height.
 void continue_once(const Plate& plate, std::vector<float>& heights, std::vector<std::uint8_t>& is_known) {
   const std::vector<float> before(heights);
   const std::vector<std::uint8_t> was_known(is_known);
@@ -153,7 +155,7 @@ void continue_once(const Plate& plate, std::vector<float>& heights, std::vector<
 }
 
 // Starts the finer level from planes through the coarser texels. Cut texels have no plane. They continue the
-// surrounding heights, or if there are none, use the codes.
+// surrounding heights. If there are none, they use the codes.
 std::vector<float> refined(const Plate& coarse, const std::vector<float>& heights, const Plate& fine) {
   std::vector<float> result(fine.codes);
   std::vector<std::uint8_t> is_known(fine.size(), 0);
@@ -175,14 +177,14 @@ std::vector<float> refined(const Plate& coarse, const std::vector<float>& height
         }
     }
   }
-  constexpr int kContinuations = 2;  // texels of the finer level in one coarser texel
+  constexpr int kContinuations = 2;  // side of a coarser texel, in texels of the finer level
   for (int i = 0; i < kContinuations; ++i)
     if (std::find(is_known.begin(), is_known.end(), 0) != is_known.end()) continue_once(fine, result, is_known);
   return result;
 }
 
-// One step of the descent, row by row. A row needs the second differences of its neighbours, so the last rows of each
-// kind are kept.
+// Makes one step of the descent, row by row. A row needs the second differences of its neighbours, so the last rows of
+// each kind are kept.
 class Descent {
  public:
   Descent(const Plate& plate, std::vector<float>& heights)
@@ -244,7 +246,7 @@ class Descent {
                      (point_[at] - point_[at + 1] - point_[at + row_step] + point_[at + row_step + 1]);
     }
   }
-  // Moves down the gradient, then back into the bounds, then onward by the momentum.
+  // Moves along the negative gradient, then back into the bounds, then onward by the momentum.
   void move_row(int row, float momentum) {
     const std::vector<float>&above = bend_y_[static_cast<std::size_t>((row + 2) % 3)],
           &own = bend_y_[static_cast<std::size_t>(row % 3)], &below = bend_y_[static_cast<std::size_t>((row + 1) % 3)];

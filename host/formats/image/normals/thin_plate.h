@@ -16,8 +16,7 @@ struct PlateProblem {
 };
 
 /// Returns the plate's heights, within 1/2 of the codes, or 0 for texels without a code. Neighbours whose codes differ
-/// by more than
-/// 1.5 are cut apart. Computes in a fixed order.
+/// by more than 1.5 are cut apart. Computes in a fixed order.
 std::vector<float> thin_plate(const PlateProblem& problem);
 
 }  // namespace multum

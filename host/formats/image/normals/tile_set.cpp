@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// UDIM: 1001 + u + 10 v, with u from 0 to 9 to the right and v upwards. Row 0 of an image is on top, so tile 1011 ends
-// where tile 1001 begins.
+// The number of a UDIM tile is 1001 + u + 10 v, with u from 0 to 9 to the right and v upwards. Row 0 of an image is on
+// top, so tile 1011 ends where tile 1001 begins.
 //
 //   record  {"heights": {"coding": 0, "depth": 1, "sides": {"left": ["neighbour", TILE, SHA of its file, of its
 //            border]}}, "green": {"axis": "down", "tiles": [[TILE, SHA of its file], ...]}}
@@ -34,8 +34,8 @@ int number_of(const std::string& tile) { return std::stoi(tile) - 1001; }
 // Tiles of one row or column, by their position.
 struct TileLine {
   int own = 0;
-  std::vector<int> places;  // in order
-  int step = 1;             // between tile numbers
+  std::vector<int> places;  // sorted
+  int step = 1;             // difference between tile numbers
 
   bool is_whole() const { return places.back() - places.front() + 1 == static_cast<int>(places.size()); }
   bool has(int place) const { return std::binary_search(places.begin(), places.end(), place); }
@@ -109,7 +109,7 @@ TileBorders read_borders(const std::string& path, const TileSet::BorderReading& 
   TileBorders borders{info.width, info.height, info.base_type, "", {}, {}};
   const int channel_count = reading.coding == HeightCoding::kPacked16 ? 2 : 3;
   if (reading.coding == HeightCoding::kGrey ? !is_grey_image(info, survey) : info.channel_count < channel_count)
-    borders.failure = fmt::format("does not hold such heights ({})", info.format);
+    borders.failure = fmt::format("does not hold heights of this kind ({})", info.format);
   if (!borders.failure.empty()) return borders;
   const HeightSurface surface(image, {reading.coding, survey.no_data()}, survey.nonfinite_count() == 0,
                               reading.fix_nan);
@@ -137,7 +137,7 @@ bool is_unsigned_integer(int base_type) {
   return base_type == number_type::kUint8 || base_type == number_type::kUint16 || base_type == number_type::kUint32;
 }
 
-// Says why two tiles do not form one surface; empty if they do.
+// Returns why two tiles do not form one surface, or an empty text if they do.
 std::string difference(const TileBorders& other, const RawImageInfo& info) {
   if (!other.failure.empty()) return other.failure;
   if (other.width != info.width || other.height != info.height)
@@ -159,7 +159,7 @@ std::string text_at(const Json& array, std::size_t i) {
 }
 
 constexpr char kNeighbourWord[] = "neighbour", kEndWord[] = "other end", kUnlikeWord[] = "unlike", kNoneWord[] = "none";
-constexpr char kUnaskedWord[] = "unasked";  // place without a neighbour whose other end is not needed
+constexpr char kUnaskedWord[] = "unasked";  // there is no neighbour, and the other end is not needed
 
 // Returns the current state of a place, as a word of a record, and the tile at this place.
 std::pair<std::string, std::string> place_now(const TileSet& set, const std::string& tile, TileSide side) {
@@ -184,7 +184,7 @@ bool side_is_unchanged(const Json& entry, TileSet& set, const std::string& tile,
 bool green_is_unchanged(const Json& green, TileSet& set) {
   const Json& tiles = green.at("tiles");
   if (tiles.empty() || tiles.size() > set.tiles().size()) return false;
-  // Another tile may now decide.
+  // Another tile may now decide about green.
   if (green.at("axis") == "undecided" && tiles.size() < set.tiles().size()) return false;
   for (std::size_t i = 0; i < tiles.size(); ++i)
     if (text_at(tiles[i], 0) != set.tiles()[i] || text_at(tiles[i], 1) != set.file_hash(set.tiles()[i])) return false;

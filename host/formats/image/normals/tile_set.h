@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A set of UDIM tiles (host/foundation/base/files/udim_set.h), read as one surface: heights continue in neighbouring
+// A set of UDIM tiles (host/foundation/base/files/udim_set.h), read as one surface. Heights continue in neighbouring
 // tiles, and green has the same direction in all tiles. The bake of one tile reads the others' borders itself, so the
 // tiles of a set can be baked on any number of machines.
 #pragma once
@@ -22,23 +22,24 @@ enum class TileSide { kLeft, kRight, kAbove, kBelow };
 constexpr TileSide kTileSides[] = {TileSide::kLeft, TileSide::kRight, TileSide::kAbove, TileSide::kBelow};
 const char* tile_side_name(TileSide side);
 
-/// The neighbourhood on one side of a tile.
+/// The place next to one side of a tile.
 struct TileBeside {
   enum class Kind {
     kNeighbour,  // another tile
-    kOtherEnd,   // last tile of a complete, repeating row or column; can be the tile itself
+    kOtherEnd,   // last tile of a complete, repeating row or column, perhaps the tile itself
     kGap,        // `tile` is missing between two tiles of the row or column
-    kBroken      // the end of a row or column with a gap elsewhere
+    kBroken      // end of a row or column that has a gap elsewhere
   };
   Kind kind = Kind::kOtherEnd;
   std::string tile;
 };
 
-/// Borders of a tile's heights, BorderReading::depth rows and columns, with the tile's own row and column numbers.
+/// Borders of a tile's heights: BorderReading::depth rows and columns, with the row and column numbers of the tile
+/// itself.
 struct TileBorders {
   int width = 0, height = 0, base_type = 0;
-  std::string failure;                                      // why there are no borders; empty if there are some
-  std::array<std::shared_ptr<const HeightRows>, 4> strips;  // by TileSide
+  std::string failure;                                      // reason why there are no borders; empty if there are some
+  std::array<std::shared_ptr<const HeightRows>, 4> strips;  // index: TileSide
   std::array<std::string, 4> hashes;                        // SHA-256 of each strip
 };
 
@@ -63,11 +64,11 @@ class TileSet {
   /// Returns the SHA-256 of a tile's file; reads the file once.
   std::string file_hash(const std::string& tile);
 
-  /// Returns the green of the first tile that decides. `of_tile` returns the green found in one tile, or nullopt if
-  /// unknown; it is called in the order of the tiles, at most once for each.
+  /// Returns the green of the first tile that decides it. `of_tile` returns the green found in one tile, or nullopt if
+  /// it is unknown. It is called in the order of the tiles, at most once for each.
   struct Green {
     std::optional<GreenAxis> axis;
-    std::vector<std::string> asked;  // the last one decided
+    std::vector<std::string> asked;  // examined tiles; the last one decided
   };
   Green green(const std::function<std::optional<GreenAxis>(const std::string& tile)>& of_tile);
 
@@ -80,7 +81,7 @@ class TileSet {
   std::map<std::string, std::optional<GreenAxis>> greens_;
 };
 
-/// The sets of a run, each opened once.
+/// The sets of a run, each of which is opened once.
 class TileSets {
  public:
   /// Stores in `settings` the set of a map and its tile in the set. Stores nothing if the tile has no neighbours.
@@ -92,8 +93,8 @@ class TileSets {
 
 /// The surface beyond the borders of a tile's heights.
 struct TileSurroundings {
-  HeightSides neighbours;  // neighbouring tiles; kEnd if there is none
-  HeightSides repeated;    // if the surface repeats, the other ends on sides without a neighbour; otherwise kEnd
+  HeightSides neighbours;  // neighbouring tiles; kEnd for a side without a neighbour
+  HeightSides repeated;    // other ends, if the surface repeats and a side has no neighbour; otherwise kEnd
   bool has_neighbour_s = false, has_neighbour_t = false;
   std::string text;  // "continues in tile 1002 (right)"
   std::vector<std::string> warnings;
@@ -107,7 +108,7 @@ TileSurroundings tile_surroundings(TileSet& set, const std::string& tile, const 
                                    const TileRepeats& repeats, const TileSet::BorderReading& reading,
                                    const SpillPolicy& spill);
 
-/// Adds to a record the tiles that decided about green; the record may be empty.
+/// Adds to a record the tiles that decided about green. The record may be empty.
 std::string with_green(const std::string& record, TileSet& set, const TileSet::Green& green);
 
 /// Returns whether an older bake's record equals the current state. Does not read tiles whose files are unchanged.

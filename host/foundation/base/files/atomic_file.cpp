@@ -22,8 +22,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// ".multum-tmp-PID-RANDOM-PLACE-NAME": a hidden file of process PID on the machine or container PLACE. Earlier versions
-// wrote a counter in place of the random digits; the leftovers of their killed runs are removed too.
+// ".multum-tmp-PID-RANDOM-PLACE-NAME": a hidden file of process PID on the machine or container PLACE. Names that
+// earlier versions wrote have a counter instead of the random digits. If their runs were killed, these files are
+// removed too.
 constexpr char kPrefix[] = ".multum-tmp-";
 constexpr std::size_t kPlaceDigits = 8;
 constexpr std::time_t kForeignSeconds = 24 * 60 * 60;
@@ -41,7 +42,7 @@ const std::string& place() {
 }
 
 // Returns whether a process that has ended left the temporary file `found` of `name`. Processes of other places cannot
-// be checked: after a day, a file of another place counts as left over.
+// be checked, so a file of another place counts as left over after a day.
 bool is_leftover(const std::string& found, const std::string& name, const struct stat& state) {
   const std::size_t number = found.find('-', sizeof(kPrefix) - 1);
   const std::size_t rest = number == std::string::npos ? number : found.find('-', number + 1);
@@ -55,8 +56,8 @@ bool is_leftover(const std::string& found, const std::string& name, const struct
          std::time(nullptr) - state.st_mtim.tv_sec > kForeignSeconds;
 }
 
-// Removes only files of this user, because other users' files can have such a name too. The sweep lists the directory
-// once per written file, and never touches the file of a living process.
+// Removes only files of this user, because other users' files can have such a name too. The directory is listed once
+// per written file. A file of a living process is never touched.
 void sweep_leftovers(const NamedPlace& place, const std::string& path) {
   std::vector<std::string> names;
   try {

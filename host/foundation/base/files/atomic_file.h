@@ -25,11 +25,12 @@ class AtomicFile {
 
   /// The descriptor is open for reading and writing.
   int descriptor() const { return file_.descriptor(); }
-  /// A path to the open file itself, for functions that take names; valid in this process and in its children.
+  /// Returns a path to the open file itself, for functions that take names. It is valid in this process and its
+  /// children.
   const std::string& open_path() const { return open_path_; }
   const std::string& path() const { return path_; }
-  /// Syncs the temporary file and its folder, and gives the file its final name. Throws Error(kEnvironment), also if
-  /// the temporary name now belongs to another file.
+  /// Syncs the temporary file and its folder, and gives the file its final name. Throws Error(kEnvironment) if this
+  /// fails, or if the temporary name now belongs to another file.
   void commit();
 
  private:

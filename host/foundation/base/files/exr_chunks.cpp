@@ -61,7 +61,7 @@ int levels_of_side(int side, bool rounds_up) {
   return count;
 }
 
-// `mode`: the low four bits select the levels, the high four bits the rounding of their sizes.
+// The low four bits of `mode` select the levels, and the high four bits the rounding of their sizes.
 void add_levels(ExrPart& part, int mode) {
   constexpr int kOneLevel = 0, kMipmap = 1;
   const bool rounds_up = mode / 16 != 0;
@@ -169,7 +169,7 @@ void ExrChunks::read_headers() {
   const auto end_part = [&] {
     const bool is_tiled = is_multi_part_ ? draft.type == "tiledimage" : (version & kTiledFlag) != 0;
     parts_.push_back(finished_part(path_, std::exchange(draft, {}), is_tiled));
-    ++end;  // the empty name
+    ++end;  // skips the empty name
   };
   walk_exr_headers(path_, file_, visit, end_part);
   if (parts_.empty()) refuse_file(path_, "damaged EXR: no header");
@@ -195,7 +195,8 @@ void ExrChunks::read_table(std::size_t index, std::int64_t& position) {
     if (place < static_cast<std::uint64_t>(tables_end_) ||
         place > static_cast<std::uint64_t>(file_.size() - head_bytes))
       refuse(index, chunk,
-             fmt::format("its table says byte {}, expected {} to {}", place, tables_end_, file_.size() - head_bytes));
+             fmt::format("its table gives byte {} as its start, expected {} to {}", place, tables_end_,
+                         file_.size() - head_bytes));
     const auto begin = static_cast<std::int64_t>(place);
     const std::string head = file_.bytes(begin, head_bytes, kHead);
     std::vector<std::int64_t> words;
@@ -316,7 +317,7 @@ void ExrChunks::check_range(std::size_t part, std::size_t first, std::size_t end
 void ExrChunks::check(std::size_t part, std::size_t chunk) const {
   const std::int64_t size = unpacked_bytes(part, chunk);
   const std::int32_t packed_size = parts_[part].chunks[chunk].size;
-  if (packed_size == size) return;  // stored unpacked
+  if (packed_size == size) return;  // the chunk is stored unpacked
   const char* const wrong = check_exr(parts_[part].compression, packed_bytes(part, chunk),
                                       static_cast<std::size_t>(packed_size), static_cast<std::size_t>(size));
   if (wrong != nullptr) refuse(part, chunk, wrong);

@@ -24,8 +24,8 @@ struct ExrChannel {
 
 /// Texels that a chunk holds. Rows and columns are counted within its level, from the corner of the data window.
 struct ExrChunkArea {
-  int level_x, level_y;  // differ only in ripmaps
-  int tile_x, tile_y;    // position of the tile; 0 and the index of the block if the part is not tiled
+  int level_x, level_y;  // equal except in ripmaps
+  int tile_x, tile_y;    // position of the tile; if the part is not tiled, 0 and the index of the block
   int x, y, width, height;
 };
 
@@ -36,11 +36,11 @@ struct ExrChunkPlace {
 
 struct ExrLevel {
   int level_x, level_y, width, height;
-  int columns, rows;        // of chunks
+  int columns, rows;        // numbers of chunks
   std::size_t first_chunk;  // index into ExrPart::chunks, which lists chunks row by row
 };
 
-/// The header fields on which the chunks of a part depend, and the chunks in the order of the part's table.
+/// The header fields on which the chunks of a part depend, and the chunks in the order of the part's chunk table.
 struct ExrPart {
   std::string name;                         // empty for the only part of a file, which has no name
   std::vector<ExrChannel> channels;         // channels in the order of the file
@@ -55,25 +55,26 @@ struct ExrPart {
 /// Several threads may call it at once.
 class ExrChunks {
  public:
-  /// Reads headers and tables of the file, and the head of every chunk. Messages add `first_levels` (one per part; 0 if
-  /// empty) to level numbers and begin with `damaged`. Throws Error(kInput), which names the file, part, level and
-  /// tile, for a chunk that is not at the position in its table, overlaps another chunk, or has an impossible size.
+  /// Reads the headers and tables of the file, and the head of every chunk. Messages begin with `damaged`, and add
+  /// `first_levels` (one per part; 0 if empty) to level numbers. Throws Error(kInput), which names the file, part,
+  /// level and tile, for a chunk that is not at the position in its table, overlaps another chunk, or has an impossible
+  /// size.
   explicit ExrChunks(const std::string& path, std::vector<int> first_levels = {}, std::string damaged = "damaged");
 
   const std::vector<ExrPart>& parts() const { return parts_; }
   ExrChunkArea area(std::size_t part, std::size_t chunk) const;
-  /// Bytes of the chunk after unpacking.
+  /// Returns the number of bytes of the chunk after unpacking.
   std::int64_t unpacked_bytes(std::size_t part, std::size_t chunk) const;
-  /// Returns whether unpack() can unpack the part: stored uncompressed, or packed by RLE, ZIPS or ZIP.
+  /// Returns whether unpack() can unpack the part, which must be uncompressed or packed by RLE, ZIPS or ZIP.
   bool can_unpack(std::size_t part) const;
-  /// Unpacks the chunk's texels row by row, within a row channel by channel, in little-endian order. Writes all
+  /// Unpacks the chunk's texels row by row, and within a row channel by channel, in little-endian order. Writes all
   /// unpacked_bytes() bytes to `unpacked`, or throws Error(kInput). Requires can_unpack().
   void unpack(std::size_t part, std::size_t chunk, std::vector<unsigned char>& unpacked) const;
   /// Unpacks every chunk with a known compression, to find chunks that are too short. For other compressions, the
   /// library itself detects short chunks.
   void check_all(int threads) const;
-  /// Like check_all(), but only for chunks that hold rows from `first` to before `end` of the data window, in the
-  /// part's first level.
+  /// Like check_all(), but only for chunks of the part's first level that hold rows from `first` to before `end`. Rows
+  /// are counted in the data window.
   void check_rows(std::size_t part, int first, int end, int threads) const;
   [[noreturn]] void refuse(std::size_t part, std::size_t chunk, const std::string& what) const;
 
@@ -88,7 +89,7 @@ class ExrChunks {
   const std::string path_;
   const std::vector<int> first_levels_;
   const std::string damaged_;
-  mutable ByteFile file_;  // used only to read by position after construction
+  mutable ByteFile file_;  // after construction, used only to read by position
   bool is_multi_part_ = false;
   std::int64_t tables_begin_ = 0, tables_end_ = 0;
   std::vector<ExrPart> parts_;

@@ -42,7 +42,7 @@ std::int64_t exr_int(ByteFile& file, std::int64_t position) {
   return static_cast<std::int32_t>(file.little_endian(position, 4, kHeader));
 }
 
-// The offset table holds 8 bytes per chunk, and a chunk is a tile or at most 256 rows (DWAB). If the table for an image
+// The offset table holds 8 bytes per chunk. A chunk is a tile, or at most 256 rows (DWAB). If the table for an image
 // size does not fit into the file, the size is wrong.
 void check_exr_table(const std::string& path, std::int64_t file_size, const ExrPartSize& part, std::int64_t tile_width,
                      std::int64_t tile_height) {
@@ -114,8 +114,8 @@ void check_exr_value(const std::string& path, ByteFile& file, const ExrAttribute
                                   size, expected, plain(type)));
 }
 
-// Reads one part's header: attributes of name, type, size 4, value; an empty name ends it. Returns false if the part
-// has no attributes.
+// Reads one part's header, in which each attribute has a name, a type, a size (4 bytes) and a value. An empty name ends
+// the header. Returns false if the part has no attributes.
 bool walk_part(const std::string& path, ByteFile& file, int part, std::int64_t& position,
                const std::function<void(const ExrAttribute&)>& visit) {
   for (int attribute_count = 0;; ++attribute_count) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Examines an OpenEXR file's headers ("OpenEXR file layout") without the library: the library trusts the lengths in the
-// headers, and allocates gigabytes for an attribute of a file of 30 KiB.
+// Examines an OpenEXR file's headers ("OpenEXR file layout") without the library. The library trusts the lengths in the
+// headers: for a file of 30 KiB, it allocates gigabytes for one attribute.
 #pragma once
 
 #include <cstdint>
@@ -24,7 +24,7 @@ struct ExrAttribute {
 };
 
 /// Visits every attribute of every header, in the file's order, and calls `end_part` after each header. Throws
-/// Error(kInput) if a header is cut or damaged; passes on the functions' exceptions.
+/// Error(kInput) if a header is cut or damaged. Exceptions of the two functions pass through.
 void walk_exr_headers(const std::string& path, ByteFile& file, const std::function<void(const ExrAttribute&)>& visit,
                       const std::function<void()>& end_part = {});
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// "OpenEXR File Layout" and "Technical Introduction to OpenEXR": before the bytes of a chunk are packed, bytes at even
-// and at odd positions are separated. Each byte is then replaced by 128 plus its difference from the byte before it.
+// "OpenEXR File Layout" and "Technical Introduction to OpenEXR": before a chunk is packed, its bytes at even positions
+// and its bytes at odd positions are separated. Each byte is then replaced by 128 plus its difference from the byte
+// before it.
 #include "host/foundation/base/files/exr_unpack.h"
 
 #include <libdeflate.h>
@@ -31,7 +32,7 @@ constexpr std::array<CompressionRow, exr_compression::kCount> kCompressionRows =
 
 using ByteVector = unsigned char __attribute__((vector_size(16)));
 
-// Sums the differences, 16 at a time: the steps add the values 1, 2, 4 and 8 positions before.
+// Sums the differences, 16 at a time. The steps add the values that are 1, 2, 4 and 8 positions before.
 void sum_differences(unsigned char* bytes, std::size_t size) {
   constexpr unsigned char kMiddle = 128;
   const ByteVector zero{}, middle = zero + kMiddle;
@@ -143,7 +144,7 @@ const char* unpack_exr(int compression, const unsigned char* packed, std::size_t
 }
 
 bool may_unpack_exr(int compression, std::size_t packed_size, std::size_t size) {
-  // Largest expansion: RLE packs a run of 128 bytes into two, deflate packs 258 bytes into 2 bits.
+  // The largest expansion: RLE packs a run of 128 bytes into two, and deflate packs 258 bytes into 2 bits.
   const std::size_t most = compression == exr_compression::kRle ? 64 : 1032;
   return packed_size >= size ||
          (can_unpack_exr(compression) && compression != exr_compression::kNone ? size / most <= packed_size

@@ -20,7 +20,7 @@ int exr_rows_per_chunk(int compression);
 /// Returns whether unpack_exr() knows the compression.
 inline bool can_unpack_exr(int compression) { return compression >= 0 && compression <= exr_compression::kZip; }
 
-/// Writes all `size` bytes of `unpacked` and returns null, or returns a description of the fault: in this case, the
+/// Writes all `size` bytes of `unpacked` and returns null. If this fails, returns a description of the fault, and the
 /// contents of `unpacked` are invalid. A chunk whose packed and unpacked sizes are equal is stored unpacked.
 const char* unpack_exr(int compression, const unsigned char* packed, std::size_t packed_size, unsigned char* unpacked,
                        std::size_t size);

@@ -19,7 +19,7 @@ class InputHashes {
   /// Returns the SHA-256, computed at the first call. Throws Error(kInput) when the file cannot be read, or has changed
   /// since note().
   std::string hash(const std::string& path);
-  /// Throws Error(kInput) when the file has changed since note(): data read since then are invalid.
+  /// Throws Error(kInput) if the file has changed since note(), because data read since then are invalid.
   void check_unchanged(const std::string& path);
   /// The part of a file's state that other machines also see.
   struct FileState {
@@ -34,7 +34,7 @@ class InputHashes {
   int read_count() const;
 
  private:
-  // Values that change with every write; a replaced file has another inode.
+  // The stamp changes with every write. If the file is replaced, its inode differs.
   struct Stamp {
     std::uint64_t device, inode;
     std::int64_t size, modified_ns, changed_ns;
@@ -53,8 +53,8 @@ class InputHashes {
   int read_count_ = 0;
 };
 
-/// Returns the SHA-256 of a regular file; nullopt if the name belongs to another kind of object, or the file cannot be
-/// opened. Does not wait for a pipe or read an endless device.
+/// Returns the SHA-256 of a regular file. Returns nullopt if the name belongs to another kind of object, or if the file
+/// cannot be opened. Does not wait for a pipe or read an endless device.
 std::optional<std::string> hash_regular_file(const std::string& path);
 
 }  // namespace multum

@@ -75,7 +75,7 @@ void refuse_nul(std::string_view json, const std::string& path) {
 
 std::int64_t json_integer_of(const nlohmann::json& value, const std::string& what, std::int64_t low,
                              std::int64_t high) {
-  if (!value.is_number()) static_cast<void>(value.get<std::int64_t>());  // which throws
+  if (!value.is_number()) static_cast<void>(value.get<std::int64_t>());  // this throws
   const bool is_beyond = value.is_number_unsigned() && value.get<std::uint64_t>() > std::uint64_t{INT64_MAX};
   const bool is_legal =
       value.is_number_integer() && !is_beyond && value.get<std::int64_t>() >= low && value.get<std::int64_t>() <= high;
@@ -93,7 +93,7 @@ int json_int(const nlohmann::json& object, const char* key) {
 }
 
 std::vector<int> json_ints_of(const nlohmann::json& value, const std::string& what) {
-  if (!value.is_array()) static_cast<void>(value.get<std::vector<int>>());  // which throws
+  if (!value.is_array()) static_cast<void>(value.get<std::vector<int>>());  // this throws
   std::vector<int> numbers;
   for (const nlohmann::json& one : value)
     numbers.push_back(

@@ -15,29 +15,29 @@
 
 namespace multum {
 
-/// Returns a whole JSON file; nullopt if it cannot be read. Throws Error(kInput) if it is not a regular file, or if
-/// refuse_nul() throws.
+/// Returns a whole JSON file; nullopt if it cannot be read. Throws Error(kInput) if it is not a regular file, or if it
+/// holds NUL (refuse_nul()).
 std::optional<std::string> json_of_file(const std::string& path, StandardInput input = StandardInput::kRefused);
 
-/// Throws Error(kInput), naming `path`, if a string or a key holds NUL (\u0000). System functions end names at NUL, so
-/// two parts of a program would see two different names. `json` need not be valid.
+/// Throws Error(kInput), which names `path`, if a string or a key holds NUL (\u0000). System functions end names at
+/// NUL, so two parts of a program would see two different names. `json` need not be valid.
 void refuse_nul(std::string_view json, const std::string& path);
 bool holds_nul(std::string_view json);
 
 /// Returns the integer under `key`. Throws Error(kInput) for other numbers: "width is 320.5, expected an integer from 1
 /// to 65536". Throws nlohmann::json::exception if the value is not a number or is missing.
 std::int64_t json_integer(const nlohmann::json& object, const char* key, std::int64_t low, std::int64_t high);
-/// Like json_integer(), for a value; `what` names it in messages.
+/// Like json_integer(), with a given value, which messages call `what`.
 std::int64_t json_integer_of(const nlohmann::json& value, const std::string& what, std::int64_t low, std::int64_t high);
 
-/// Like json_integer() and json_integer_of(), with the range of int.
+/// Like json_integer() and json_integer_of(), but return values in the range of int.
 int json_int(const nlohmann::json& object, const char* key);
 std::vector<int> json_ints(const nlohmann::json& object, const char* key);
 std::vector<int> json_ints_of(const nlohmann::json& value, const std::string& what);
 
-/// Like dump(), with text_of_path() of each text and key that is not UTF-8. Callers must convert every path, even a
-/// UTF-8 path, with text_of_path(). Otherwise characters from U+EF80 to U+EFFF would be read back as another name.
-/// `is_ascii`: escapes all characters that are not ASCII.
+/// Like dump(), but writes text_of_path() of each text and key that is not UTF-8. Callers must convert every path, even
+/// a UTF-8 path, with text_of_path(). Otherwise characters from U+EF80 to U+EFFF would be read back as another name. If
+/// `is_ascii`, escapes all characters that are not ASCII.
 std::string json_text(const nlohmann::json& json, int indent = -1, bool is_ascii = false);
 std::string json_text(const nlohmann::ordered_json& json, int indent = -1, bool is_ascii = false);
 

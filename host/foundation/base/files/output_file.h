@@ -24,7 +24,7 @@ class OutputFile {
   bool write(const void* bytes, std::size_t count);
   bool seek(std::uint64_t position);
   std::uint64_t position() const { return position_; }
-  /// The first failure as text; empty if there was none.
+  /// Returns the first failure as text, which is empty if there was none.
   std::string failure() const;
   /// Hands all bytes to the system. Throws Error(kEnvironment) when this or an earlier write failed.
   void close();

@@ -18,7 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 
 bool same_file(const std::string& a, const std::string& b) {
-  std::error_code ignored;  // files that do not exist yet can be in existing folders with several names
+  std::error_code ignored;  // a file that does not exist yet can be in a folder with several names
   return fs::equivalent(a, b, ignored) || canonical_name(a) == canonical_name(b);
 }
 
@@ -29,7 +29,7 @@ void check_name(const fs::path& name, const std::string& path) {
                 fmt::format("{}: its name holds a control character, expected a name without one", shown_text(path)));
 }
 
-// Folders that were created, each after the folders that contain it.
+// Folders that were created. Each comes after the folders that contain it.
 struct NewFolderList {
   std::mutex mutex;
   int keepers = 0;
@@ -53,7 +53,7 @@ NewFolders::~NewFolders() {
   NewFolderList& list = new_folders();
   const std::lock_guard lock(list.mutex);
   if (--list.keepers > 0) return;
-  // rmdir() fails for a folder that is not empty, which stays.
+  // rmdir() fails if a folder is not empty, so such a folder stays.
   for (auto path = list.paths.rbegin(); path != list.paths.rend(); ++path) ::rmdir(path->c_str());
   list.paths.clear();
 }
@@ -82,7 +82,7 @@ void check_paths_differ(const std::vector<std::string>& inputs, const std::vecto
 
 void make_folder(const std::string& path) {
   std::error_code error;
-  std::vector<fs::path> made;  // innermost first
+  std::vector<fs::path> made;  // the innermost folder comes first
   for (fs::path missing = fs::absolute(path, error); !missing.empty() && !fs::exists(missing, error);
        missing = missing.parent_path()) {
     check_name(missing.filename(), path);
@@ -105,7 +105,8 @@ std::string existing_part(const std::string& path) {
 
 void check_writable(const std::string& path) {
   check_name(fs::path(path).filename(), path);
-  // Permissions do not decide this (a read-only disk, root), so a file is created; it is removed with the probe.
+  // Permissions do not tell whether the file can be written (a read-only disk, root). So a file is created; it is
+  // removed together with the probe.
   const AtomicFile probe(path);
 }
 

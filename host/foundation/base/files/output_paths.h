@@ -12,14 +12,14 @@ namespace multum {
 /// names mean no file.
 void check_paths_differ(const std::vector<std::string>& inputs, const std::vector<std::string>& outputs);
 
-/// Returns `path`, which `file` gives relative to its own folder; an empty path stays empty (no file).
+/// Resolves `path`, which `file` gives relative to its own folder. An empty path stays empty (no file).
 std::string path_beside(const std::string& file, const std::string& path);
 
 /// Returns the same name for all names of a file. The file does not need to exist yet.
 std::string canonical_name(const std::string& path);
 
-/// Creates a folder and its parent folders if they are missing. Throws Error(kEnvironment), and Error(kUsage) for a new
-/// name that holds a control character.
+/// Creates a folder and its parent folders if they are missing. Throws Error(kEnvironment) if this fails, and
+/// Error(kUsage) for a new name that holds a control character.
 void make_folder(const std::string& path);
 
 /// Records the folders that make_folder() creates during the object's life; its destructor removes the empty ones.

@@ -43,7 +43,7 @@ const char* kind_of(mode_t mode) {
   return S_ISDIR(mode) ? "is a folder" : "is neither a file nor a folder";
 }
 
-// Returns the system's data of a file that this process creates there under a random name.
+// Creates a file under a random name in the folder, and returns the system's data about it.
 struct stat state_of_new_file(const OpenFile& folder) {
   struct stat made {};
   const std::string name = ".multum-probe-" + random_digits();
@@ -72,7 +72,7 @@ void check_is_own(const OpenFile& above, const OpenFile& folder, const std::stri
   refuse(path, fmt::format("has the mode {:04o}, which lets other users write to it", found.st_mode & 07777U));
 }
 
-// The result is not open, with ENOENT, if the name does not exist.
+// If the name does not exist, the result is not open, and errno is ENOENT.
 OpenFile open_if_own(const OpenFile& above, const std::string& name, const std::string& path) {
   OpenFile folder(::openat(above.descriptor(), name.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC));
   if (folder.is_open()) check_is_own(above, folder, path);
@@ -98,8 +98,8 @@ bool remove_one(int folder, dev_t device, const std::string& name, int depth) {
          ::unlinkat(folder, name.c_str(), AT_REMOVEDIR) == 0;
 }
 
-// Lists the names in an open folder; returns false, with errno, if they cannot be read. Uses the descriptor itself, so
-// that a process that may open no more files can still remove its own.
+// Lists the names in an open folder. Returns false, with errno, if they cannot be read. Uses the descriptor itself, so
+// that a process that cannot open more files can still remove its own.
 bool list_names(int folder, std::vector<std::string>& names) {
   if (::lseek(folder, 0, SEEK_SET) < 0) return false;
   alignas(dirent64) char entries[32 << 10];
@@ -137,7 +137,7 @@ NamedPlace open_place(const std::string& path) {
   const fs::path whole(path);
   const std::string above = whole.has_parent_path() ? whole.parent_path().string() : ".";
   NamedPlace place{OpenFile(::open(above.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)), whole.filename().string()};
-  // The folder can be writable but not listable.
+  // A folder can be writable even if it cannot be listed.
   if (!place.folder.is_open() && errno == EACCES)
     place.folder = OpenFile(::open(above.c_str(), O_PATH | O_DIRECTORY | O_CLOEXEC));
   if (!place.folder.is_open() && (errno == ENAMETOOLONG || errno == ELOOP))
@@ -190,7 +190,7 @@ bool clear_own_folder(const OpenFile& folder, const std::string& kept) {
 }
 
 bool remove_own_folder(const OpenFile& above, const std::string& name, const OpenFile& folder) {
-  // The mark is removed last. After a kill, the remaining folder is therefore still marked, or empty.
+  // The mark is removed last. If the process is killed, the remaining folder is therefore still marked, or empty.
   if (!clear_own_folder(folder)) return false;
   ::unlinkat(folder.descriptor(), kMark, 0);
   return !is_named(above, name, folder.descriptor()) || ::unlinkat(above.descriptor(), name.c_str(), AT_REMOVEDIR) == 0;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Opens folders that only this user may write to, and empties them beneath their descriptors. Other users can often
-// write to the folders of outputs. A name that was free a moment ago can now be a link, so no name is trusted
-// twice.
+// Opens folders that only this user may write to, and empties them through their descriptors. Other users can often
+// write to the folders of outputs. A name that was free a moment ago can now be a link, so no name is trusted twice.
 #pragma once
 
 #include <cstddef>
@@ -33,10 +32,10 @@ NamedPlace open_place(const std::string& path);
 // link. Mounts that give all files one owner or one mode (FAT, other systems' shares, NFS that squashes root) are
 // detected with a file created for this purpose.
 //
-//   FOLDER/.multum-folder    the mark; without marks, a user who may rename folders could have another one emptied
+//   FOLDER/.multum-folder    the mark; without it, a user who may rename folders could make multum empty another folder
 
-/// Opens the folder `name` of `above`, created if it is missing; does not mark it yet. If it is not an own folder,
-/// leaves it unchanged and throws Error(kEnvironment), which names the obstacle. Messages show `path`.
+/// Opens the folder `name` of `above`, and creates it if it is missing. Does not mark it yet. If it is not an own
+/// folder, leaves it unchanged and throws Error(kEnvironment), which names the obstacle. Messages show `path`.
 OpenFile open_own_folder(const OpenFile& above, const std::string& name, const std::string& path);
 /// Marks an empty folder. Returns false if another process has removed the folder. Throws Error(kEnvironment) for a
 /// folder that is not empty and has no mark.

@@ -68,7 +68,7 @@ std::uint64_t RecordFile::visit_records(const std::string* key, const std::funct
     throw Error(ErrorCode::kEnvironment,
                 shown_path_ +
                     ": its first line is not 'multum records 1', so another version of multum or another program wrote "
-                    "it; delete it, or finish the stopped work with the version that wrote it");
+                    "it; delete it, or finish the interrupted work with the version that wrote it");
   const std::size_t key_end = text.find('\n', kFormatBytes);
   if (key_end == std::string::npos || (key != nullptr && text.substr(kFormatBytes, key_end - kFormatBytes) != *key))
     return 0;
@@ -141,7 +141,7 @@ void RecordFile::append(const std::vector<Bytes>& parts) {
   for (const Bytes& part : parts) {
     if (!write_all(file_.descriptor(), part, end)) {
       const int error = errno;
-      // If this also fails, the next run finds and removes the torn end.
+      // If this also fails, the next run finds and removes the incomplete record at the end.
       [[maybe_unused]] const int ignored = ::ftruncate(file_.descriptor(), static_cast<off_t>(size_));
       errno = error;
       fail_by_errno(shown_path_, "cannot be written");

@@ -7,7 +7,7 @@
 //   record ...            length (8 bytes, little-endian), bytes, checksum of them (16 hexadecimal digits)
 //
 // A record counts if it and all records before it are whole. A process that resumes the file cuts off everything after
-// the last such record: a kill or a full disk has torn it.
+// the last such record. This is the rest of a record that a kill or a full disk interrupted.
 #pragma once
 
 #include <cstdint>
@@ -32,7 +32,7 @@ class RecordFile {
   struct Place {
     std::uint64_t offset = 0, size = 0;
   };
-  /// Bytes before and after the bytes of a record.
+  /// Numbers of bytes before and after the bytes of a record.
   static constexpr std::uint64_t kHeadBytes = 8, kChecksumBytes = 16;
 
   static Bytes bytes_of(const std::string& text) {
@@ -43,12 +43,12 @@ class RecordFile {
   explicit RecordFile(const std::string& path);
   /// Uses a file that is being written.
   explicit RecordFile(const AtomicFile& file);
-  /// Uses an open file, in the mode in which it was opened. Messages show `shown_path`.
+  /// Uses an open file. Reads or writes according to the mode in which it was opened. Messages show `shown_path`.
   RecordFile(OpenFile file, std::string shown_path) : file_(std::move(file)), shown_path_(std::move(shown_path)) {}
 
   /// Calls `visit` with the places of the records, in order, until the file ends within a record or `visit` returns
-  /// false. `visit` returns false for a record that read() finds damaged. Returns the end of the last valid
-  /// record. Returns 0 if the first lines are incomplete or the file has another key; null accepts any key. Throws
+  /// false. `visit` must return false for a record that read() finds damaged. Returns the end of the last valid record.
+  /// Returns 0 if the first lines are incomplete or the file has another key; a null `key` accepts any key. Throws
   /// Error(kEnvironment) for an earlier format or another kind of file.
   std::uint64_t visit_records(const std::string* key, const std::function<bool(const Place&)>& visit) const;
   /// Reads a record's bytes. Returns false if they are missing or do not match their checksum.
@@ -56,8 +56,8 @@ class RecordFile {
   /// Reads bytes at `offset` without checking them. Returns false if they are missing.
   bool read(std::uint64_t offset, std::span<std::uint8_t> bytes) const;
 
-  /// begin() empties the file and writes its first lines; go_on() keeps its first `size` bytes, as visit_records()
-  /// returned them. Records may be added afterwards. Both throw Error(kEnvironment).
+  /// begin() empties the file and writes its first lines. go_on() keeps its first `size` bytes, the result of
+  /// visit_records(). Records may be added afterwards. Both throw Error(kEnvironment).
   void begin(const std::string& key);
   void go_on(std::uint64_t size);
   /// Appends a record made of these parts in order. Any number of threads may add and read at once. Throws
@@ -72,15 +72,15 @@ class RecordFile {
   OpenFile file_;
   std::string shown_path_;
   std::uint64_t size_ = 0;
-  std::mutex mutex_;  // of appending
+  std::mutex mutex_;  // locked while a record is appended
 };
 
 /// A record file in the hidden folder next to the output of the work, .multum-partial-NAME/FILE.
 class RecordJournal : public RecordFile {
  public:
   /// With `resume`, shows the existing `records` of the same key to `visit`, and keeps them until `visit` returns
-  /// false; removes everything else. Returns null if another process is making the same output. Throws
-  /// Error(kEnvironment), also when the file to resume has an earlier format.
+  /// false. Removes everything else. Returns null if another process is making the same output. Throws
+  /// Error(kEnvironment), also if the file to resume has an earlier format.
   using Visit = std::function<bool(Bytes bytes, const Place& place)>;
   static std::unique_ptr<RecordJournal> open(const std::string& output, const std::string& file, const std::string& key,
                                              bool resume, const Visit& visit);

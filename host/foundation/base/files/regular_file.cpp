@@ -53,7 +53,7 @@ Opened open_anything(const std::string& path) {
   if (!opened.file.is_open()) return opened;
   if (::fstat(opened.file.descriptor(), &found) != 0) fail_by_errno(path, "cannot be examined");
   opened.mode = found.st_mode;
-  // Reads of regular files never wait, so the caller gets the descriptor with the usual flags of open().
+  // Reads of regular files never wait, so the descriptor gets the usual flags of open() back.
   if (S_ISREG(found.st_mode)) ::fcntl(opened.file.descriptor(), F_SETFL, 0);
   return opened;
 }
@@ -68,7 +68,7 @@ bool is_below(const fs::path& folder, const fs::path& file) {
 OpenFile open_regular_file(const std::string& path, StandardInput input) {
   Opened opened = open_anything(path);
   if (opened.file.is_open() && S_ISREG(opened.mode)) return std::move(opened.file);
-  // Standard input is not opened again by its name, because that would wait for a FIFO and fail for a socket.
+  // Standard input is not opened again by its name: this would wait if it is a FIFO, and fail if it is a socket.
   if (input == StandardInput::kAllowed && path == kStandardInput)
     return OpenFile(::fcntl(STDIN_FILENO, F_DUPFD_CLOEXEC, 0));
   if (opened.file.is_open()) refuse_kind(path, opened.mode);
@@ -82,7 +82,7 @@ OpenFile open_file_beneath(const std::string& folder, const std::string& path) {
   std::error_code error;
   const fs::path above = fs::canonical(folder.empty() ? "." : folder, error);
   if (error) refuse_file(folder, "its name cannot be resolved: " + error.message());
-  // The name of the open file, because the path can now name another file.
+  // Uses the name of the open file, because the path can now name another file.
   const fs::path real = fs::read_symlink(fmt::format("/proc/self/fd/{}", file.descriptor()), error);
   if (error) fail_by_errno("/proc/self/fd", "cannot be read");
   if (!is_below(above, real))

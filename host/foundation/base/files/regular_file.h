@@ -19,24 +19,24 @@ namespace multum {
 /// once and from its beginning, so only readers of whole texts allow it.
 enum class StandardInput { kRefused, kAllowed };
 
-/// Opens `path` for reading. The result is not open, with errno, if the file is missing or not readable. Throws
-/// Error(kInput) for a folder, a FIFO, a socket or a device: "PATH: is a FIFO, expected a regular file";
-/// Error(kEnvironment) if this process has no memory or cannot open more files; Error(kUsage) for a name that no file
-/// system accepts.
+/// Opens `path` for reading. If the file is missing or not readable, the result is not open, and errno gives the
+/// reason. Throws Error(kInput) for a folder, a FIFO, a socket or a device: "PATH: is a FIFO, expected a regular file".
+/// Throws Error(kEnvironment) if this process has no memory or cannot open more files. Throws Error(kUsage) for a name
+/// that no file system accepts.
 OpenFile open_regular_file(const std::string& path, StandardInput input = StandardInput::kRefused);
 
-/// Like open_regular_file(), but resolves `folder` and all links: the file's real name must be beneath `folder`. Also
-/// throws Error(kInput) if it is outside `folder`.
+/// Like open_regular_file(), but resolves `folder` and all links: the file's real name must be beneath `folder`.
+/// Otherwise throws Error(kInput).
 OpenFile open_file_beneath(const std::string& folder, const std::string& path);
 
-/// Returns up to `count` bytes from the beginning of the file; none for a folder or an unreadable file. Otherwise
-/// throws Error(kInput) like open_regular_file().
+/// Returns up to `count` bytes from the beginning of the file. Returns no bytes for a folder or an unreadable file.
+/// Otherwise throws Error(kInput) like open_regular_file().
 std::string first_bytes(const std::string& path, std::size_t count);
 
 /// std::ifstream for files that users name.
 class RegularFileStream : public std::istream {
  public:
-  /// Fails like std::ifstream if the file cannot be opened; otherwise throws like open_regular_file().
+  /// Fails like std::ifstream if the file cannot be opened. Otherwise throws like open_regular_file().
   explicit RegularFileStream(const std::string& path, StandardInput input = StandardInput::kRefused);
   explicit RegularFileStream(OpenFile file);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stores data that do not fit in memory. An unnamed scratch file disappears with its object or its process; a later
-// process can find a named one.
+// Stores data that do not fit in memory. An unnamed scratch file disappears with its object or its process. A named
+// scratch file can be found by a later process.
 #pragma once
 
 #include <cstddef>
@@ -15,7 +15,7 @@ class ScratchFile {
  public:
   /// Throws Error(kEnvironment) when the folder does not exist or cannot be written.
   explicit ScratchFile(std::string folder);
-  /// Opens a file of that name, with the data that an earlier process wrote to it. Throws Error(kEnvironment) too.
+  /// Opens a file of that name, with the data that an earlier process wrote to it. Also throws Error(kEnvironment).
   ScratchFile(const WorkFolder& folder, const std::string& name);
   /// Like the constructor above, with the path() of a WorkFolder.
   ScratchFile(std::string folder, const std::string& name);

@@ -10,8 +10,9 @@ namespace multum {
 
 struct SpillPolicy {
   std::string scratch_folder = ".";
-  std::int64_t memory_bytes = std::numeric_limits<std::int64_t>::max();  // per store; larger stores go to scratch files
-  int band_rows = 0;  // rows of an image that are read or decoded at once; 0: chosen by width; changes no result
+  std::int64_t memory_bytes = std::numeric_limits<std::int64_t>::max();  // limit per store; larger stores go to scratch
+                                                                         // files
+  int band_rows = 0;  // rows of an image that are read or decoded at once; if 0, the width decides; changes no result
 };
 
 }  // namespace multum

@@ -45,8 +45,8 @@ std::string pair_text(const std::string& tile) {
   return "u" + std::to_string(number % kTilesPerRow + 1) + "_v" + std::to_string(number / kTilesPerRow + 1);
 }
 
-// Returns the number at the beginning of a name, up to the first character that is not a digit; nullopt if there is
-// none.
+// Returns the number at the beginning of a name, up to the first character that is not a digit. Returns nullopt if
+// there is none.
 std::optional<int> leading_number(std::string_view& name) {
   std::size_t length = 0;
   while (length < name.size() && length < kTileDigits && is_digits(name.substr(length, 1))) ++length;

@@ -12,8 +12,8 @@ namespace multum {
 /// Returns whether a path names a set.
 bool has_udim(const std::string& path);
 
-/// Returns the tiles that have files, as "1001" and so on for every kind of placeholder, in order. Throws Error(kUsage)
-/// if the placeholder is in the name of a folder.
+/// Returns the tiles that have files, in order. Tiles are named "1001" and so on for every kind of placeholder. Throws
+/// Error(kUsage) if the placeholder is in the name of a folder.
 std::vector<std::string> find_tiles(const std::string& set);
 /// Returns the path with its placeholders replaced by a tile ("1001" and so on).
 std::string with_tile(std::string path, const std::string& tile);
@@ -25,8 +25,8 @@ struct SetMap {
   std::string set = "";  // pattern of the set, if it has other tiles too
 };
 
-/// Returns maps in the given order, and the tiles of a set in the order of their numbers. Throws Error(kUsage) like
-/// find_tiles(), and Error(kInput) when a set has no tile.
+/// Returns maps in the given order. The tiles of a set are in the order of their numbers. Throws Error(kUsage) like
+/// find_tiles(), and Error(kInput) if a set has no tile.
 std::vector<SetMap> maps_of_names(const std::vector<std::string>& inputs);
 
 /// Returns the output path for one of several maps: `pattern` with the map's tile, or a file in the folder `pattern`

@@ -46,7 +46,7 @@ std::unique_ptr<WorkFolder> WorkFolder::take(const std::string& path) {
       if (mark_own_folder(folder, path))
         return std::unique_ptr<WorkFolder>(new WorkFolder(std::move(place), std::move(folder), path));
     } catch (...) {
-      ::unlinkat(place.folder.descriptor(), place.name.c_str(), AT_REMOVEDIR);  // only if empty
+      ::unlinkat(place.folder.descriptor(), place.name.c_str(), AT_REMOVEDIR);  // removes it only if it is empty
       throw;
     }
   }
@@ -59,7 +59,7 @@ std::unique_ptr<WorkFolder> WorkFolder::make(const std::string& folder) {
     if (auto made = take((above / (kWorkPrefix + random_digits())).string())) return made;
 }
 
-// Removes folders of killed runs: no process has them locked.
+// Removes folders of killed runs, which no process has locked.
 void WorkFolder::sweep(const std::string& folder) {
   std::error_code ignored;
   std::vector<std::string> found;
@@ -75,7 +75,7 @@ void WorkFolder::drop(const std::string& path) {
     if (folder.is_open() && work_lock(folder, path) == Lock::kOurs &&
         is_named(place.folder, place.name, folder.descriptor()))
       remove_own_folder(place.folder, place.name, folder);
-  } catch (const Error&) {  // not ours: stays
+  } catch (const Error&) {  // the folder is not ours, so it stays
   }
 }
 
@@ -90,7 +90,7 @@ WorkFolder::~WorkFolder() {
 }
 
 void WorkFolder::clear(const std::string& kept) const {
-  if (!clear_own_folder(folder_, kept)) fail_by_errno(shown_path_, "a part of stopped work cannot be removed");
+  if (!clear_own_folder(folder_, kept)) fail_by_errno(shown_path_, "a part of interrupted work cannot be removed");
 }
 
 std::string partial_folder_of(const std::string& output) {

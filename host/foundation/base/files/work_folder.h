@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Holds the unfinished work of one process in a folder: the folder has mode 0700, is locked, and is used, emptied and
+// Holds the unfinished work of one process in a folder. The folder has mode 0700, is locked, and is used, emptied and
 // removed only through its descriptor. Every command keeps unfinished work in such a folder, next to its output or in a
 // hidden folder of that name. A link or a folder that somebody else puts there is never written to, and nothing behind
 // it is removed (own_folder.h).
@@ -24,24 +24,23 @@ class WorkFolder {
   static std::unique_ptr<WorkFolder> make(const std::string& folder);
   /// Removes work folders that killed runs of make() left in `folder`, and nothing else.
   static void sweep(const std::string& folder);
-  /// Takes and removes the folder `path`. Does not touch a folder that take() would reject, or that another process
-  /// has.
+  /// Takes and removes the folder `path`. Leaves it if take() would reject it, or if another process has it.
   static void drop(const std::string& path);
   /// Removes the folder and its contents, unless leave() was called.
   ~WorkFolder();
   WorkFolder(const WorkFolder&) = delete;
   WorkFolder& operator=(const WorkFolder&) = delete;
 
-  /// A path that leads to this folder while this object lives, even if the folder is renamed; valid in this process and
-  /// its children.
+  /// A path that leads to this folder while this object exists, even if the folder is renamed. The path is valid in
+  /// this process and its children.
   const std::string& path() const { return path_; }
   /// The folder's name, for messages.
   const std::string& shown_path() const { return shown_path_; }
   int descriptor() const { return folder_.descriptor(); }
   /// Removes the contents, except for the entry `kept`. Throws Error(kEnvironment) when anything else remains.
   void clear(const std::string& kept = "") const;
-  /// Keeps the folder when this object is destroyed, so that stopped work may be resumed. With false (the default),
-  /// removes the folder.
+  /// Keeps the folder when this object is destroyed, so that stopped work may be resumed. With false, which is the
+  /// default, the folder is removed.
   void leave(bool stays = true) { stays_ = stays; }
 
  private:

@@ -7,7 +7,7 @@
 namespace multum {
 namespace {
 
-constexpr char kBegin = '\x02', kEnd = '\x03';  // no message contains these
+constexpr char kBegin = '\x02', kEnd = '\x03';  // characters that no message contains
 
 struct Words {
   std::optional<std::set<std::string>> options;
@@ -24,7 +24,7 @@ std::string on_command_line(std::string name, const std::string& value) {
   return "--" + name + (value.empty() ? "" : " " + value);
 }
 
-// Formats a key as in TOML: flags are written as true, numbers without quotes, all other values with quotes.
+// Formats a key as in TOML. Flags are written as true, numbers without quotes, and all other values with quotes.
 std::string as_key(const std::string& name, const std::string& value) {
   if (value.empty()) return name + " = true";
   const bool is_number = value.find_first_not_of("+-.0123456789eN") == std::string::npos;

@@ -10,8 +10,8 @@
 
 namespace multum {
 
-/// Sets the options of the running command for the whole process, before its work begins: names of parameters, such as
-/// "two_channel". nullopt (the default): every parameter is an option.
+/// Sets the options of the running command for the whole process, before its work begins. They are names of parameters,
+/// such as "two_channel". With nullopt, the default, every parameter is an option.
 void set_option_words(std::optional<std::set<std::string>> names);
 
 /// Adds parameters that are keys of a file (green = "down"), such as a manifest or a scene.
@@ -22,11 +22,11 @@ void add_key_words(const std::vector<std::string>& names);
 std::optional<std::string> option_text(const std::string& name, const std::string& value = "");
 
 /// Replaces every "<name>" and "<name value>" in the text by the option. Returns "" if the command lacks one of the
-/// options. Advice is a separate text, appended to a message that is complete without it. Hidden marks separate advice
-/// from the message; Error and the log remove the marks.
+/// options. Advice is a separate text, appended to a message that is complete without it. Invisible marks separate
+/// advice from the message; Error and the log remove these marks.
 std::string advice(const std::string& text);
 
-/// Returns the options of these parameters as advice: ": --green, --signed".
+/// Returns the options of these parameters in the form of advice: ": --green, --signed".
 std::string names_as_advice(const std::vector<std::string>& names);
 
 /// Returns the message without the marks, for output to users.

@@ -12,7 +12,7 @@ namespace multum {
 /// once, before any output.
 void begin_whole_lines();
 
-/// Gives this thread the right to write to stdout or stderr during its life. Erases the bar.
+/// Gives this thread the right to write to stdout or stderr while the object exists. Erases the progress bar.
 class StreamTurn {
  public:
   StreamTurn();

@@ -14,7 +14,7 @@ namespace multum {
 class BackgroundTask {
  public:
   BackgroundTask() = default;
-  /// Waits for the task. Ignores an exception of the task.
+  /// Waits for the task, and ignores its exception.
   ~BackgroundTask() {
     if (running_.valid()) running_.wait();
   }

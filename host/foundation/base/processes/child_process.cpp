@@ -24,10 +24,10 @@ double seconds(const timeval& time) {
   return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
 }
 
-// Linux reports KiB.
+// Linux reports this value in KiB.
 std::uint64_t peak_memory_bytes(const rusage& usage) { return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024; }
 
-// Sets the limits of a child from outside, immediately after its start, before the child reads any untrusted file.
+// Sets the limits of a child from outside, immediately after its start and before the child reads any untrusted file.
 void hold_to(pid_t pid, const ChildLimits& limits) {
   if (limits.niceness > 0) ::setpriority(PRIO_PROCESS, static_cast<id_t>(pid), limits.niceness);
 #ifndef MULTUM_SHADOW_MEMORY  // the shadow memory of sanitizers needs terabytes
@@ -38,8 +38,8 @@ void hold_to(pid_t pid, const ChildLimits& limits) {
 #endif
 }
 
-// Reads the child's output until the child closes its end. Returns false if the child was killed because it exceeded
-// its time or was cancelled.
+// Reads the child's output until the child closes its end. Returns false if the child was killed because it took too
+// long or was cancelled.
 bool read_output(int pipe_end, pid_t pid, const ChildLimits* limits, std::string& output) {
   const Stopwatch stopwatch;
   std::array<char, 4096> buffer;
@@ -62,7 +62,7 @@ bool read_output(int pipe_end, pid_t pid, const ChildLimits* limits, std::string
 ChildResult run(const std::vector<std::string>& arguments, const ChildLimits* limits) {
   MULTUM_CHECK(!arguments.empty());
   int pipe_ends[2];
-  // Without O_CLOEXEC, a child that another thread starts at this time would hold the pipe open.
+  // Without O_CLOEXEC, the pipe would stay open in a child that another thread starts at the same time.
   if (pipe2(pipe_ends, O_CLOEXEC) != 0) fail_by_errno(arguments[0], "cannot create a pipe for its output");
   const Stopwatch stopwatch;
   pid_t pid = 0;

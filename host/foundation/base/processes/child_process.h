@@ -16,8 +16,8 @@ struct ChildUsage {
   double wall_seconds;    // wall time from before the child's start to the end of the wait
   double user_seconds;    // processor time in user mode, all threads
   double system_seconds;  // processor time in the kernel, all threads
-  /// Largest resident memory; with descendants, of the largest process. Linux also counts the caller's peak memory
-  /// before the child begins, so this value is never less than own_peak_memory_bytes(). A caller that measures should
+  /// Largest resident memory of the child or one of its descendants. Linux also counts the caller's peak memory before
+  /// the child begins, so this value is never less than own_peak_memory_bytes(). A caller that measures should
   /// therefore use little memory.
   std::uint64_t peak_memory_bytes;
 
@@ -36,8 +36,9 @@ struct ChildResult {
 /// it, and killing it also kills the processes that it has started.
 struct ChildLimits {
   std::chrono::milliseconds time_max{};     // the child is killed after this time
-  int niceness = 0;                         // 0..19
-  std::uint64_t memory_max = 0;             // writable bytes; 0: no limit. No effect with -fsanitize=address or thread
+  int niceness = 0;                         // 0 to 19
+  std::uint64_t memory_max = 0;             // limit on writable bytes; 0 sets no limit. Has no effect with
+                                            // -fsanitize=address or thread
   std::size_t output_max = 64 << 20;        // bytes of output; a child that writes more is killed
   std::function<bool()> is_cancelled = {};  // called ten times per second; if it returns true, the child is killed
 };

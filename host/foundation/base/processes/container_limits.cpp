@@ -22,9 +22,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// A hierarchy; in version 2, its list of controllers is empty.
+// A hierarchy. In version 2, its list of controllers is empty.
 struct Hierarchy {
-  std::string controllers;  // "cpu,cpuacct"
+  std::string controllers;  // list of controllers: "cpu,cpuacct"
   std::string group;        // group of this process: "/docker/a1/b"
 };
 
@@ -49,7 +49,7 @@ std::vector<Hierarchy> read_hierarchies(const std::string& root) {
   return found;
 }
 
-// Replaces octal escapes: spaces, for example, are written as "\040".
+// Replaces octal escapes, such as "\040" for a space.
 std::string without_escapes(const std::string& text) {
   std::string plain;
   for (std::size_t i = 0; i < text.size(); ++i) {
@@ -77,7 +77,7 @@ std::vector<GroupMount> read_mounts(const std::string& root) {
     if (!(words >> type >> source >> options) || (type != "cgroup" && type != "cgroup2")) continue;
     found.push_back({type == "cgroup2" ? "" : options, without_escapes(top), root + without_escapes(folder)});
   }
-  // The usual place of groups. A container can see files that were put there for it.
+  // The usual place of groups. A container may also see groups that were made visible for it there.
   found.push_back({"", "/", root + "/sys/fs/cgroup"});
   return found;
 }

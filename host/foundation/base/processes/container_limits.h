@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads the limits that a container sets: Linux control groups, versions 1 and 2 and both together. The limits of a
-// group and of all groups above it apply; the smallest limit counts.
+// Reads the limits that a container sets by Linux control groups, version 1, version 2 or both. The limits of a group
+// and of all groups above it apply, so the smallest limit counts.
 #pragma once
 
 #include <cstdint>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tells whether a signal has told this program to stop (make_progress() in host/foundation/base/progress.h installs the
-// handlers).
+// Tells whether a signal has asked this program to stop (make_progress() in host/foundation/base/progress.h installs
+// the handlers).
 #pragma once
 
 namespace multum {

@@ -10,23 +10,23 @@ namespace multum {
 
 struct ContainerLimits;
 
-/// The file of the running program, without links; "" if the system does not report it.
+/// Returns the path of the running program, without links; "" if the system does not report it.
 std::string own_program();
 
-/// Largest number of bytes of memory for this process: the machine's memory, or a lower limit of the container (control
-/// groups, host/foundation/base/processes/container_limits.h) or of the process (ulimit -v and -d). Determined at the
-/// first call.
+/// Returns the largest number of bytes of memory for this process: the machine's memory, or a lower limit of the
+/// container (control groups, host/foundation/base/processes/container_limits.h) or of the process (ulimit -v and -d).
+/// The value is determined at the first call.
 std::uint64_t machine_memory_bytes();
 
-/// Number of threads that can run at once, at least 1. This is the number of processors that this process may use (its
-/// affinity, which a container's cpuset limits too), or a container's lower quota of processor time, rounded up.
-/// Determined at the first call.
+/// Returns the number of threads that can run at once, at least 1. This is the number of processors that this process
+/// may use (its affinity, which a container's cpuset also limits). If a container has a lower quota of processor time,
+/// it is this quota, rounded up. The number is determined at the first call.
 int processor_count();
-/// Like processor_count(), computed again with these limits of a container.
+/// Like processor_count(), but computes the number again, with these limits of a container.
 int processor_count(const ContainerLimits& limits);
 
-/// Asks the system for large pages before many megabytes of memory are first touched. Pages of 2 MB, if the system
-/// grants them on demand, cause 512 times fewer page faults. This is only a hint to the system.
+/// Asks the system for large pages before many megabytes of memory are used for the first time. Pages of 2 MB, if the
+/// system grants them, cause 512 times fewer page faults. The request is only a hint to the system.
 void prefer_large_pages(void* memory, std::size_t bytes);
 
 /// Keeps freed blocks of up to 32 MB for later allocations, up to 64 MB in all. Otherwise the C library would return

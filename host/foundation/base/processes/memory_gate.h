@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lets threads continue while the memory that they hold together fits.
+// Makes threads wait until the memory that they need together fits into a limit.
 #pragma once
 
 #include <condition_variable>
@@ -12,7 +12,7 @@ class MemoryGate {
  public:
   explicit MemoryGate(std::uint64_t bytes_max) : bytes_max_(bytes_max) {}
 
-  /// Waits until `bytes` more fit, or no other thread is inside; the destructor returns the bytes.
+  /// Waits until `bytes` more fit, or until no other thread holds memory. The destructor returns the bytes.
   class Pass {
    public:
     Pass(MemoryGate& gate, std::uint64_t bytes) : gate_(gate), bytes_(bytes) {

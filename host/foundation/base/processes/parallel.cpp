@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Threads take bands from a counter: a slow band delays no other thread, and results do not depend on which thread
+// Threads take bands from a counter. So a slow band delays no other thread, and results do not depend on which thread
 // takes a band.
 #include "host/foundation/base/processes/parallel.h"
 #include "host/foundation/base/messages/log_listener.h"
@@ -37,13 +37,13 @@ void for_each_row_band(int row_count, int rows_per_band, int threads,
   std::vector<std::jthread> others;
   for (int i = 1; i < threads; ++i) others.emplace_back(with_own_log([&work] { work(); }));
   work();
-  others.clear();  // joins
+  others.clear();  // joins the threads
   if (failure) std::rethrow_exception(failure);
 }
 
 void for_each_row_band(int row_count, int rows_per_band, int threads, Progress* progress,
                        const std::function<void(int band, int row_begin, int row_end)>& body) {
-  constexpr int kBandsBetween = 64;  // enough bands, so that threads seldom wait for another thread's last band
+  constexpr int kBandsBetween = 64;  // so many bands that threads seldom wait for another thread's last band
   const int band_count = row_band_count(row_count, rows_per_band);
   for (int first = 0; first < band_count; first += kBandsBetween) {
     const int row_first = first * rows_per_band;

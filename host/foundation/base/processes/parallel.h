@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Shares work between threads: bands of an image's rows, or numbered items. A result must depend only on the rows or
-// the number of its item; the caller combines results in order, so that every thread count gives the same bytes.
+// the number of its item. The caller combines results in order, so that every thread count gives the same bytes.
 #pragma once
 
 #include <functional>
@@ -9,9 +9,9 @@
 
 namespace multum {
 
-/// Calls `body(band, row_begin, row_end)` once for each band of `rows_per_band` rows (the last may be shorter), from at
-/// most `threads` threads (<= 0: one per processor of the machine). Rethrows the first exception after all threads have
-/// ended.
+/// Calls `body(band, row_begin, row_end)` once for each band of `rows_per_band` rows (the last may be shorter). Uses at
+/// most `threads` threads; if `threads` <= 0, one per processor of the machine. Rethrows the first exception after all
+/// threads have ended.
 void for_each_row_band(int row_count, int rows_per_band, int threads,
                        const std::function<void(int band, int row_begin, int row_end)>& body);
 
@@ -27,7 +27,8 @@ void for_each_item(int item_count, int threads, const Body& body) {
 
 inline int row_band_count(int row_count, int rows_per_band) { return (row_count + rows_per_band - 1) / rows_per_band; }
 
-/// Rows per band if all texels need the same work: few enough to distribute, but enough to justify the handover.
+/// Rows per band if all texels need the same work. Bands are small enough to distribute, but large enough to justify
+/// the cost of starting each.
 constexpr int kRowsPerBand = 16;
 
 }  // namespace multum

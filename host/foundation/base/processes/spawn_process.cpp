@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Uses vfork(): posix_spawn() cannot tie a child's life to its parent. Between vfork() and exec the child shares this
-// process's memory, so the child only makes system calls, whose arguments are prepared before.
+// Uses vfork(), because posix_spawn() cannot tie a child's life to its parent. Between vfork() and exec, the child
+// shares this process's memory. So it only makes system calls, whose arguments are prepared before.
 #include "host/foundation/base/processes/spawn_process.h"
 
 #include <fcntl.h>
@@ -29,7 +29,7 @@ struct ChildStart {
   const SpawnSettings& settings;
   char* const* argv;
   sigset_t mask;    // signal mask of the child
-  int failure_end;  // end of a pipe for the number of an error
+  int failure_end;  // end of a pipe through which the child reports the number of an error
   int last_file;    // the highest descriptor that the child keeps
   pid_t starter;
 };
@@ -41,7 +41,7 @@ void check_call(const ChildStart& start, long result) {
   ::_exit(127);
 }
 
-// Arranges the child's files. The pipe's end follows the files that the child keeps, and exec closes it.
+// Arranges the child's files. The end of the pipe comes after the files that the child keeps, and exec closes it.
 void arrange_files(ChildStart& start) {
   if (start.settings.has_empty_input) {
     const int nothing = ::open("/dev/null", O_RDONLY);
@@ -56,7 +56,7 @@ void arrange_files(ChildStart& start) {
   ::closefrom(last + 1);
 }
 
-// Called while all signals are blocked, because the handlers belong to this process.
+// Runs while all signals are blocked, because the handlers belong to this process.
 void arrange_signals(const ChildStart& start) {
   for (int signal = 1; signal < NSIG; ++signal) {
     struct sigaction now {};
@@ -85,7 +85,7 @@ void arrange_signals(const ChildStart& start) {
   ::_exit(127);
 }
 
-// Blocks all signals: no handler of this process may run in the child, which shares its memory.
+// Blocks all signals. The child shares this process's memory, so no handler of this process may run in the child.
 class AllSignalsBlocked {
  public:
   AllSignalsBlocked() {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Runs multum-view, which needs GL, as a child process: a driver crash ends only the child.
+// Runs multum-view, which needs GL, as a child process, so that a driver crash ends only the child.
 #pragma once
 
 #include <string>
@@ -11,7 +11,7 @@ namespace multum {
 
 /// Runs `command` and waits for it; shows its output when verbose. If it cannot be started, fails or crashes, throws
 /// Error(kEnvironment) with `what` and the child's output. If `progress` was cancelled during this time, throws
-/// Cancelled: Ctrl-C on a terminal also ends the child, which is not a failure.
+/// Cancelled, because Ctrl-C on a terminal also ends the child, which is not a failure.
 void run_viewer(const std::vector<std::string>& command, const std::string& what, Progress* progress);
 
 }  // namespace multum

@@ -48,7 +48,7 @@ TEST(AccuracyPointsTest, EveryTexelOnceWhenAllAreWanted) {
 TEST(AccuracyPointsTest, SamplesAreSpreadAndReadFewTexels) {
   const std::vector<PlaneSize> levels = levels_of(300, 200);
   const AccuracyPoints points(levels, {0, 100, 7});
-  std::map<int, std::set<int>> cells;  // stride 25 at level 0: one sample in each cell
+  std::map<int, std::set<int>> cells;  // with the stride of 25 at level 0, one sample in each cell
   std::size_t chosen = 0;
   for (const AccuracySample& sample : points.samples()) {
     const PlaneSize size = levels[static_cast<std::size_t>(sample.level)];

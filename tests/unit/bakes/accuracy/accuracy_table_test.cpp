@@ -64,7 +64,7 @@ TEST(AccuracyTable, ErrorsOfPixelsComeFirst) {
   EXPECT_EQ(parsed->rows.size(), some_rows().size());
   EXPECT_EQ(measured_error_json(parsed->rows, parsed->footprint_errors), json);
   EXPECT_EQ(footprint_error_text(errors),
-            "error of pixels, relative L1 with its 95 % interval\n"
+            "relative L1 error of pixels with its 95 % interval\n"
             "  blinn-phong:100  9.12 +- 0.22 %; 95 % of pixels within 21.35 %; worst: 30.12 % for pixels that cover 2 "
             "to 4 texels\n"
             "  lambert          1.00 +- 0.00 %; 95 % of pixels within 2.00 %; worst: 3.00 % for pixels that cover 1 to "

@@ -35,7 +35,7 @@ INSTANTIATE_TEST_SUITE_P(
                       ScheduleCase{1, 1, FitOrder::kColour}, ScheduleCase{2, 3, FitOrder::kScanline},
                       ScheduleCase{256, 2, FitOrder::kColour}));
 
-// Returns the step of each texel from the steps' lists; checks that each texel appears once.
+// Returns the step of each texel from the steps' lists, and checks that each texel appears once.
 std::map<int, int> steps_of_texels(const LevelSchedule& level) {
   std::map<int, int> step_of;
   for (int s = 0; s < level.step_count; ++s)
@@ -94,7 +94,7 @@ TEST_P(MipScheduleTest, SamplesCoverTheTexelAndChunksTheSamples) {
   for (const LevelSchedule& level : make_mip_schedule(GetParam().width, GetParam().height, settings).levels) {
     SCOPED_TRACE(level.level);
     const MultumMovmfFit& fit = level.fit;
-    // The widest texel by definition: [x W/w, (x + 1) W/w).
+    // Computes the width of the widest texel by definition: a texel covers [x W/w, (x + 1) W/w).
     int columns = 0;
     for (int x = 0; x < fit.width; ++x) {
       int covered = 0;

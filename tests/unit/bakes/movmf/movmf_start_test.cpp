@@ -68,7 +68,8 @@ TEST(MovmfStartTest, CandidatesDifferAndAreFewAndFiniteAndTheSameForAnyThreads) 
   }
 }
 
-// Returns the relative L1 error of the best candidate's highlights against those of the map's normals, at s = 100.
+// Returns the relative L1 error of the best candidate's highlights compared with those of the map's normals, at s =
+// 100.
 double highlight_error(const NormalMap& map, const std::vector<MultumVmfLobe>& lobes) {
   constexpr double kSharpness = 100.0;
   const auto density = [](double kappa, double cosine) {
@@ -132,7 +133,7 @@ TEST(MovmfStartTest, ALikenessTakesEachNormalFromWhereItLies) {
   };
   for (const Case& test : {Case{1024, 512, 64, 64}, Case{403, 50, 64, 50}, Case{1, 300, 1, 64}, Case{1, 1, 1, 1}}) {
     SCOPED_TRACE(test.width);
-    // Each normal encodes its place.
+    // Each normal encodes its own place in the map.
     const NormalMap map = make_map(test.width, test.height, [](int x, int y) { return glm::dvec3(x, y, 0.0); });
     const NormalMap proxy = sample_proxy_map(planes_of(map), 64, 1);
     ASSERT_EQ(proxy.width, test.proxy_width);

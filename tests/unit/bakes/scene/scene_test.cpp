@@ -233,8 +233,8 @@ TEST_F(SceneTest, LambertOfALobeIsTheShaders) {
     }
 }
 
-// A map of two directions: one lobe has a large highlight error, two are exact; low-order harmonics and moments are not
-// exact.
+// On a map of two directions, one lobe has a large highlight error and two lobes are exact. Low-order harmonics and
+// moments are not exact.
 TEST_F(SceneTest, TwoDirectionsAreTwoLobes) {
   std::vector<float> x, y, z;
   for (int i = 0; i < 64 * 64; ++i) {
@@ -285,7 +285,8 @@ TEST_F(SceneTest, ColoursThatGoWithSlopesAreFound) {
   }
 }
 
-// One side has normals of weight 1 and the other side of weight 0: two lobes separate the weights, one lobe cannot.
+// One side has normals of weight 1, and the other side has normals of weight 0. Two lobes separate the weights; one
+// lobe cannot.
 TEST_F(SceneTest, WeightsThatGoWithSlopesAreFound) {
   std::vector<float> x, y, z, first, second;
   for (int i = 0; i < 64 * 64; ++i) {
@@ -305,7 +306,7 @@ TEST_F(SceneTest, WeightsThatGoWithSlopesAreFound) {
   }
 }
 
-// Equal normals are as wide as their roughness: one lobe of that length is exact, and diffuse light ignores the width.
+// The width of equal normals is their roughness. One lobe of that length is exact, and diffuse light ignores the width.
 TEST_F(SceneTest, RoughnessIsAWidthOfItsOwn) {
   const float length = 0.9f;
   const std::vector<float> none(64 * 64, 0.0f), z(64 * 64, length);
@@ -345,10 +346,10 @@ double measured_error(const PlaneStore& normals, double exponent) {
   return sum / count;
 }
 
-// Steep waves under highlights too sharp for the sampled normals and directions: by construction the estimate uses the
-// sharpest highlight that the samples resolve. The estimate is near the measured error of a bake: 1.08 estimated and
-// 1.00 measured at s = 100, 1.20 and 1.46 at s = 500. Shading each normal with its own sharpness gives 1.41 and more.
-// More lobes give lower estimates.
+// On steep waves, highlights are too sharp for the sampled normals and directions, so the estimate uses the sharpest
+// highlight that the samples resolve. The estimate is near the measured error of a bake: 1.08 estimated and 1.00
+// measured at s = 100, 1.20 and 1.46 at s = 500. Shading each normal with its own sharpness gives 1.41 and more. More
+// lobes give lower estimates.
 TEST_F(SceneTest, SharpHighlightsOfSteepMapsHaveEstimatesToCompare) {
   std::vector<float> x, y, z;
   for (int i = 0; i < 128 * 128; ++i) {
@@ -433,7 +434,7 @@ TEST_F(SceneTest, ASheenIsLitByLights) {
   EXPECT_EQ(material.brdfs[0].kind, BrdfKind::kCharlie);
   EXPECT_EQ(material.brdfs[0].roughness, 0.3f);
   EXPECT_EQ(material.brdfs[1].specular, glm::vec3(1.0f));
-  expect_error(ErrorCode::kInput, {path(), "environment", "\"paint\"", "charlie:0.3", "expected lights"},
+  expect_error(ErrorCode::kInput, {path(), "environment", "\"paint\"", "charlie:0.3", "expected only lights"},
                [&] { read(sheen("[0.3, 0.6]") + lit); });
   expect_error(ErrorCode::kInput, {path(), "material.roughness", "0.04", "0.05 to 1"}, [&] { read(sheen("0.04")); });
   write_map(64, noise);
@@ -464,7 +465,7 @@ TEST_F(SceneTest, FarAwayTheFinestLevelsAreLeftOut) {
   EXPECT_FALSE(effect(map.effects, "finest levels").needed);
 }
 
-// Four directions and a sharp highlight need all of the default's lobes, so that the plan has the default settings.
+// Four directions and a sharp highlight need all lobes of the default settings, so the plan has these settings.
 TEST_F(SceneTest, WhereAllIsNeededThePlanIsTheDefault) {
   write_map(64, [](int x, int y) { return glm::dvec3(x % 2 == 0 ? 0.5 : -0.5, y % 2 == 0 ? 0.5 : -0.5, 1.0); });
   const MapPlan map = plan(kScene).maps[0];
@@ -489,7 +490,7 @@ TEST_F(SceneTest, BudgetsAndTargetsAreKeptOrRefused) {
                [&] { plan(with(kScene, "estimate_margin = 0.05", "target_error = 0.0001")); });
 }
 
-// With a target the bake's trials decide: a plan may promise neither a number of lobes nor its bytes.
+// With a target, the bake's trials decide, so a plan must not promise a number of lobes or bytes.
 TEST_F(SceneTest, WhatTrialsChooseIsARange) {
   write_map(64, [](int x, int y) { return glm::dvec3(x % 2 == 0 ? 0.5 : -0.5, y % 2 == 0 ? 0.5 : -0.5, 1.0); });
   for (const char* target : {"0.2", "0.5", "1.9"}) {
@@ -514,10 +515,11 @@ TEST_F(SceneTest, WhatTrialsChooseIsARange) {
     EXPECT_LT(found.cost_min.bytes, found.cost.bytes);
     EXPECT_GT(found.cost_max.bytes, found.cost.bytes);
     expect_says(text.substr(0, text.find('\n')), {"vmf, 1 to 8 lobes (trials choose the number)"});
-    // The stated time excludes trials: both places say how many trials there may be and how long they take.
+    // The stated time excludes trials. Both the plan of a map and the total say how many trials there may be and how
+    // long they take.
     const std::string in_all = text.substr(text.rfind("in total: "));
     for (const std::string& part : {text, in_all})
-      expect_says(part, {"and the trials (up to 24 per map, a few seconds in total)"});
+      expect_says(part, {"plus the trials (up to 24 per map, a few seconds in total)"});
     EXPECT_GE(map.stated_difference, std::stod(target))
         << "the chosen settings need not have a lower error than the target";
   }

@@ -20,7 +20,7 @@ TradeoffRow made_row(double error, const RunTime& bake, double frame_ms, double 
 }
 
 TEST(TradeoffFrontsTest, ElapsedTimeDecidesNothing) {
-  // The second row has half the error for twice the work. Other programs slowed the first, so that it took longer.
+  // The second row has half the error for twice the work. Other programs slowed the first row, so it took longer.
   std::vector<TradeoffRow> rows = {made_row(0.2, {1.0, 90.0, 0.0}, 500.0, 4.0),
                                    made_row(0.1, {2.0, 3.0, 0.0}, 20.0, 8.0), made_row(0.3, {2.0, 0.1, 0.0}, 0.1, 8.0)};
   mark_fronts(rows, {0.05, 0.05});

@@ -28,7 +28,7 @@ const EngineRule& rule_called(const std::string& id) {
   throw std::runtime_error("no rule " + id);
 }
 
-// Base roughness 0.1 and kappa 50: the result of each rule's own formula, computed by hand.
+// The results of each rule's own formula for a base roughness of 0.1 and kappa 50 are computed by hand.
 TEST(ExportRules, AreThoseOfTheirSources) {
   double low = 0.9, high = 0.999999;
   for (int i = 0; i < 60; ++i) (kappa_of_length(0.5 * (low + high)) < 50.0 ? low : high) = 0.5 * (low + high);
@@ -97,7 +97,7 @@ TEST(FacetSamples, PlacesAreEvenWhereLevelsNest) {
   EXPECT_EQ(sample_place(0, 7, 8, 1, 3), 2);
 }
 
-// Slightly crooked grooves at any angle: every axis gets a sign on the same side.
+// In slightly crooked grooves at any angle, every axis gets a sign on the same side.
 TEST(AxisCut, LeavesBrushedMetalInOnePiece) {
   for (double degrees = 0.0; degrees < 180.0; degrees += 15.0) {
     const double angle = degrees * M_PI / 180.0;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Tests tints: a lobe's tint is its colour relative to the texel's colour, and the tints of a texel add up to 0. A file
-// of tints is written if the map has such levels.
+// of tints is written only if the map has enough levels.
 #include "host/delivery/export/lobes/lobe_colours.h"
 
 #include <gtest/gtest.h>
@@ -45,8 +45,8 @@ TEST(LobeColours, TintsAddUpToNothing) {
 TEST(LobeColours, BlackAndFaintLobesHaveTintsWithinBounds) {
   for (const auto& of_lobe : lobe_tints(coloured_mipmap(4, 0.0f).levels[1]))
     for (const float tint : of_lobe) EXPECT_LE(std::abs(tint), 0.26f);
-  // A quarter, then a hundredth of the normals have all of the texel's light: factors are at most four times the
-  // texel's luminance.
+  // First a quarter and then a hundredth of the normals have all of the texel's light. Factors are at most four times
+  // the texel's luminance.
   MovmfLevel bright = coloured_mipmap(4, 1000.0f).levels[1];
   EXPECT_NEAR(lobe_tints(bright)[0][0], 0.25f * 3.0f, 5e-3f);
   bright.lobes[0][0] *= 0.04f;

@@ -66,7 +66,7 @@ Lobes stored(const MovmfMipmap& mipmap, const std::vector<std::size_t>& which, L
   return lobes;
 }
 
-// Root mean square errors of the sum of amplitudes, the mean normal's direction (radians), a lobe's vector, and a
+// Holds root mean square errors of the sum of amplitudes, the mean normal's direction (radians), a lobe's vector, and a
 // lobe's mean vector without its amplitude.
 struct JointError {
   double sum = 0.0, angle = 0.0, lobe = 0.0, shape = 0.0;

@@ -31,7 +31,7 @@ TEST(LevelTexture, IsFilteredAsHardwareDoes) {
   texture.sample(3.0, 1.5 / 4, 0.5 / 2, values);  // the centre of a texel
   EXPECT_NEAR(values[0], 1.0, 1e-12);
   EXPECT_NEAR(values[1], 10.0, 1e-12);
-  texture.sample(3.0, 2.0 / 4, 0.5, values);  // between four
+  texture.sample(3.0, 2.0 / 4, 0.5, values);  // between four texels
   EXPECT_NEAR(values[0], 1.5, 1e-12);
   EXPECT_NEAR(values[1], 15.0, 1e-12);
   texture.sample(3.0, 0.0, 0.25, values);  // across the border, since the texture repeats
@@ -99,7 +99,8 @@ TEST(SurfaceFrames, TheReferenceIsTheMeanOfFacets) {
   const FrameView view{2.0, {192.0, 192.0}, {0.0, 0.0}};  // pixel (0, 0) begins at texel (0, 0)
   const FramePixels pixels = draw_reference(planes_of(map), nullptr, 0.01, view, 2);
   const CoveredFacets facets = covered_facets(planes_of(map), nullptr, 0.01, 4, 4, 1, 2);
-  // The light of pixel (1, 2) in the picture: half vectors are spread evenly over slopes, and the eye is 30 degrees up.
+  // Tests the light of pixel (1, 2) in the picture. Half vectors are spread evenly over slopes, and the eye is 30
+  // degrees up.
   const double step = 2.0 * 0.45 / kFrameSide;
   const glm::dvec3 eye(0.0, 0.5, std::sqrt(0.75));
   const glm::dvec3 half = glm::normalize(glm::dvec3(-0.45 + 1.5 * step, 0.45 - 2.5 * step, 1.0));

@@ -36,7 +36,7 @@ std::string bytes_of(const std::string& path) {
 }
 
 struct Level {
-  int columns, rows;  // of blocks
+  int columns, rows;  // columns and rows of blocks
 };
 
 // Makes levels of a texture of 7 x 5 texels.
@@ -97,7 +97,7 @@ TEST(TextureFile, AFailedWriteEndsTheWorkAtOnce) {
   EXPECT_EQ(folder.names(), testing::Names{});
 }
 
-// Two levels of incompressible data: after the first frame fails, the second is not begun.
+// After the first frame of two levels of incompressible data fails, the second frame is not begun.
 TEST(TextureFile, AFrameThatCannotBeWrittenEndsTheWorkAtOnce) {
   const testing::TemporaryFolder folder;
   const LeveledTexture texture = {TexelFormat::kRgba8, 2048, 1024, 2};

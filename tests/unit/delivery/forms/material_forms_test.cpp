@@ -37,8 +37,8 @@ void fill(LevelFile& file, const std::function<glm::dvec4(int, int, int)>& level
   }
 }
 
-// Slopes alternate between +-steepness from texel to texel, so that their mean is flat; the fitted roughness follows
-// from their variance.
+// Slopes alternate between +-steepness from texel to texel, so their mean is flat. The fitted roughness follows from
+// their variance.
 class MaterialFormsTest : public Test {
  protected:
   MaterialFormsTest()

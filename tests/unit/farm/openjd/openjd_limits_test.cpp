@@ -59,7 +59,8 @@ TEST(OpenJdLimits, ParametersAreFiftyWithTheProgram) {
 
 struct Edit {
   const char* name;
-  std::function<void(FarmJson& job, std::size_t more)> change;  // `more`: 0 is within the limit, 1 beyond it
+  std::function<void(FarmJson& job, std::size_t more)> change;  // `more` is 0 for a value within the limit and 1 for a
+                                                                // value beyond it
   const char* expected;
 };
 

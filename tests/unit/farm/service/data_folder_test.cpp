@@ -147,7 +147,7 @@ TEST_F(DataFolderTest, WhatItsLedgerIsFinishedWithGoesAndNothingElse) {
   for (const std::string& path : {purged, below, fs::path(folder).parent_path().string()})
     EXPECT_FALSE(fs::exists(path)) << path;
   for (const std::int64_t id : gone) EXPECT_FALSE(fs::exists(folder_ / ("d/logs/" + std::to_string(id) + ".log")));
-  // The file that has this name today is not that job's file.
+  // The file that has this name now is not the file of that job.
   made("results/purged.exr");
   sweep(data);
   EXPECT_TRUE(fs::exists(purged));

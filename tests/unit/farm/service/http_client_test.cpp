@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests that a client does not wait forever: for a service that accepts no connection, sends no answer, stops within
-// its answer, or falls silent while it sends events.
+// Tests that a client does not wait forever for a service that accepts no connection, sends no answer, stops within its
+// answer, or stops sending events.
 #include "host/farm/service/http/http_client.h"
 
 #include <gtest/gtest.h>

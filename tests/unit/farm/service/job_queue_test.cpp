@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests the ledger of jobs without a daemon: the order of jobs, who may report on a job, the results of failures, and
-// the state that a killed process leaves.
+// Tests the ledger of jobs without a daemon: the order of jobs, permission to report on a job, the results of failures,
+// and the state that a killed process leaves.
 #include "host/farm/service/ledger/job_queue.h"
 
 #include <gtest/gtest.h>
@@ -281,7 +281,7 @@ TEST_F(JobQueueTest, CancelledInAnyState) {
   EXPECT_EQ(queue_->cancel(running, "by a test", now_), CancelResult::kTooLate);
 }
 
-// The cancel request comes between an attempt's end and its report, or before the daemon is killed: the job does not
+// If the cancel request comes between an attempt's end and its report, or before the daemon is killed, the job does not
 // run again.
 TEST_F(JobQueueTest, ACancelOutlivesTheAttemptThatItWasMeantFor) {
   const std::int64_t id = submit(of(0)), dependent = submit(of(0, {id}));
@@ -534,7 +534,7 @@ TEST_F(JobQueueTest, PurgedJobsAreNotedWithWhatTheyLeave) {
   EXPECT_FALSE(queue_->was_purged(77)) << "this job never existed";
 }
 
-// The oldest job that must stay must not keep other jobs from being purged.
+// The oldest job must stay, but this does not prevent the purge of other jobs.
 TEST_F(JobQueueTest, WhatIsNeededStillKeepsNothingElseFromBeingPurged) {
   const std::int64_t needed = submit(of(0)), needing = submit(of(-1, {needed}));
   succeed(*claim());
@@ -560,7 +560,7 @@ TEST_F(JobQueueTest, NumbersGoOnAboveWhatOthersHaveUsed) {
   EXPECT_FALSE(queue_->was_purged(300));
 }
 
-// The job is submitted again while its worker is being stopped: the running job is about to be cancelled.
+// The job is submitted again while its worker is being stopped, when the running job is about to be cancelled.
 TEST_F(JobQueueTest, AJobThatIsBeingCancelledIsNotTakenForANewOne) {
   JobSubmission submission = of(0);
   submission.key = "k";
@@ -643,7 +643,7 @@ TEST_F(JobQueueTest, RandomLivesKeepTheBooks) {
         if (!leases.empty()) {
           const std::size_t at = random() % leases.size();
           const Job job = leases[at];
-          if (pick(4) != 0) leases.erase(leases.begin() + static_cast<std::ptrdiff_t>(at));  // else it ends twice
+          if (pick(4) != 0) leases.erase(leases.begin() + static_cast<std::ptrdiff_t>(at));  // otherwise ends twice
           const AttemptResult result = {static_cast<AttemptOutcome>(1 + pick(6)), pick(5), ""};
           const bool is_taken = queue_->ended(job.id, job.owner, job.attempt, result, now_);
           if (is_taken && result.outcome == AttemptOutcome::kSucceeded) {

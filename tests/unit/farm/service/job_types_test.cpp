@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests the types of jobs that multum registers: what their rows let jobs accept and refuse.
+// Tests the types of jobs that multum registers, and what jobs accept and refuse because of their rows.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -16,7 +16,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-// Registered once for all tests of this program.
+// The types are registered once for all tests of this program.
 [[maybe_unused]] const bool kHasJobTypes = (register_job_types(multum_job_types()), true);
 
 // A measured BRDF is a file, and a text must not lead to files that jobs may not read.
@@ -88,7 +88,7 @@ TEST(JobTypes, ViewsAreTold) {
     EXPECT_EQ(type.views.empty(), type.no_other_view.empty()) << type.name;
     names.insert(files.begin(), files.end());
   }
-  // The names of all routes of the web interface (docs/reference/openapi.json).
+  // These are the names of all routes of the web interface (docs/reference/openapi.json).
   EXPECT_EQ(names, (std::set<std::string>{"error.png", "input.png", "look.html", "player.html", "render.png"}));
 }
 

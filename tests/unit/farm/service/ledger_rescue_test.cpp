@@ -142,8 +142,8 @@ TEST(LedgerRescue, SavesWhatIsOnOtherPages) {
     if (::testing::Test::HasFailure()) return;
   }
   RecordProperty("least_saved", static_cast<int>(least));
-  // A page holds some 20 jobs. The root page of all jobs would lose everything; it is one in hundreds, and this seed
-  // avoids it.
+  // A page holds about 20 jobs. Damage to the root page of all jobs would lose everything. It is one page in hundreds,
+  // and this seed avoids it.
   EXPECT_GT(sum, before.size() * kTries * 9 / 10);
 }
 
@@ -178,7 +178,8 @@ std::string damaged(std::string bytes, std::mt19937& random) {
       for (std::size_t i = 0; i < 100; ++i) bytes[below(120)] = static_cast<char>(random());  // the file's header
       break;
     default:
-      for (std::size_t i = 0; i < 30; ++i) bytes[page + below(16)] = static_cast<char>(random());  // of a page
+      for (std::size_t i = 0; i < 30; ++i)
+        bytes[page + below(16)] = static_cast<char>(random());  // the header of a page
   }
   return bytes;
 }
@@ -214,7 +215,7 @@ TEST(LedgerRescue, AnyDamageIsRescuedOrRefusedClearly) {
   EXPECT_GT(rescued, kSeeds * 3 / 4);
 }
 
-// Values that no ledger accepts, or for which a function of SQLite fails: each costs only its row.
+// A value that no ledger accepts, or for which a function of SQLite fails, costs only its row.
 TEST(LedgerRescue, OneBadRowCostsThatRow) {
   for (const char* damage :
        {"UPDATE jobs SET parameters = x'7b00ff7d' WHERE id = 5", "UPDATE jobs SET state = 99 WHERE id = 5",
@@ -243,13 +244,13 @@ TEST(LedgerRescue, AnEmptyLedgerLeavesNothingBehind) {
     SqliteDatabase ledger(folder / "d/jobs.sqlite");
     ledger.execute("DELETE FROM jobs; DELETE FROM uploads");
   }
-  // An intact ledger without jobs.
+  // Tests an intact ledger without jobs.
   const RescueReport report = rescue_ledger(folder / "d");
   EXPECT_EQ(report.tables.front().saved, 0);
   EXPECT_EQ(report.tables.front().damaged, 0);
   expect_nothing_left(folder / "d");
   EXPECT_TRUE(open_rescued(folder / "d", 1).empty());
-  // An empty file, and a database without tables.
+  // Tests an empty file, and a database without tables.
   testing::write_bytes(folder / "d/jobs.sqlite", "");
   expect_error(ErrorCode::kInput, {folder / "d/jobs.sqlite", "empty", "--new-ledger"},
                [&] { rescue_ledger(folder / "d"); });

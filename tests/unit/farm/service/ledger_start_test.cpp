@@ -45,7 +45,7 @@ TEST_F(LedgerStartTest, GoesOnWithItsOwn) {
   EXPECT_EQ(testing::read_bytes(folder_ / "instance"), first + "\n");
   EXPECT_EQ(start(), 2);
   EXPECT_EQ(instance_, first);
-  // The start was interrupted, or the file was deleted: the ledger still knows its instance.
+  // After an interrupted start or a deleted file, the ledger still knows its instance.
   fs::remove(folder_ / "instance");
   EXPECT_EQ(start(), 3);
   EXPECT_EQ(instance_, first);

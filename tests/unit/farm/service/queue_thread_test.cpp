@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests a ledger that is removed while in use: nothing is promised that the file at its path does not hold.
+// Tests a ledger that is removed while in use. The daemon promises only what the file at the ledger's path holds.
 #include "host/farm/service/ledger/queue_thread.h"
 
 #include <gtest/gtest.h>
@@ -60,7 +60,7 @@ TEST_P(LedgerLossTest, IsNoticedBeforeAnythingIsAccepted) {
 }
 
 // A limit of file sizes acts like a full disk: work that does not fit is refused with that reason, and none of it is
-// kept. The log is emptied, so that the next work fits as long as the ledger itself has space.
+// kept. The log is emptied, so the next work fits as long as the ledger itself has space.
 TEST(LedgerSpaceTest, ALimitOfFileSizesIsNoSpaceAndNoEnd) {
   const TemporaryFolder folder;
   const std::string path = folder / "jobs.sqlite";
@@ -118,7 +118,7 @@ INSTANTIATE_TEST_SUITE_P(
         Loss{"folder_removed", [](const std::string& folder) { fs::remove_all(folder + "/data"); }}),
     [](const auto& one) { return std::string(one.param.name); });
 
-// Work promised earlier is in the file that is left.
+// Work that was promised earlier is in the file that is left.
 TEST(QueueThread, ALogThatIsRemovedTakesNothingWithIt) {
   const TemporaryFolder folder;
   const std::string path = folder / "jobs.sqlite";
@@ -139,7 +139,7 @@ TEST(QueueThread, ALogThatIsRemovedTakesNothingWithIt) {
   EXPECT_EQ(queue.database().damage(), "");
 }
 
-// The file disappears in the middle of a batch: the finished part of the batch is not committed.
+// If the file disappears in the middle of a batch, the finished part of the batch is not committed.
 TEST(QueueThread, ALossBetweenWorkAndCommitIsNoticed) {
   const TemporaryFolder folder;
   const std::string path = folder / "jobs.sqlite", kept = folder / "kept";

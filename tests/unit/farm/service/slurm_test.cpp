@@ -309,7 +309,7 @@ TEST_F(SlurmLedgerTest, WhatSlurmHasOutlivesTheDaemon) {
   ASSERT_EQ(queue_->slurm().sent().size(), 1u);
   EXPECT_EQ(queue_->slurm().sent()[0].slurm_job, 12);
   EXPECT_EQ(queue_->slurm().last_batch(), 40);
-  // The end of a Slurm attempt counts like that of any attempt.
+  // The end of a Slurm attempt counts like the end of any attempt.
   EXPECT_TRUE(queue_->ended(sent.id, owner_, sent.attempt, {}, 4));
   EXPECT_EQ(queue_->find(sent.id)->state, JobState::kSucceeded);
 }

@@ -221,7 +221,7 @@ TEST_F(StagingTest, ALinkThatComesWhileAResultIsRemovedLeadsNowhere) {
   EXPECT_EQ(names(mine), all);
 }
 
-// The result was moved away and replaced by a link to it: nothing may be read or written through that name.
+// The result was moved away and replaced by a link to it. Nothing may be read or written through that name.
 TEST_F(StagingTest, AResultBehindALinkIsNotAsMade) {
   const std::string identity = make_folder_of(1, {"a"});
   staged(1).publish(identity);
@@ -282,7 +282,7 @@ TEST_F(StagingTest, AForgedListingIsNone) {
   fs::remove_all(output_);
   staged(1).publish(staged(1).identity());
   EXPECT_EQ(unlisted_in(output_, seal_), "");
-  // An extra line.
+  // The listing has an extra line.
   const std::string listing = output_ + "/.multum-result", whole = testing::read_bytes(listing);
   write_text_file(output_ + "/mine.txt", "added");
   const std::string own =
@@ -294,7 +294,7 @@ TEST_F(StagingTest, AForgedListingIsNone) {
     EXPECT_FALSE(remove_listed(output_, seal_));
     EXPECT_TRUE(fs::exists(output_ + "/mine.txt"));
   }
-  // Another folder's listing with the same files.
+  // This is the listing of another folder with the same files.
   fs::remove(output_ + "/mine.txt");
   testing::write_bytes(listing, whole);
   EXPECT_TRUE(is_as_published(output_, seal_));

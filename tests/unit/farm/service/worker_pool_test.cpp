@@ -39,7 +39,7 @@ class WorkerPoolTest : public ::testing::Test {
             [this](std::int64_t job, const std::string&, int, const WorkResult& result) { on_ended_(job, result); }});
     pool_->start();
   }
-  // Runs until `is_so`; a handler that throws loses only its own work, as in the daemon.
+  // Runs until is_so() is true. A handler that throws loses only its own work, as in the daemon.
   bool runs_until(const std::function<bool()>& is_so) {
     const auto until = std::chrono::steady_clock::now() + 30s;
     while (!is_so() && std::chrono::steady_clock::now() < until) {

@@ -27,8 +27,8 @@ TEST(DrawnWeights, OneTexelAPixelWeighsEveryCosineOne) {
 TEST(DrawnWeights, PixelsOverManyTexelsWeighHighFrequenciesLess) {
   const FilterMatrix matrix = half_seen(64, 32, 4);
   const auto energies = energies_of(matrix, {ImageCoder::kDct, 64, 32, 8});
-  // The constant of a block is 1/8 in 64 texels, and hence 1/8 in its 4 pixels: 4/64. Frequency 4 along a row sums to
-  // zero over every 4 texels.
+  // The constant basis image of a block is 1/8 in its 64 texels, and hence 1/8 in its 4 pixels, so its energy is 4/64.
+  // Frequency 4 along a row sums to zero over every 4 texels.
   EXPECT_NEAR(energies[0], 4.0f / 64.0f, 1e-4f);
   EXPECT_LT(energies[7], 0.2f * energies[0]);
   EXPECT_NEAR(energies[4 * 64], 0.0f, 1e-6f);  // the fifth block is not seen
@@ -39,7 +39,7 @@ TEST(DrawnWeights, WaveletsAreHeaviestWhereTheyAreSeen) {
   const auto energies = energies_of(matrix, {ImageCoder::kWavelet, 64, 32, 16});
   for (const WaveletBand& band : wavelet_bands(64, 32)) {
     const std::size_t row = (band.y + band.height / 2) * 64 + band.x;
-    float sum = 0.0f;  // over the seen half except for its border
+    float sum = 0.0f;  // the sum over the seen half except for its border
     std::size_t count = 0;
     for (std::size_t y = 0; y < band.height; ++y)
       for (std::size_t x = 0; x + 1 < band.width / 2; ++x, ++count) sum += energies[(band.y + y) * 64 + band.x + x];

@@ -17,7 +17,7 @@
 namespace multum {
 namespace {
 
-// A field of 5 views by 3 lights; the mapping changes at view 3.
+// Makes a field of 5 views by 3 lights, whose mapping changes at view 3.
 InferredManifest field_of_15() {
   InferredManifest field;
   field.geometry_file = "scene.obj";
@@ -104,7 +104,8 @@ TEST(FieldBlocks, MayBeginWithAShorterOneWhereOneDoesNotHoldAll) {
   std::set<std::vector<int>> found;
   for (const FieldBlock& block : blocks_of(all, 2, 1000, 1))
     found.insert({block.begin[0], block.size[0], block.begin[1], block.size[1]});
-  // Views 0 and 1..2 share one mapping; views 3..4 share the other and form one block. Lights: 0 and 1..2.
+  // Views 0 and 1..2 share one mapping; views 3..4 share the other and form one block. The blocks of lights are 0 and
+  // 1..2.
   EXPECT_EQ(found, (std::set<std::vector<int>>{
                        {0, 1, 0, 1}, {0, 1, 1, 2}, {1, 2, 0, 1}, {1, 2, 1, 2}, {3, 2, 0, 1}, {3, 2, 1, 2}}));
   EXPECT_EQ(blocks_of(all, 8, 1000, 3).size(), 2u) << "one block per mapping holds everything";

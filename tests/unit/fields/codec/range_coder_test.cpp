@@ -50,7 +50,7 @@ TEST(RangeCoder, EverySymbolComesBack) {
         bits -= std::log2((symbol.bit ? symbol.probability : 65536.0 - symbol.probability) / 65536.0);
       }
       EXPECT_FALSE(decoder.exhausted());
-      // Rounding of the interval costs less than 1/256 of it per symbol, and the end at most two bytes.
+      // Rounding the interval costs less than 1/256 of it per symbol, and ending the stream costs at most two bytes.
       EXPECT_LE(8.0 * static_cast<double>(bytes.size()), bits + 0.006 * static_cast<double>(symbols.size()) + 16.0);
     }
 }

@@ -84,8 +84,8 @@ TEST(TextureChunk, ErrorStaysWithinWhatWasPaidFor) {
         bytes_before = bytes.size();
         error_before = error;
       }
-      // Closed loop: whatever error coarser levels left, the finest level has only the error of its own quantizer. The
-      // quantizer's step is at most 3.5 sqrt(lambda), and a smaller coefficient may be dropped.
+      // In a closed loop, the finest level has only the error of its own quantizer, whatever error coarser levels left.
+      // The quantizer's step is at most 3.5 sqrt(lambda), and a smaller coefficient may be dropped.
       EXPECT_LT(error_before, 3.5 * 3.5);
     }
 }
@@ -184,7 +184,7 @@ TEST(BestChunk, TriesWhatItIsAskedTo) {
     EXPECT_GE(cost(PyramidChoice::kPlain, coder), plain);
 }
 
-// Finer images cannot repair the coding errors of coarser ones: each level's error stays in the sum.
+// Finer images cannot repair the coding errors of coarser ones, so each level's error stays in the sum.
 TEST(TextureChunk, AnOpenLoopLeavesMoreError) {
   const ChunkSource source = test_source({4, 4}, 24);
   ChunkSettings settings;
@@ -200,7 +200,7 @@ TEST(TextureChunk, AnOpenLoopLeavesMoreError) {
 }
 
 TEST(TextureChunk, ALearntBasisFollowsWhatDimsAndBrightens) {
-  // The samples are multiples of one texture: a basis needs one image, but a pyramid needs differences.
+  // The samples are multiples of one texture. A basis needs one image, but a pyramid also needs differences.
   ChunkSource source = test_source({8}, 18);
   for (std::size_t s = 1; s < 8; ++s)
     for (std::size_t i = 0; i < source.textures[s].size(); ++i)
@@ -361,17 +361,17 @@ TEST(TextureChunk, DamagedChunksAreRefusedOrDecode) {
 }
 
 TEST(TextureChunk, RefusesWhatWouldTakeTooMuch) {
-  // 16384 x 16384 texels of 65536 samples: the head would make a decoder allocate petabytes.
+  // With 16384 x 16384 texels of 65536 samples, the head would make a decoder allocate petabytes.
   const std::vector<std::uint8_t> head = {0, 0x80, 0x80, 1, 0x80, 0x80, 1, 1, 1, 0x80, 0x80, 4, 0, 64, 16};
   std::string problem;
   EXPECT_EQ(TextureChunk::decode(head, problem), nullptr);
   EXPECT_EQ(problem, "the images have more than 2^28 texels together");
-  // One texel of 4^8 samples, with 2^8 images on each of 32 levels.
+  // This head claims one texel of 4^8 samples, with 2^8 images on each of 32 levels.
   std::vector<std::uint8_t> sums = {2, 1, 1, 8, 32};
   sums.insert(sums.end(), 8, 4);
   sums.insert(sums.end(), 32 * 9, 0);
   EXPECT_EQ(TextureChunk::decode(sums, problem), nullptr);
-  EXPECT_EQ(problem, "the sums of all samples together have more than 2^22 images");
+  EXPECT_EQ(problem, "all samples together sum more than 2^22 images");
 }
 
 TEST(ColourAxes, FindTheLongestAxisAndRotate) {

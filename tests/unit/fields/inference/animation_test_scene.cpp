@@ -42,7 +42,8 @@ nlohmann::json sample_json(int view, int param, bool moves) {
   std::snprintf(name, sizeof name, "v%02d_p%02d", view, param);
   nlohmann::json sample = {{"view", view}, {"param", param}, {"name", name}};
   sample["world_to_camera"] = shifted(-0.25 + 0.125 * view, -0.25, -2.0);
-  // Near 0.1, far 10; at a distance of 2 the picture extends 1/8 to each side of the centre.
+  // The near plane is at 0.1 and the far plane at 10. At a distance of 2 the picture extends 1/8 to each side of the
+  // centre.
   sample["projection"] = {{16, 0, 0, 0}, {0, 16, 0, 0}, {0, 0, -1.02020202, -0.202020202}, {0, 0, -1, 0}};
   if (moves) sample["object_to_world"]["thing"] = shifted(0.0, 0.0, 0.125 * param);
   if (!moves) sample["light_swing_deg"] = 22.0 * param;

@@ -15,8 +15,8 @@
 
 namespace multum::testing {
 
-/// One triangle, (0,0,0) (1,0,0) (0,1,0). Set 0 of the texture coordinates equals the positions; set 1 is three times
-/// set 0.
+/// Describes one triangle, (0,0,0) (1,0,0) (0,1,0). Set 0 of the texture coordinates equals the positions; set 1 is
+/// three times set 0.
 struct GltfScene {
   std::string nodes = R"({"name":"thing","mesh":0})";  // the first is the root
   std::array<float, 9> positions = {0, 0, 0, 1, 0, 0, 0, 1, 0};
@@ -28,7 +28,7 @@ std::string gltf_text(const GltfScene& scene);
 /// Returns a kilobyte of glTF that claims 200 million corners, all but one of them zero.
 std::string gltf_bomb();
 
-/// One part of an EXR file: float channels and string attributes.
+/// Describes one part of an EXR file: float channels and string attributes.
 struct ExrPart {
   std::string name;
   std::vector<std::string> channels;
@@ -43,7 +43,7 @@ void write_exr(const std::string& path, int width, int height, const std::vector
 /// Returns $MULTUM_SHARED_DATA/field_demo1, or "" if it does not exist.
 std::string shared_field();
 
-/// The first camera of a folder's scene.json.
+/// Holds the first camera of a folder's scene.json.
 struct DemoCamera {
   glm::dmat4 world_to_camera, projection;
   int width, height;

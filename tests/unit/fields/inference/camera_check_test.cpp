@@ -14,7 +14,7 @@
 namespace multum::testing {
 namespace {
 
-// 40 x 20 pixels; the picture extends 1/8 to each side at a distance of 2 from a triangle that fills it. The
+// The picture has 40 x 20 pixels and extends 1/8 to each side at a distance of 2 from a triangle that fills it. The
 // projection is skewed, so that every entry matters.
 struct CheckScene {
   AnimationJob job;

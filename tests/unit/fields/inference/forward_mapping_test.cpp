@@ -16,8 +16,8 @@ namespace {
 
 constexpr int kSide = 64;
 
-// The unit square with positions as texture coordinates; it fills a picture of kSide pixels except for `left`, which is
-// cut off.
+// Holds the unit square with positions as texture coordinates. It fills a picture of kSide pixels except for `left`,
+// which is cut off.
 struct Square {
   ObjectMesh mesh;
   ItemBuffer items;
@@ -44,7 +44,7 @@ struct Square {
   std::vector<float> texels() const { return forward_mapped(mesh, mapping, {{object_to_clip, &items, 0, &layer}}); }
 };
 
-// Pixel centres are on texel centres: every texel equals its pixel, with row 0 at the top.
+// Pixel centres are on texel centres, so every texel equals its pixel, with row 0 at the top.
 TEST(ForwardMappingTest, PixelsOnTexelsAreKept) {
   const Square square(kSide, [](double u, double v) { return static_cast<float>(0.1 + 0.5 * u + 0.2 * v * v); });
   const std::vector<float> texels = square.texels();

@@ -32,7 +32,8 @@ using testing::TemporaryFolder;
 constexpr const char* kOddName = "<b>&\"";
 constexpr const char* kOddNameShown = "&lt;b&gt;&amp;\"";  // as a browser serialises text
 
-// Two views and three lights; a vase with two layers, and an object with an odd name that no view sees.
+// Holds a job of two views and three lights, with a vase of two layers, and an object with an odd name that no view
+// sees.
 struct ReportScene {
   AnimationJob job;
   AnimationInferSettings settings;
@@ -61,7 +62,7 @@ struct ReportScene {
     result.textures = {texture({0, 3}, {10.0, 40.0}, {100.0, 50.0}, {20.0, 80.0}, {false, false}, 7),
                        texture({1, 4}, {1.0, 5.0}, {50.0, 100.0}, {2.0, 10.0}, {false, true}, 11)};
     result.textures[1].converged = false;
-    TextureResult black;  // has no figures and counts for nothing
+    TextureResult black;  // has no figures and does not count
     black.layer = 1;
     black.samples = {2};
     black.is_held_out = {false};
@@ -264,7 +265,7 @@ TEST(InferencePage, ASampleOfTheGridIsOneCell) {
   EXPECT_TRUE(contains(*shown, "<title>v1_p2: MSE 8.00</title>"));
 }
 
-// Five pixels in one row: right, wrong by a step, not covered by the GL, NaN, partly covered.
+// The row has five pixels: right, wrong by a step, not covered by the GL, NaN, partly covered.
 TEST(InferenceFrames, PixelsThatCannotBeComparedAreLeftOut) {
   const float nan = std::numeric_limits<float>::quiet_NaN();
   std::vector<float> traced(15, 1.0f);

@@ -115,7 +115,7 @@ TEST(ItemBufferTest, ACubeShowsItsNearestFaces) {
   const glm::dmat4 projection = glm::perspective(0.8, 1.0, kNear, 100.0);
   const glm::dmat4 at = glm::translate(glm::dmat4(1.0), glm::dvec3(0.0, 0.0, -6.0));
   const ItemBuffer front = draw_item_buffer({{&cube, at}}, projection, 100, 100);
-  // Head-on, only the face z = +1 is visible, at depth 5 everywhere: triangles 2 and 3.
+  // Seen head-on, only the face z = +1 (triangles 2 and 3) is visible, at depth 5 everywhere.
   const double half = 1.0 / (5.0 * std::tan(0.4)) * 50.0;  // pixels
   for (int y = 0; y < 100; ++y)
     for (int x = 0; x < 100; ++x) {
@@ -126,7 +126,7 @@ TEST(ItemBufferTest, ACubeShowsItsNearestFaces) {
       EXPECT_TRUE(front.triangle[pixel] == 2 || front.triangle[pixel] == 3);
       EXPECT_NEAR(front.depth[pixel], 5.0, 1e-6);
     }
-  // The nearer of two objects wins, whichever comes first; the top row shows the upper one.
+  // The nearer of two objects wins, whichever comes first. The top row shows the upper object.
   const glm::dmat4 nearer = glm::translate(glm::dmat4(1.0), glm::dvec3(0.0, 1.2, -4.0));
   const ItemBuffer a = draw_item_buffer({{&cube, at}, {&cube, nearer}}, projection, 100, 100);
   const ItemBuffer b = draw_item_buffer({{&cube, nearer}, {&cube, at}}, projection, 100, 100);
@@ -138,8 +138,8 @@ TEST(ItemBufferTest, ACubeShowsItsNearestFaces) {
 }
 
 TEST(ItemBufferTest, SharedEdgesMissNoPixelAndDrawNoneTwice) {
-  // Triangles around a centre, with all corners on pixel centres, in an orthographic picture. If each triangle is drawn
-  // separately, each inner pixel belongs to exactly one of them.
+  // Draws triangles around a centre, with all corners on pixel centres, in an orthographic picture. If each triangle is
+  // drawn separately, each inner pixel belongs to exactly one of them.
   constexpr int kSize = 64, kSpokes = 16;
   const glm::dmat4 projection = glm::ortho(0.0, double{kSize}, double{kSize}, 0.0, -1.0, 1.0);  // y downwards
   std::mt19937 random(3);
@@ -181,7 +181,7 @@ TEST(ItemBufferTest, SharedEdgesMissNoPixelAndDrawNoneTwice) {
 }
 
 TEST(ItemBufferTest, AFineWallInPerspectiveHasNoHoles) {
-  // A tilted wall, cut finely: the union of its triangles is the same wall as two triangles.
+  // A tilted wall is cut finely. The union of its triangles is the same wall as two triangles.
   const unsigned seed = 11;
   SCOPED_TRACE("seed " + std::to_string(seed));
   std::mt19937 random(seed);
@@ -216,7 +216,7 @@ TEST(ItemBufferTest, AFineWallInPerspectiveHasNoHoles) {
 }
 
 TEST(ItemBufferTest, CoverageIsTheShareOfSubPixels) {
-  // Two adjacent pixels of 2 x 2 sub-pixels each.
+  // There are two adjacent pixels of 2 x 2 sub-pixels each.
   ItemBuffer items;
   items.width = 4;
   items.height = 2;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests that pictures of known parts are separated into these parts, also with damaged values, and that the bytes do
+// Tests that pictures of known parts are separated into these parts, even with damaged values, and that the bytes do
 // not depend on the number of threads.
 #include "host/fields/inference/mapping/layer_segmentation.h"
 
@@ -17,7 +17,7 @@ namespace {
 
 using Colour = std::array<float, 3>;
 
-// A picture with its objects' coverages; all pixels have one colour unless changed.
+// Holds a picture with its objects' coverages; all pixels have one colour unless changed.
 struct Picture {
   Picture(int w, int h, std::size_t object_count)
       : width(w),
@@ -48,7 +48,7 @@ void expect_near(const Colour& found, const Colour& expected, float tolerance) {
 
 constexpr Colour kRed{0.8f, 0.1f, 0.0f}, kBlue{0.1f, 0.2f, 0.9f}, kSky{0.3f, 0.6f, 0.7f};
 
-// Object 0 left of a slanted edge, object 1 right of it, and the background above.
+// Makes object 0 left of a slanted edge, object 1 right of it, and the background above.
 Picture two_flat_objects() {
   Picture picture(24, 20, 2);
   for (int y = 0; y < picture.height; ++y)
@@ -93,7 +93,7 @@ TEST(LayerSegmentationTest, WhollyCoveredPixelsKeepTheirBits) {
   EXPECT_EQ(colour_of(layers[0], picture.at(2, 15)), (Colour{0.123f, 0.456f, 0.789f}));
 }
 
-// Values near 0.5 with random coverages, so that all parts stay within 0..1.
+// Makes values near 0.5 with random coverages, so that all parts stay within 0..1.
 Picture random_picture(unsigned seed) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<float> value(0.45f, 0.55f), share(0.0f, 1.0f);
@@ -182,8 +182,7 @@ TEST(LayerSegmentationTest, WhatCannotBeRepairedIsDropped) {
 }
 
 TEST(LayerSegmentationTest, AnObjectOfMixedPixelsOnlyIsFoundAgainstItsSurroundings) {
-  // A wire of half a pixel covers half of each pixel along it, over a flat wall: the part of a pixel that is not the
-  // wall is the wire.
+  // A wire over a flat wall covers half of each pixel along it. The part of a pixel that is not the wall is the wire.
   Picture picture(20, 20, 2);
   for (int y = 0; y < 20; ++y)
     for (int x = 0; x < 20; ++x) {
@@ -212,7 +211,8 @@ TEST(LayerSegmentationTest, AnObjectOfMixedPixelsOnlyIsFoundAgainstItsSurroundin
 }
 
 TEST(LayerSegmentationTest, TheKernelWidensWhereNothingWholeIsNear) {
-  // The only fully covered pixel of object 0 is ten pixels away: sigma 4 reaches it, sigma_max 2 does not.
+  // The only fully covered pixel of object 0 is ten pixels away. A sigma of 4 reaches it, but a sigma_max of 2 does
+  // not.
   Picture picture(24, 3, 2);
   for (int y = 0; y < 3; ++y)
     for (int x = 0; x < 24; ++x) {
@@ -284,7 +284,7 @@ TEST(LayerSegmentationTest, AnObjectHasALayerOnlyIfSomeOfItIsLit) {
   EXPECT_FALSE(has_radiance(layer, 1.0));
 }
 
-// One bright pixel in a thousand makes a layer; traces of compression in as many pixels do not.
+// One bright pixel in a thousand makes a layer; traces of compression in as many pixels do not make a layer.
 TEST(LayerSegmentationTest, SmallHighlightsAreALayerAndTracesAreNot) {
   ObjectLayer layer{std::vector<float>(1000, 1.0f), std::vector<float>(3000, 0.0f)};
   layer.rgb[1500] = 1.0f;

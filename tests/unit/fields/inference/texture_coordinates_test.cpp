@@ -44,8 +44,8 @@ ObjectMesh plane(int cells, glm::dvec2 uv_size, double uv_angle = 0.0) {
   return mesh;
 }
 
-// Makes a cylinder around the y axis: radius 1, y from -1 to 1. u runs once around from `u_start`; at u_start = 0 the
-// seam faces +z.
+// Makes a cylinder around the y axis: radius 1, y from -1 to 1. The coordinate u runs once around from `u_start`; at
+// u_start = 0 the seam faces +z.
 ObjectMesh cylinder(int sides, double u_start) {
   ObjectMesh mesh;
   for (int i = 0; i <= sides; ++i)
@@ -272,7 +272,8 @@ TEST(TextureMappingTest, PerspectivePlanesHoldTheThresholdAtEveryPixel) {
   for (const int cells : {1, 5}) {
     const ObjectMesh mesh = plane(cells, {3.0, 1.0});
     Views views(mesh);
-    // Seen from low above the plane: one view cuts off the near end, and in the last the plane passes under the eye.
+    // The views are from low above the plane. One view cuts off the near end, and in the last view the plane passes
+    // under the eye.
     for (const double distance : {2.2, 1.4, 0.9})
       views.add(glm::rotate(
           glm::rotate(glm::translate(glm::dmat4(1.0), glm::dvec3(0.1, -0.3, -distance)), -1.2, glm::dvec3(1, 0.3, 0)),
@@ -288,7 +289,7 @@ TEST(TextureMappingTest, PerspectivePlanesHoldTheThresholdAtEveryPixel) {
 }
 
 TEST(TextureMappingTest, OnlyWhatIsVisibleTakesTexels) {
-  // Head-on from near, the plane is four times as wide as the screen.
+  // Seen head-on from near, the plane is four times as wide as the screen.
   const ObjectMesh mesh = plane(1, {1.0, 1.0});
   Views views(mesh);
   views.add(at_distance(distance_for(640.0)));
@@ -308,10 +309,10 @@ TEST(TextureMappingTest, ACutThroughTheHiddenSideOfACylinderSavesTexels) {
     EXPECT_FALSE(cut.has_cut[1]) << "v ends at 0 and 1 without a seam";
     EXPECT_EQ(cut.wrap_s, WrapMode::kClamp);
     EXPECT_EQ(cut.wrap_t, WrapMode::kClamp);
-    // With the seam in front, both ends of the period are visible, and the texture spends nearly the whole period.
+    // With the seam in front, both ends of the period are visible, and the uncut texture spans nearly the whole period.
     EXPECT_LE(cut.width * cut.height, (u_start == 0.0 ? 0.6 : 1.02) * uncut.width * uncut.height);
     expect_sound(mesh, views, cut, 1.25);
-    // No triangle is torn: each keeps its shape, and the s range of a visible one is inside the texture.
+    // No triangle is torn: each keeps its shape, and the s range of a visible triangle is inside the texture.
     const std::vector<glm::vec2> corners = mapped_corners(mesh.uvs, mesh.indices, cut);
     for (std::size_t i = 0; i < corners.size(); i += 3)
       for (const std::size_t k : {i + 1, i + 2}) {
@@ -375,7 +376,7 @@ TEST(TextureMappingTest, TrianglesThatAreALineInTheTextureAreCountedAndHarmless)
   Views views(mesh);
   views.add(at_distance(distance_for(100.0)));
   const TextureMapping before = optimise_texture_mapping(mesh, views.views, settings_for());
-  // An extra triangle in front of the plane, with one texture coordinate at all corners.
+  // Adds a triangle in front of the plane, with one texture coordinate at all corners.
   const auto first = static_cast<std::uint32_t>(mesh.positions.size());
   for (const glm::vec3 p :
        {glm::vec3(-0.1f, 0.0f, 0.01f), glm::vec3(0.1f, 0.0f, 0.01f), glm::vec3(0.0f, 0.1f, 0.01f)}) {

@@ -24,7 +24,7 @@ using testing::read_bytes;
 using testing::TemporaryFolder;
 using testing::write_bytes;
 
-// 3 rows of a 4 x 3 picture; a texture of 5 x 3 has 18 texels. The middle row is empty.
+// The matrix is for 3 rows of a 4 x 3 picture; a texture of 5 x 3 has 18 texels. The middle row is empty.
 FilterMatrix small_matrix() {
   FilterMatrix m;
   m.width = 4;
@@ -109,7 +109,7 @@ std::uint64_t crc64_xz(const std::string& bytes) {
   return ~value;
 }
 
-// A file in three parts, to be joined wrongly.
+// Holds a file in three parts, which a test joins wrongly.
 struct Parts {
   std::string first_line = "multum filter matrix 1";
   nlohmann::json header;
@@ -241,7 +241,7 @@ TEST_F(FilterMatrixRefusalTest, FilesCutShort) {
   refuse_bytes(bytes + "x", {"cut short", "81 bytes", "80", "3 rows", "5 entries"});
   refuse_header("rows", 4, {"92", "4 rows", "5 entries"});
   refuse_header("entries", 4, {"72", "3 rows", "4 entries"});
-  // Sizes that would overflow or take all memory.
+  // These sizes would overflow or take all memory.
   for (const char* key : {"rows", "entries"})
     for (const std::uint64_t count : {std::uint64_t{1} << 31, (std::uint64_t{1} << 31) + 1, std::uint64_t{1} << 62,
                                       std::numeric_limits<std::uint64_t>::max()})

@@ -68,8 +68,8 @@ inline void for_each_place(const nlohmann::json& json, const nlohmann::json::jso
   }
 }
 
-/// Damages a JSON file in every place, one at a time: `read` must refuse each and name the file. Values in objects
-/// called one of `names` may be missing.
+/// Damages a JSON file in every place, one at a time. `read` must refuse each damaged file and name it. Values in
+/// objects called one of `names` may be missing.
 inline void expect_damage_is_refused(const std::string& path, const std::string& kind,
                                      const std::set<std::string>& names,
                                      const std::function<void(const std::string&)>& read) {

@@ -92,7 +92,7 @@ TEST(CutShiftTest, TrianglesLandInThePeriodAboveTheCut) {
     }
 }
 
-// The seam of a cylinder: a vertex on the cut belongs to the end of one triangle and to the beginning of another.
+// At the seam of a cylinder, a vertex on the cut belongs to the end of one triangle and to the beginning of another.
 TEST(CutShiftTest, AVertexOnTheCutGoesWithItsTriangle) {
   const std::vector<glm::vec2> uvs = {{0.25f, 0.0f}, {0.25f, 1.0f}, {0.125f, 0.0f}, {0.375f, 0.0f}};
   TextureMapping mapping = cut_at(0.25, 0.0);
@@ -108,8 +108,8 @@ TEST(CutShiftTest, AVertexOnTheCutGoesWithItsTriangle) {
 TEST(CutShiftTest, AcrossTheCutTheMiddleOfTheExtentDecides) {
   TextureMapping mapping = cut_at(1.0, 0.0);
   mapping.has_cut = {true, false};
-  // The middle of 0.75 to 1.125 is left of the cut, and that of 0.875 to 1.25 is right of it. The vertices' means are
-  // on the opposite sides.
+  // The middle of 0.75 to 1.125 is left of the cut, and the middle of 0.875 to 1.25 is right of it. The vertices' means
+  // are on the opposite sides.
   const std::vector<glm::vec2> left = {{0.75f, 0.0f}, {1.125f, 0.0f}, {1.125f, 1.0f}};
   const std::vector<glm::vec2> right = {{0.875f, 0.0f}, {0.875f, 1.0f}, {1.25f, 0.0f}};
   EXPECT_EQ(cut_shift(left, {0, 1, 2}, 0, mapping).x, 1.0);

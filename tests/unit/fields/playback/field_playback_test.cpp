@@ -101,7 +101,7 @@ TEST_F(PlaybackTest, ImagesAddUpToTheTexturesOfEverySample) {
 TEST_F(PlaybackTest, MixedSamplesOfOneSizeAreMixed) {
   PackedFieldFile file(path());
   const auto playback = open();
-  // Between views 3 and 4, where the ground's blocks meet; the board keeps its size.
+  // The point is between views 3 and 4, where the ground's blocks meet. The board keeps its size.
   playback->begin_frame(sample_shares(description_.grid, {3.25, 1.5}, true), {});
   ASSERT_TRUE(decode_all(*playback));
   for (const std::size_t l : {1u, 2u}) {
@@ -115,7 +115,7 @@ TEST_F(PlaybackTest, MixedSamplesOfOneSizeAreMixed) {
     for (std::size_t i = 0; i < a.size(); ++i)
       ASSERT_NEAR(found[i], 0.375f * (a[i] + b[i]) + 0.125f * (c[i] + d[i]), 0.2f) << l;
   }
-  // Between views 2 and 3 the board changes its size: only the nearest view counts.
+  // Between views 2 and 3 the board changes its size, so only the nearest view counts.
   playback->begin_frame(sample_shares(description_.grid, {2.25, 1.0}, true), {});
   ASSERT_TRUE(decode_all(*playback));
   const std::size_t block = description_.layers[2].block_at({2, 1});
@@ -321,7 +321,7 @@ TEST_F(PlaybackTest, ImagesAreForgottenByTheirLevels) {
     for (std::size_t i = 0; i < 3; ++i)
       if (gone[i] == 0 && playback->state(keys[i]) == ImageState::kAbsent) gone[i] = frame;
   }
-  // The images were last used in frame 0; each stays for a b^l frames: 2 4^2, 2 4, 2.
+  // The images were last used in frame 0. Each stays for a b^l frames, which are 2 4^2, 2 4 and 2 frames here.
   EXPECT_EQ(gone, (std::vector<int>{33, 9, 3}));
 }
 

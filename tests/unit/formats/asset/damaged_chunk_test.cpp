@@ -81,8 +81,8 @@ class DamagedChunkTest : public ::testing::TestWithParam<const char*> {
 
 INSTANTIATE_TEST_SUITE_P(Compressions, DamagedChunkTest, ::testing::Values("none", "rle", "zips", "zip:1", "piz"));
 
-// Parts: the finest level, two lobes, two colours. In part 1, chunk 2 is tile (0, 0) of level 2, since level 1 has two
-// tiles.
+// The parts are the finest level, two lobes and two colours. In part 1, chunk 2 is tile (0, 0) of level 2, since level
+// 1 has two tiles.
 constexpr char kPlace[] = "part lobe.0, level 2, tile (0, 0)";
 
 TEST_P(DamagedChunkTest, SizesThatCannotBe) {
@@ -123,7 +123,7 @@ TEST_P(DamagedChunkTest, ATileThatIsSaidToBeAnother) {
   expect_refusal({kPlace, "another chunk is in its place"});
 }
 
-// A chunk is hidden inside another: its head is valid, and its bytes are within the file.
+// A chunk is hidden inside another chunk. The hidden chunk's head is valid, and its bytes are within the file.
 TEST_P(DamagedChunkTest, ChunksThatOverlap) {
   const std::size_t size = static_cast<std::size_t>(place(0, 0).size);
   if (size < 3 * kHeadBytes) GTEST_SKIP() << "the finest tile is too small to hide a chunk";
@@ -139,7 +139,7 @@ TEST_P(DamagedChunkTest, ChunksThatOverlap) {
   expect_refusal({kPlace, "overlaps another chunk"});
 }
 
-// Damages one byte within a chunk at a time: every reader gets an error or unchanged data.
+// Damages one byte within a chunk at a time. Every reader gets an error or unchanged data.
 TEST_P(DamagedChunkTest, BytesWithinChunks) {
   const MovmfMipmap good = read_movmf_mipmap(file_.good);
   const std::string hash = movmf_content_hash(good, 1);

@@ -11,7 +11,7 @@
 namespace multum {
 namespace {
 
-// Mean cosine of a vMF lobe, coth(kappa) - 1/kappa.
+// Returns the mean cosine of a vMF lobe, coth(kappa) - 1/kappa.
 double mean_cosine(double kappa) { return kappa < 1e-4 ? kappa / 3.0 : 1.0 / std::tanh(kappa) - 1.0 / kappa; }
 
 TEST(FormatFormulaTest, KappaOfAMeanCosine) {

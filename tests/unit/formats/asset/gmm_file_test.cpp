@@ -151,8 +151,8 @@ INSTANTIATE_TEST_SUITE_P(Encodings, GmmQuantizeTest,
                          ::testing::Values(StorageEncoding::kSnorm16, StorageEncoding::kHalf, StorageEncoding::kFloat),
                          [](const auto& encoding) { return storage_encoding_name(encoding.param); });
 
-// The promise of gmm_kappa_max() at every tilt: this variance and larger ones are kept to within a quarter. Much
-// smaller variances are not kept, so that the limit is tight.
+// At every tilt, gmm_kappa_max() promises that this variance and larger ones are kept to within a quarter. Much smaller
+// variances are not kept, so the limit is tight.
 TEST_P(GmmQuantizeTest, KeepsVariance) {
   const auto worst = [](double variance) {
     std::mt19937 random(21);
@@ -173,7 +173,7 @@ TEST_P(GmmQuantizeTest, KeepsVariance) {
   }
 }
 
-// Single directions get variance 0, also if filtered with others of the same direction.
+// Single directions get variance 0, even if they are filtered with others of the same direction.
 TEST_P(GmmQuantizeTest, SingleDirectionsGetNone) {
   std::mt19937 random(22);
   MovmfLevel level{2000, 1, {{}, {}}, {}};
@@ -215,7 +215,7 @@ TEST_P(GmmQuantizeTest, AmplitudesSumToOneAndRoundingTwiceChangesNothing) {
     }
 }
 
-// Level 0 in integers, as docs/reference/file_format.md defines it.
+// Tests level 0 in integers, as docs/reference/file_format.md defines it.
 TEST(GmmFinestTest, TheThirdIsTheSquareRoundedDown) {
   std::mt19937 random(23);
   for (int n = 0; n < 2000; ++n) {

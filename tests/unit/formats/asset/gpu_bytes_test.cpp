@@ -24,10 +24,11 @@ TEST(GpuBytes, OfABakedFile) {
 }
 
 TEST(GpuBytes, OfWhatRenderersUsuallyHave) {
-  // A block of 4 x 4 texels is 16 + 8 bytes, and partial blocks count as whole ones: 9 x 5, 4 x 2, 2 x 1, 1 x 1.
+  // A block of 4 x 4 texels has 16 + 8 bytes, and partial blocks count as whole ones. The levels are 9 x 5, 4 x 2, 2 x
+  // 1 and 1 x 1.
   EXPECT_EQ(default_gpu_bytes(9, 5), (3u * 2 + 1 + 1 + 1) * 24);
   EXPECT_EQ(default_gpu_bytes(1, 1), 24u);
-  // 1.5 bytes per texel, 4/3 of that with mips, and two more blocks for the levels of 2 x 2 and 1 x 1.
+  // There are 1.5 bytes per texel, 4/3 of that with mips, and two more blocks for the levels of 2 x 2 and 1 x 1.
   EXPECT_EQ(default_gpu_bytes(1024, 1024), (1024u * 1024 * 4 - 16) / 3 / 16 * 24 + 2 * 24);
 }
 

@@ -22,7 +22,7 @@
 namespace multum::testing {
 namespace {
 
-// The place of an attribute of any part in the file's bytes.
+// Describes the place of an attribute of any part in the file's bytes.
 struct AttributePlace {
   int part;
   std::string name;
@@ -61,7 +61,8 @@ AttributePlace place_of(const std::string& bytes, const std::string& name) {
 
 using Values = std::map<std::tuple<int, std::string, std::string>, std::string>;  // by part, name, type
 
-// Returns the values that OpenEXR reads, as it would write them. Compression is not a value of the file.
+// Returns the values that OpenEXR reads, in the form in which it would write them. Compression is not a value of the
+// file.
 Values values_read(const std::string& path) {
   Imf::MultiPartInputFile file(path.c_str(), 1);
   Values values;
@@ -115,8 +116,8 @@ class HeaderHashTest : public ::testing::Test {
   TemporaryFolder folder_;
 };
 
-// Half of the mutants change a byte of any attribute's value, a quarter any byte of the headers, and a quarter a byte
-// of an attribute's name, type or size.
+// Half of the mutants change a byte of an attribute's value. A quarter change any byte of the headers, and a quarter
+// change a byte of an attribute's name, type or size.
 std::string mutant(const std::string& whole, const std::vector<AttributePlace>& places, SplitMix64& random) {
   const auto below = [&](std::size_t count) { return static_cast<std::size_t>(random.next() % count); };
   const AttributePlace& place = places[below(places.size())];
@@ -226,7 +227,7 @@ TEST_F(HeaderHashTest, FilesOfEarlierVersionsPassAndSaySo) {
     kind.write(path());
     std::string bytes = read_bytes(path());
     const AttributePlace place = place_of(bytes, kHeaderHashAttribute);
-    // Renamed, the attribute is unknown to every reader and has no effect.
+    // A renamed attribute is unknown to every reader and has no effect.
     bytes.replace(place.begin, 6, "others");
     bytes.replace(place.value_begin, place.end - place.value_begin, place.end - place.value_begin, ' ');
     EXPECT_EQ(failed_checks(path(), bytes), std::set<std::string>()) << kind.name;

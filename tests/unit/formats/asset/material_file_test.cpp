@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Tests files with weights and with roughness, in both representations: they read back equal, and damage is found.
-// Programs that know neither refuse such files, and other files do not change.
+// Programs that do not know weights and roughness refuse such files, and other files do not change.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -29,7 +29,7 @@ struct MaterialCase {
   Representation lobes = Representation::kMovmf;
 };
 
-// Without this function a test's name would be its bytes, padding included.
+// Without this function, the name of a test would contain the bytes of its case, including padding.
 void PrintTo(const MaterialCase& c, std::ostream* out) {
   *out << representation_info(c.lobes).option << " as " << static_cast<int>(c.encoding)
        << (c.has_colours ? " colours" : "") << (c.has_roughness ? " roughness" : "") << " weights " << c.weight_count;
@@ -260,7 +260,7 @@ TEST_P(WeightsFileTest, VerifyNamesTheWeightThatCannotBe) {
   EXPECT_EQ(failed(path), std::set<std::string>{"finite"});
 }
 
-// An empty list of cases would make no tests, so none would fail.
+// With an empty list of cases there would be no tests, so none would fail.
 TEST(MaterialFile, EveryTestHasCases) {
   EXPECT_EQ(cases_where(has_rough_lobes).size(), 3u);
   EXPECT_EQ(cases_where(has_rough_gaussians).size(), 3u);

@@ -150,7 +150,7 @@ TEST(MomentWriterTest, WithoutCommitNothingStays) {
   EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
 }
 
-// The format's statement about half floats.
+// Tests what the format states about half floats.
 TEST(MomentQuantizeTest, SingleDirectionsGetNoVariance) {
   const MomentMipmap mipmap = random_moments(128, 128, false, StorageEncoding::kHalf, 7);
   for (std::size_t i = 0; i < mipmap.levels[0].slopes.size(); ++i) {
@@ -179,13 +179,13 @@ TEST(MomentQuantizeTest, VariancesAreThoseAboutTheRoundedMeans) {
   quantize_moments(rows, StorageEncoding::kHalf, 1);
   for (std::size_t i = 0; i < variances.size(); ++i) {
     const auto s = static_cast<double>(rows.slopes[i].s), ss = static_cast<double>(rows.slopes[i].ss);
-    // Half a step of the moment, plus the rounding of the variance to float.
+    // The bound is half a step of the moment, plus the rounding of the variance to float.
     EXPECT_NEAR(ss - s * s, variances[i], ss * (0x1p-11 + 0x1p-20)) << s;
   }
 }
 
-// The promise of least_slope_deviation(): at a slope of 1, this variance and larger ones are kept to within a quarter.
-// Much smaller variances are not kept, so that the limit is tight.
+// least_slope_deviation() promises that, at a slope of 1, this variance and larger ones are kept to within a quarter.
+// Much smaller variances are not kept, so the limit is tight.
 TEST(MomentQuantizeTest, KeepsRoughnessDownToTheLeast) {
   std::mt19937 random(13);
   const auto worst = [&](StorageEncoding encoding, double deviation) {

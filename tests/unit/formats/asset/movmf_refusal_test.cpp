@@ -48,7 +48,7 @@ class MovmfRefusalTest : public ::testing::Test {
     expect_error(ErrorCode::kInput, parts, [&] { read_movmf_mipmap(path); });
   }
 
-  // The good file with a flat level 0, except for one value of texel (5, 3).
+  // Makes the good file with a flat level 0, except for one value of texel (5, 3).
   std::string with_finest_texel(const std::string& channel, float value) const {
     Imf::MultiPartInputFile in(file_.good.c_str());
     std::vector<Imf::Header> headers;
@@ -172,7 +172,7 @@ TEST_F(MovmfRefusalTest, ChannelsAndLevelsOfAnotherKind) {
                    h.channels() = channels;
                  }),
                  {"no channel lobe1.vMF.R in part lobe.1"});
-  // Pixels cannot be copied to another compression, so the channels change too: the level mode is checked first.
+  // Pixels cannot be copied to another compression, so the channels change too. The level mode is checked first.
   const auto change_tiles = [&](const char* name, Imf::LevelMode mode) {
     return file_.rebuilt(all_, [=](Imf::Header& h) {
       if (h.name() != name) return;

@@ -96,7 +96,7 @@ TEST_P(MovmfVerifyTest, AFlippedBitInAnyTileFailsTheChecksum) {
   const unsigned seed = 6;
   SCOPED_TRACE("seed " + std::to_string(seed));
   std::mt19937 random(seed);
-  // More than the last half of the file is pixels; a byte there belongs to a pixel or to a chunk's header.
+  // The last half of the file contains only chunks, so a byte there belongs to a pixel or to a chunk's header.
   for (int round = 0; round < 30; ++round) {
     std::string bytes = whole;
     const std::size_t at = whole.size() / 2 + random() % (whole.size() / 2);

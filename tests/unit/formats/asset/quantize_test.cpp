@@ -162,7 +162,8 @@ TEST_P(QuantizeTest, EmptyLobesAreZero) {
   EXPECT_EQ(texels[0][2], glm::vec4(0));
 }
 
-// Relative change of the spread 1 - |r| of lobes of amplitude 1 and a given kappa: median and 95th percentile.
+// Holds the median and the 95th percentile of the relative change of the spread 1 - |r|, for lobes of amplitude 1 and a
+// given kappa.
 struct SpreadChange {
   double median, percentile_95;
 };
@@ -194,7 +195,7 @@ TEST_P(QuantizeTest, KeepsSpreadUpToKappaMax) {
   // A flat lobe rounds only z, by at most half a step.
   for (double kappa = limit; kappa > 0.9 * limit; kappa *= 0.997)
     EXPECT_LE(spread_change(kappa, GetParam(), random_, 0.0).percentile_95, 0.31) << "flat, kappa " << kappa;
-  // Far beyond the limit the error is large, so that the limit is tight.
+  // Far beyond the limit the error is large, so the limit is tight.
   EXPECT_GE(spread_change(4.0 * limit, GetParam(), random_, 60 * kDegree).percentile_95, 0.25);
 }
 
@@ -233,11 +234,11 @@ double highlight_peak(const std::vector<glm::dvec4>& lobes, double kappa_f) {
 }
 
 TEST_P(QuantizeTest, AGlossyHighlightOnATiltedFlatKeepsItsPeakAtTexelsAndBetweenThem) {
-  // Roughness 0.1: alpha = 0.01, kappa_f = 2 / alpha^2.
+  // A roughness of 0.1 gives alpha = 0.01 and kappa_f = 2 / alpha^2.
   constexpr double kKappaF = 20000.0;
   const double exact = highlight_peak({{0.0, 0.0, 1.0, 1.0}}, kKappaF);
   EXPECT_NEAR(exact, kKappaF / (2.0 * std::numbers::pi), 1e-6 * exact);
-  std::array<double, 2> worst = {0.0, 0.0};  // at texels, between them
+  std::array<double, 2> worst = {0.0, 0.0};  // at texels and between them
   for (double tilt = 0.0; tilt <= 60.0; tilt += 2.5)
     for (double azimuth = 0.0; azimuth < 360.0; azimuth += tilt == 0.0 ? 360.0 : 3.7) {
       const double t = tilt * kDegree, p = azimuth * kDegree;

@@ -28,8 +28,8 @@ TEST(RepresentationTest, RowsAreWhole) {
   }
 }
 
-// docs/reference/file_format.md: one texture per lobe, two for moments, one per four coefficients. Features take one
-// texture per lobe, or one for the whole texel.
+// By docs/reference/file_format.md there is one texture per lobe, two for moments, and one per four coefficients.
+// Features take one texture per lobe, or one for the whole texel.
 TEST(RepresentationTest, TexturesAreThoseOfTheFormat) {
   const TexelCounts counts{.lobes = 3, .sh_order = 4};
   const auto textures = [&](const char* name, int features) {

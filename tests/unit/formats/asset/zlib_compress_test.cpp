@@ -49,11 +49,11 @@ TEST(ZlibCompressTest, ZlibReadsEveryLevel) {
 }
 
 TEST(ZlibCompressTest, QuickLevelsCompressToo) {
-  const Bytes source = random_bytes(262144, 16);  // 4 bits of 8
+  const Bytes source = random_bytes(262144, 16);  // 4 of 8 bits are random
   for (int level = 1; level <= 9; ++level) EXPECT_LT(compressed(source, level).size(), source.size() * 6 / 10) << level;
 }
 
-// ISA-L read the size of its window from uninitialised stack memory: sometimes matches and bytes differed.
+// ISA-L read the size of its window from uninitialised stack memory, so matches and bytes sometimes differed.
 [[gnu::noinline]] void fill_the_stack(std::uint64_t seed) {
   volatile std::uint16_t there[1 << 18];
   for (std::size_t i = 0; i < std::size(there); ++i) there[i] = static_cast<std::uint16_t>(split_mix(seed + i) % 64);
@@ -82,7 +82,7 @@ TEST(ZlibCompressTest, SameBytesWhateverWasInMemory) {
 }
 
 // ISA-L 2.30 hashes strings with the address of its stream, in units of 64 KiB. Short inputs have small tables of
-// strings: 1 in 500 gave other bytes at another address, about 25 of these.
+// strings, so that 1 in 500 gave other bytes at another address. In this test, about 25 results differed.
 TEST(ZlibCompressTest, SameBytesWhereverTheStackIs) {
   constexpr int kDepths = 24;
   for (std::uint64_t input = 0; input < 500; ++input) {

@@ -65,7 +65,7 @@ TEST(BrdfTable, EveryRowRefusesWhatIsNotOfIt) {
   }
 }
 
-// The texts and ranges exactly as they were before the table existed.
+// The texts and ranges must stay exactly as they were published.
 TEST(BrdfTable, FormsAreThoseThatWerePublished) {
   EXPECT_EQ(brdf_text(parsed("cook-torrance:0.07,0.95,0.93,0.88"), ""), "cook-torrance:0.07,0.95,0.93,0.88");
   EXPECT_EQ(brdf_text(parsed("ggx:0.4,0.5"), ""), "ggx:0.4,0.5,0.5,0.5");
@@ -78,8 +78,8 @@ TEST(BrdfTable, FormsAreThoseThatWerePublished) {
   EXPECT_EQ(range_text(brdf_family(BrdfKind::kGgx).members[0]), "a number from 0.05 to 1");
 }
 
-// No density is negative or extends beyond the sphere. A density integrates to 1 if its row says so, and fits belong to
-// their row.
+// No density is negative or extends beyond the sphere. A density integrates to 1 if its row says so, and each fit
+// belongs to its row.
 TEST(BrdfTable, DensitiesAreWhatRowsSay) {
   for (const BrdfFamily& family : brdf_families())
     for (const std::string& text : texts_of(family)) {

@@ -128,7 +128,8 @@ TEST_F(MeasuredFileTest, RefusesWhatIsNoMeasurement) {
   expect_refusal(read_measured_brdf, write("word.brdf", "3\n400 550 seven\n1 2 3 4 5 6 7"), {"line 2", "numbers"});
   expect_refusal(read_measured_brdf, write("count.brdf", "2.5 400 500 600 1 2 3 4"), {"wavelengths", "2.5"});
   expect_refusal(read_measured_brdf, write("cut.brdf", "3 400 550 700 0.1 0.2 0.3 0.4 0.5 0.6"), {"rows", "7"});
-  expect_refusal(read_measured_brdf, write("infrared.brdf", "3 900 1000 1100 .1 .2 .3 .4 .5 .6 .7"), {"primaries"});
+  expect_refusal(read_measured_brdf, write("infrared.brdf", "3 900 1000 1100 .1 .2 .3 .4 .5 .6 .7"),
+                 {"red, green and blue"});
   expect_refusal(read_measured_brdf, write("below.brdf", "5 400 475 550 625 700 3 0 3 0 .5 .5 .5 .5 .5"), {"horizon"});
 }
 
@@ -137,7 +138,8 @@ std::string radiance(const std::string& size, const std::string& rows) {
 }
 
 TEST_F(MeasuredFileTest, RadianceRows) {
-  // A packed row of 8 texels: 8 times 128; 3 and 5 values; 8 times 64; exponent 129, which is 2^-7 each.
+  // A packed row of 8 texels has 8 times 128, then 3 and 5 values, then 8 times 64, and the exponent 129, which is 2^-7
+  // each.
   const std::string packed = std::string("\2\2\0\x8", 4) + std::string("\x88\x80", 2) +
                              std::string("\x3\1\2\3\x5\4\5\6\7\x8", 10) + std::string("\x88\x40", 2) +
                              std::string("\x88\x81", 2);

@@ -97,7 +97,7 @@ TEST(ExrLayers, CropsAreRefusedInEveryPart) {
   expect_refused({"crop.exr", "2 x 2 at (1, 0)", "4 x 4", "whole frame"},
                  [&] { read_exr_channels(folder / "crop.exr", {"Z"}); });
 
-  // Parts share a display window, so that a part of another size is a crop too.
+  // Parts share a display window, so a part of another size is a crop too.
   OIIO::ImageSpec specs[2] = {{4, 4, 1, OIIO::TypeDesc::FLOAT}, {2, 2, 1, OIIO::TypeDesc::FLOAT}};
   specs[1].full_width = specs[1].full_height = 4;
   specs[0].attribute("oiio:subimagename", "a");
@@ -112,8 +112,8 @@ TEST(ExrLayers, CropsAreRefusedInEveryPart) {
   expect_refused({"sizes.exr", "2 x 2 at (0, 0)", "4 x 4"}, [&] { exr_channel_names(sizes); });
 }
 
-// Identifiers follow the public test vectors of MurmurHash3. The names are those in Blender's manifests (their lengths
-// leave tails of 0, 1 and 3 bytes), and names whose hashes have an exponent of all ones or zeros.
+// Identifiers follow the public test vectors of MurmurHash3. Some names are from Blender's manifests, with lengths that
+// leave tails of 0, 1 and 3 bytes. Other names have hashes with an exponent of all ones or zeros.
 const std::uint32_t kWalls = 0x0810d53du, kVase = 0x6aaa21aau, kParfait = 0xb007361bu;
 
 ExrPart cryptomatte_part() {
@@ -312,7 +312,7 @@ TEST_F(ForeignCryptomatte, MetadataWithoutANameAreMatchedByTheirKey) {
   EXPECT_EQ(expect_read("CryptoObject").size(), 1u);
 }
 
-// The rooms of the real field hold only its objects, so that their coverages sum to 1, by manifest and by hash.
+// The rooms of the real field hold only its objects, so their coverages sum to 1, by manifest and by hash.
 TEST(Cryptomatte, RealCoveragesSumToOne) {
   if (shared_field().empty()) GTEST_SKIP() << "MULTUM_SHARED_DATA names no folder with field_demo1";
   const std::string file = shared_field() + "/geom_v03.exr";

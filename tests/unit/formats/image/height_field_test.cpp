@@ -94,7 +94,7 @@ TEST(HeightField, WrapModesAtTheBorder) {
     EXPECT_NEAR(slopes(map, 3, 0).first, expected.second, 1e-5) << wrap_mode_name(mode);
     EXPECT_NEAR(slopes(map, 0, 0).second, 0.0, 1e-6) << wrap_mode_name(mode);
   }
-  // The same along t: a column, where upwards is opposite to the order of rows.
+  // Tests the same along t, in a column, where upwards is opposite to the order of rows.
   const TestImage column = height_image(1, 4, [](int, int y) { return 1.0 + y * y; });
   NormalMapSettings settings;
   settings.wrap_s = WrapMode::kClamp;
@@ -200,8 +200,8 @@ TEST(HeightField, DoubtsAreWarnedOf) {
   }
 }
 
-// The warning about a steep scale depends on who gave the scale; a refusal because of too steep slopes names a scale
-// too.
+// The warning about a steep scale depends on where the scale comes from. A refusal because of steep slopes also names a
+// scale.
 TEST(HeightField, ASteepScaleIsDoubtedWhoeverGaveIt) {
   NormalMapSettings settings;
   settings.bump_format = BumpFormat::kHeight;
@@ -274,7 +274,8 @@ std::pair<double, double> errors(const NormalMap& map, const std::function<doubl
   return {sum / (map.width * map.height), largest};
 }
 
-// Quantized ramps of 7.13 degrees and others are flat except for texels of 45.1 degrees; dequantizing makes them ramps.
+// Quantized ramps of 7.13 degrees and others are flat except for texels of 45.1 degrees. Dequantizing makes them ramps
+// again.
 TEST(HeightField, TerracesAreWarnedOfAndDequantized) {
   const std::function<double(int, int)> ramps[] = {[](int x, int) { return 0.25 * 255.0 * x / 1023.0; },
                                                    [](int x, int y) { return 3.3 + 0.031 * x + 0.043 * y; },

@@ -19,7 +19,7 @@ namespace {
 
 using OIIO::TypeDesc;
 
-// An image as it was read: planes of floats.
+// Holds an image as it was read: planes of floats.
 struct RawPicture : RawImageInfo {
   std::vector<std::vector<float>> planes;
 };
@@ -177,7 +177,7 @@ class TiffBytes {
   std::size_t link_ = 4, picture_ = 8;
 };
 
-// Arguments: bits per sample, their type (1 unsigned, 2 signed, 3 floats), and the meaning of 0.
+// The arguments are the bits per sample, their type (1 unsigned, 2 signed, 3 floats), and the meaning of 0.
 std::string grey_tiff(bool is_big_endian, int bits, std::uint64_t format, std::uint64_t photometric,
                       std::vector<TiffBytes::Entry> more = {}) {
   TiffBytes tiff(is_big_endian);
@@ -191,8 +191,8 @@ std::string grey_tiff(bool is_big_endian, int bits, std::uint64_t format, std::u
   return tiff.bytes();
 }
 
-// MinIsWhite is inverted once for integers of every size; MinIsBlack is not inverted; types without a black value are
-// refused.
+// MinIsWhite is inverted once for integers of every size, and MinIsBlack is not inverted. Types without a black value
+// are refused.
 TEST(ImageReaderTest, WhiteIsZeroOfTiff) {
   const TemporaryFolder folder;
   for (const bool is_big_endian : {false, true}) {
@@ -216,7 +216,7 @@ TEST(ImageReaderTest, WhiteIsZeroOfTiff) {
   }
 }
 
-// A colour map's words are v * 257, or v * 256 from some programs: both give v, for every v.
+// A colour map's words are v * 257, or v * 256 from some programs. Both give v, for every v.
 TEST(ImageReaderTest, PalettesOfTiff) {
   const TemporaryFolder folder;
   for (const bool is_big_endian : {false, true}) {
@@ -262,7 +262,7 @@ TEST(ImageReaderTest, DamagedPngsAreReportedWithTheirCause) {
   expect_cause(with_byte(24, 99), {"found 99 bits"});
   expect_cause(with_byte(25, 1), {"found colour type 1"});
   expect_cause(with_byte(25, 3), {"PLTE"});
-  expect_cause(with_byte(28, 5), {"interlacing"});
+  expect_cause(with_byte(28, 5), {"interlace method 5"});
   expect_cause(with_byte(29, 0x77), {"CRC"});  // the header's CRC
   const std::size_t rows = good.find("IDAT") - 4, end = good.find("IEND") - 4;
   expect_cause(good.substr(0, rows) + good.substr(end), {"no rows (IDAT)"});
@@ -282,7 +282,7 @@ TEST(ImageReaderTest, SubsampledChannelsOfExrAreNamed) {
                [&] { read_raw(folder / "a.exr"); });
 }
 
-// Ignored properties are noted: the picture's orientation, and further pictures in the file.
+// Ignored properties, such as the picture's orientation and further pictures in the file, are noted.
 TEST(ImageReaderTest, OrientationAndFurtherPagesAreNoted) {
   const TemporaryFolder folder;
   const auto notes = [&](const std::string& name) {
@@ -320,7 +320,7 @@ TEST(ImageReaderTest, OrientationAndFurtherPagesAreNoted) {
   }
 }
 
-// GeoTIFF: a texel size in metres gives the scale of heights in metres; degrees and feet give none.
+// In a GeoTIFF, a texel size in metres gives the scale of heights in metres; degrees and feet give none.
 TEST(ImageReaderTest, TexelsInMetresGiveTheHeightScale) {
   const TemporaryFolder folder;
   const auto with_keys = [&](bool is_big_endian, std::vector<std::uint64_t> keys) {
@@ -487,7 +487,7 @@ TEST(ImageReaderTest, TexelLimitIsCheckedBeforeReading) {
   EXPECT_EQ(read_raw(folder / "a.png", settings).width, 20);
 }
 
-// A PNG of 60 bytes claims 30000 x 30000 texels: within the limit of texels, but not within its bytes.
+// A PNG of 60 bytes claims 30000 x 30000 texels. This is within the limit of texels, but too much for 60 bytes.
 TEST(ImageReaderTest, SizesThatTheBytesCannotHoldAreRefused) {
   const TemporaryFolder folder;
   write_test_image(folder / "a.png", gradient_image(4, 4, 3));

@@ -103,7 +103,7 @@ TEST(SharedData, EveryFileOfTheManifestIsUnderstood) {
   std::cout << rows.size() << " files, " << refused_count << " refused\n";
 }
 
-// One terrain as heights and as normals: the slopes must agree in size and sign.
+// The slopes of one terrain, given as heights and as normals, must agree in size and sign.
 TEST(SharedData, HeightsAndNormalsOfOneTerrainAgree) {
   const std::string folder = shared_data() + "/height/";
   if (shared_data().empty() || !fs::exists(folder + "jacksboro_height_u16.png"))

@@ -23,9 +23,9 @@ struct TestImage {
   int channels = 3;
   std::vector<float> values = {};  // interleaved
   OIIO::TypeDesc type = OIIO::TypeDesc::UINT8;
-  std::vector<std::string> channel_names = {};  // empty: OpenImageIO's
+  std::vector<std::string> channel_names = {};  // if empty, OpenImageIO chooses the names
   int alpha_channel = -1;
-  int tile_size = 0;  // 0: scan lines
+  int tile_size = 0;  // 0 for scan lines
   std::string compression = "";
   std::string colour_space = "";
 
@@ -40,7 +40,8 @@ void write_test_image(const std::string& path, const TestImage& image);
 /// Returns unit normals of a periodic surface without symmetries, +Y up; `steepness` is about the rms slope.
 std::vector<glm::dvec3> surface_normals(int width, int height, double steepness = 0.4);
 
-/// Returns normals as a file's values: three channels, 0..1 unless `is_signed`; `green_sign` -1 is DirectX.
+/// Returns normals as a file's values: three channels, 0..1 unless `is_signed`. A `green_sign` of -1 is DirectX's
+/// convention.
 TestImage normal_image(int width, int height, bool is_signed = false, double green_sign = 1.0);
 
 /// Returns the largest distance between the map and the normals.

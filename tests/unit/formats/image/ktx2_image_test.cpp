@@ -30,7 +30,7 @@ struct UastcCase {
   std::uint64_t texels;  // FNV-1a of the result of unpack_uastc() in Basis Universal's transcoder
 };
 
-// A block of random bits for each mode, 0 to 18. Two million other blocks agreed too.
+// There is a block of random bits for each mode, 0 to 18. Two million other blocks agreed too.
 constexpr UastcCase kBlocks[] = {
     {"01803cd108d88d73afea79c81e4783c6", 0x7f8bb08a820a6f37}, {"3589a9b9586df6ddf4cc526a8b692470", 0xd78e21bf0b72b606},
     {"dd1d12347a1f31e2d379ddadebb3560f", 0x740e0d2d8d2098de}, {"a3197db322962177633dce87a08343df", 0x928308b68b1299c0},
@@ -184,7 +184,7 @@ TEST_F(Ktx2ImageTest, Refusals) {
   expect_error(ErrorCode::kInput, {path_, "cut"}, [&] { open_library_image(path_, {}); });
 }
 
-// A texture as multum gltf --format rgba8 writes it, and one inside KHR_texture_basisu.
+// Tests a texture as multum gltf --format rgba8 writes it, and one inside KHR_texture_basisu.
 TEST_F(Ktx2ImageTest, MaterialsOfModels) {
   Ktx2Parts parts;
   parts.level.assign(60, 'x');

@@ -171,7 +171,7 @@ TEST(RoughnessMap, ANameThatSaysAnotherMapIsWarnedOf) {
   expect_says(warning(true, "a_s.exr"), {"a_s.exr: ", "specular map", "given as --gloss"});
   expect_says(warning(false, "a_metallic.exr"), {"metalness map", "given as --roughness"});
   EXPECT_EQ(warning(true, "a_s.exr", "R"), "") << "the channel was named";
-  // A polished surface: the name decides if the numbers do not.
+  // For a polished surface, the name decides if the numbers do not.
   const auto polished = [](int i, int) { return i % 2 == 0 ? 0.6f : 0.95f; };
   EXPECT_TRUE(report_of(1, polished, true, "", "a_gloss.exr").warnings.empty());
   EXPECT_EQ(report_of(1, polished, true).warnings.size(), 1u);

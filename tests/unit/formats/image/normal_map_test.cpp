@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests reading normal maps: every encoding gives back the original normals, also if the encoding must be detected.
+// Tests reading normal maps: every encoding gives back the original normals, even if the encoding must be detected.
 // Other files are refused, every repair is counted, and no thread count changes a bit.
 #include "host/formats/image/normals/normal_map.h"
 
@@ -44,7 +44,7 @@ struct EncodingCase {
   TypeDesc::BASETYPE type;
   bool is_signed;
   double green_sign;
-  double tolerance;  // on unit vectors: the quantum, or the compression's error
+  double tolerance;  // for unit vectors: the quantum, or the error of the compression
 };
 
 class NormalEncoding : public ::testing::TestWithParam<EncodingCase> {};
@@ -193,7 +193,7 @@ TEST(NormalMapReading, ScaledVectorsAreNormalisedAndSaid) {
   expect_error(ErrorCode::kInput, {"a.png", "--bumpformat"}, [&] { read_map(folder / "a.png"); });
 }
 
-// Two outliers do not change the detection of greyness or direction: like NaN, they are repaired.
+// Two outliers do not change the detection of greyness or direction. They are repaired like NaN.
 TEST(NormalMapReading, OutliersHideNothing) {
   const TemporaryFolder folder;
   for (const float outlier : {1e12f, 1e30f, -1e30f}) {
@@ -251,7 +251,7 @@ TEST(NormalMapReading, OverridesWin) {
   NormalMapSettings settings;
   settings.green = GreenAxis::kDown;
   const NormalMap flipped = read_map(folder / "a.png", settings);
-  EXPECT_TRUE(contains(flipped.report.encoding, "green down (DirectX), as asked for"));
+  EXPECT_TRUE(contains(flipped.report.encoding, "green down (DirectX), as requested"));
   for (std::size_t i = 0; i < found.y.size(); ++i) ASSERT_EQ(flipped.y[i], -found.y[i]);
   settings = {};
   settings.two_channel = true;
@@ -452,7 +452,7 @@ TEST(NormalMapReading, XInAlphaIsNamed) {
   const TemporaryFolder folder;
   const TestImage full = normal_image(64, 64);
   TestImage image{.width = 64, .height = 64, .channels = 4, .alpha_channel = 3};
-  for (const float blue : {0.0f, 1.0f, -1.0f}) {  // -1: blue equals green
+  for (const float blue : {0.0f, 1.0f, -1.0f}) {  // -1 stands for a blue that equals green
     image.values.clear();
     for (std::size_t i = 0; i < full.values.size(); i += 3)
       image.values.insert(image.values.end(),
@@ -531,7 +531,7 @@ TEST(NormalMapReading, SettingsOutOfRangeAreRefused) {
   expect_error(ErrorCode::kUsage, {"texel_count_max"}, [&] { read_map("x", settings); });
 }
 
-// A signed float map with each kind of hole at known places.
+// Makes a signed float map with each kind of hole at known places.
 class NormalRepair : public ::testing::Test {
  protected:
   void SetUp() override {

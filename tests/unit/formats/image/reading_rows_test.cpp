@@ -107,7 +107,7 @@ TEST_F(ReadingRowsTest, TwoChannelsAndConstantBlue) {
   expect_same_everywhere(write("two.exr", two));
 }
 
-// Holes of every kind in every row, some below one another: each band has one at its border.
+// Every row has holes of every kind, some below one another, so each band has one at its border.
 TEST_F(ReadingRowsTest, RepairsReachOverTheBorders) {
   TestImage image = normal_image(61, 47, true);
   image.type = TypeDesc::FLOAT;

@@ -87,8 +87,8 @@ TEST(Seam, NormalMapsAreMeasuredToo) {
   EXPECT_EQ(said.find("--twrap"), std::string::npos) << said;
 }
 
-// Independent texels match at any border; lines along the border, as between tiles, are steps inside the map too; one
-// row or a few texels tell nothing.
+// Independent texels match at any border. Lines along the border, as between tiles, are steps inside the map too. One
+// row or a few texels do not tell whether a map tiles.
 TEST(Seam, WhatOnlyLooksLikeOneIsNone) {
   const TemporaryFolder folder;
   std::mt19937 generator(7);

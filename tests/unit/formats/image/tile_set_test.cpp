@@ -135,7 +135,7 @@ TEST_F(TileSetTest, MissingAndUnlikeTilesEndTheSurface) {
   std::filesystem::remove(folder_ / "h_1003.png");
   TestImage broken = normal_image(kSide, kSide);
   write_test_image(folder_ / "h_1002.png", broken);
-  EXPECT_TRUE(has_warning(read_tile("1001"), {"tile 1002", "not hold such heights"}));
+  EXPECT_TRUE(has_warning(read_tile("1001"), {"tile 1002", "not hold heights of this kind"}));
 }
 
 TEST_F(TileSetTest, DequantizedTilesMeet) {
@@ -200,8 +200,8 @@ TEST_F(TileSetTest, ARecordKnowsTheBordersOfOthers) {
   }
 }
 
-// A flat tile cannot decide green, and another may be painted the other way round: the first tile that can decides for
-// all.
+// A flat tile cannot decide green, and another tile may be painted the other way round. The first tile that can decide
+// does so for all tiles.
 TEST_F(TileSetTest, GreenIsThatOfTheSet) {
   settings_ = {};
   TestImage flat = normal_image(kSide, kSide);

@@ -88,7 +88,7 @@ TEST_F(UseOfBlue, ZFromZeroToOneIsFound) {
       SCOPED_TRACE(::testing::Message() << degrees << " degrees, " << name);
       const NormalMap map = read_map(folder_ / name);
       EXPECT_TRUE(contains(map.report.encoding, "z from 0 to 1")) << map.report.encoding_reason;
-      EXPECT_TRUE(contains(map.report.encoding_reason, "2 blue - 1")) << map.report.encoding_reason;
+      EXPECT_TRUE(contains(map.report.encoding_reason, "2 * blue - 1")) << map.report.encoding_reason;
       EXPECT_LT(degrees_off(map, normals), 0.7);
     }
   }
@@ -128,7 +128,7 @@ TEST_F(UseOfBlue, SomethingElseIsRefusedAndReadAsTwoChannels) {
       EXPECT_TRUE(contains(message, "a.png")) << message;
       EXPECT_TRUE(contains(message, "--two-channel")) << message;
       EXPECT_LT(degrees_off(read_map(folder_ / "a.png", {.two_channel = true}), normals), 0.7);
-      if (low < 0.8) continue;  // lower ones have vectors below the horizon, or none that look like normals
+      if (low < 0.8) continue;  // lower values give vectors below the horizon, or vectors that do not look like normals
       EXPECT_EQ(refusal(folder_ / "a.png", {.bump_format = BumpFormat::kNormal}), "");
       const NormalMapSettings strict = {.bump_format = BumpFormat::kNormal, .refuse_doubts = true};
       EXPECT_TRUE(contains(refusal(folder_ / "a.png", strict), "--two-channel"));

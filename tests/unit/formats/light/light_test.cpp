@@ -30,7 +30,8 @@ EnvironmentMap make_map(int height, const Radiance& radiance) {
   return map;
 }
 
-// The coefficients of (s + 1) / (2 pi) t^s: a_0 = 1, a_1 = (s + 1) / (s + 2), a_l = a_(l-2) (s - l + 2) / (s + l + 1).
+// The coefficients of (s + 1) / (2 pi) t^s are a_0 = 1, a_1 = (s + 1) / (s + 2) and
+// a_l = a_(l-2) (s - l + 2) / (s + l + 1).
 TEST(FacetDistribution, ZonalCoefficientsOfBlinnPhongAreThoseOfItsRecurrence) {
   for (const float s : {1.0f, 12.0f, 100.0f, 1e5f}) {
     Brdf brdf;
@@ -76,7 +77,7 @@ TEST(VmfTerms, ChannelsShareTheirKappas) {
   EXPECT_LT(terms[0].weight.z, 0.1);
 }
 
-// A sheen is 0 at the normal and brightest near the horizon: broad terms of both signs approximate it.
+// A sheen is 0 at the normal and brightest near the horizon. Broad terms of both signs approximate it.
 TEST(VmfTerms, FitADensityThatHasNoPeak) {
   for (const double power : {0.5, 1.0, 1.4}) {
     const auto sheen = [&](double e) { return glm::dvec3(e < 1.0 ? std::pow(e * (2.0 - e), power) : 0.0); };
@@ -193,7 +194,7 @@ TEST(HalfVectorLight, OfConstantLight) {
   for (const glm::dvec3 v : {glm::dvec3(0.0, 1.0, 0.0), glm::normalize(glm::dvec3(1.0, -0.3, 0.4))}) {
     const std::vector<glm::dvec3> light = half_vector_light(white, v);
     EXPECT_NEAR(light[0].x, 8.0 * std::numbers::pi / 3.0 * std::sqrt(0.25 / std::numbers::pi), 5e-3);
-    // l = 1: 4 times the integral of c^3 over the hemisphere is 2 pi, along v.
+    // For l = 1, 4 times the integral of c^3 over the hemisphere is 2 pi, along v.
     const double along = std::sqrt(0.75 / std::numbers::pi) * 2.0 * std::numbers::pi;
     EXPECT_NEAR(light[3].x, along * v.x, 0.02);
     EXPECT_NEAR(light[2].x, along * v.z, 0.02);

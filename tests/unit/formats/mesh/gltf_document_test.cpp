@@ -148,7 +148,7 @@ TEST_F(ModelFolderTest, NulInTextsIsRefused) {
   expect_error(ErrorCode::kInput, {model_, "NUL"}, [&] { read_gltf_asset(model_); });
 }
 
-// Files named in an OBJ file are read only below its folder; here, the test is whether a material of that name exists.
+// Files named in an OBJ file are read only below its folder. No material library from elsewhere is read here.
 TEST_F(ModelFolderTest, ObjFilesReadNoMaterialsFromElsewhere) {
   const std::string shape = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\no thing\nusemtl m\nf 1/1 2/2 3/3\n";
   std::filesystem::create_symlink("/dev/zero", folder_ / "model/zero.mtl");

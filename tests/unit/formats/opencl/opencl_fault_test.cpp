@@ -19,7 +19,7 @@ namespace {
 constexpr int kOutOfResources = -5;
 
 int g_events_released = 0, g_queues = 0;
-int g_times_until_failure = -1;  // successful calls of clGetEventProfilingInfo; -1: all
+int g_times_until_failure = -1;  // number of successful calls of clGetEventProfilingInfo; -1 if all succeed
 bool g_unmap_fails = false;
 
 template <typename Function>
@@ -146,7 +146,7 @@ std::vector<DeviceInfo> devices_called(const std::vector<std::string>& names) {
   return devices;
 }
 
-// A number is a device's index if the list has it, else a part of a name.
+// A number is a device's index if the list has this index, otherwise a part of a name.
 TEST(ChooseDeviceTest, NumbersAreOfTheListOrOfNames) {
   const std::vector<DeviceInfo> devices =
       devices_called({"cpu-haswell-i7-4770", "NVIDIA GeForce RTX 4090", "NVIDIA GeForce GTX 1080", "NVIDIA 1"});

@@ -46,7 +46,7 @@ class ProgramCacheTest : public ::testing::Test {
     DeviceBuffer parent = device.make_buffer(64, "lobes"), nearest = device.make_buffer(1, "numbers of lobes");
     unsigned char lobe = 255;
     device.write(nearest, &lobe, 1);
-    // One texel without a parent: lobe 0 gets all normals.
+    // In the one texel, which has no parent, lobe 0 gets all normals.
     MultumMovmfFit fit{};
     fit.map_width = fit.map_height = fit.width = fit.height = fit.window_rows = 1;
     kernel.launch({1}, x, y, z, parent, nearest, fit, 0, 0, 0, 1);

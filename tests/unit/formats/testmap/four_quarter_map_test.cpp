@@ -91,7 +91,7 @@ TEST(FourQuarterMap, QuartersAreAsDescribed) {
   EXPECT_NEAR(statistics(map, size - half / 8, half, half / 8, half).slope_x_rms, 0.45 * 1.525, 0.05);
 }
 
-// The map has green down: at the right of a dome, normals lean to the right, and y grows downwards.
+// The map has green down. At the right of a dome, normals lean to the right, and y grows downwards.
 TEST(FourQuarterMap, ArmourIsOfDomes) {
   const int side = 48, period = 24;
   const NormalMap map = make_four_quarter_map(side, 3, Quarter::kArmour).normals;
@@ -103,8 +103,8 @@ TEST(FourQuarterMap, ArmourIsOfDomes) {
   EXPECT_LT(map.y[at(middle, middle - aside)], -0.2f);
 }
 
-// White noise under a Gaussian of sigma has the autocorrelation exp(-d^2 / (4 sigma^2)). Rows have one gain each, so
-// the slopes along x between rows keep it.
+// White noise under a Gaussian of sigma has the autocorrelation exp(-d^2 / (4 sigma^2)). Each row has one gain, so
+// slopes along x keep this autocorrelation from row to row.
 TEST(FourQuarterMap, NoiseHasItsSigma) {
   const int size = 512;
   const NormalMap map = make_four_quarter_map(size, 5).normals;

@@ -75,7 +75,7 @@ TEST(AtomicFileTest, SweepsWhatDeadProcessesLeftAndNothingElse) {
   const std::string longer_name = ".multum-tmp-" + std::to_string(dead_pid()) + "-0-b-a.txt";
   for (const std::string& name : {dead, living, other_name, longer_name, no_pid, std::string("a.txt")})
     write_bytes(folder / name, "x");
-  // Names of this version, with random digits instead of a counter; and names of other programs' files.
+  // Adds a name of this version, with random digits instead of a counter, and names of other programs' files.
   const std::string random = ".multum-tmp-" + std::to_string(dead_pid()) + "-0123456789abcdef-a.txt";
   const std::string link = ".multum-tmp-" + std::to_string(dead_pid()) + "-1-a.txt";
   const std::string below = ".multum-tmp-" + std::to_string(dead_pid()) + "-2-a.txt";

@@ -39,7 +39,7 @@ TEST(ChildProcessTest, ASignalIsNotAnExitCode) {
   EXPECT_EQ(result.signal, SIGSEGV);
 }
 
-// This program ignores the signal and checks the results of its writes; other programs may not.
+// This program ignores the signal and checks the results of its writes. Other programs may not do so.
 TEST(ChildProcessTest, AChildHasTheSignalOfFileSizesAsAtAProgramsStart) {
   const auto before = std::signal(SIGXFSZ, SIG_IGN);
   const std::string line = run_child({"grep", "SigIgn", "/proc/self/status"}).output;
@@ -84,7 +84,7 @@ TEST(ChildProcessTest, LimitedChildrenAreNicerAndHaveLessMemory) {
 #endif
 }
 
-// A child whose parent was killed (-9) ends too, also after an exec.
+// A child whose parent was killed (-9) ends too, even after an exec.
 TEST(ChildProcessTest, AChildEndsWithWhoStartedIt) {
   for (const bool is_limited : {false, true}) {
     int pipe_ends[2];

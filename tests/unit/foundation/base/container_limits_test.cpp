@@ -176,7 +176,7 @@ TEST(ProcessorCountTest, IsWhatThisProcessMayUse) {
   while (!CPU_ISSET(first, &before)) ++first;
   CPU_ZERO(&one);
   CPU_SET(first, &one);
-  ASSERT_EQ(::sched_setaffinity(0, sizeof(one), &one), 0);  // acts like a cpuset
+  ASSERT_EQ(::sched_setaffinity(0, sizeof(one), &one), 0);  // acts as a cpuset does
   EXPECT_EQ(processor_count({}), 1);
   ASSERT_EQ(::sched_setaffinity(0, sizeof(before), &before), 0);
 }

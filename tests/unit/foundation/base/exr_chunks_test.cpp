@@ -123,7 +123,7 @@ TEST_F(ExrChunksTest, TilesOfEveryKindOfLevel) {
       }
 }
 
-// A user's damaged map: the library would fill the missing values from uninitialised memory.
+// In this damaged map of a user, the library would fill the missing values from uninitialised memory.
 TEST_F(ExrChunksTest, ChunksThatUnpackToTooLittle) {
   for (const Imf::Compression compression : {Imf::RLE_COMPRESSION, Imf::ZIPS_COMPRESSION, Imf::ZIP_COMPRESSION}) {
     const ExrChunks good(rows_file(compression, Imf::INCREASING_Y));

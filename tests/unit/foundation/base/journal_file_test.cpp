@@ -102,7 +102,7 @@ TEST_F(RecordFileTest, ADiskThatRefusesLeavesWholeRecords) {
   journal->leave();
 }
 
-// The user decides about such files: resuming with a later version must not lose an earlier version's records.
+// The user decides about such files, because resuming with a later version must not lose an earlier version's records.
 TEST_F(RecordFileTest, AFileOfAFormerFormatIsRefusedAndStays) {
   for (const std::string& former : {std::string("0123456789abcdef\n2 0 8 0123456789abcdef\n"),
                                     std::string("key\n\4\0\0\0"), std::string("multum records 2\nkey\n")}) {

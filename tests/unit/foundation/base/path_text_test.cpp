@@ -55,7 +55,7 @@ TEST(PathTextTest, RandomBytesComeBackAndCollideWithNothing) {
     std::string path;
     const std::uint64_t length = random.next() % 6;
     for (std::uint64_t j = 0; j < length; ++j) {
-      // Bytes of multi-byte characters and of the escape, which random bytes would rarely form.
+      // Uses bytes of multi-byte characters and of the escape, which random bytes would rarely form.
       constexpr unsigned char kOften[] = {0xee, 0xbe, 0xbf, 0x80, 0xa9, 0xc3, 'a'};
       const std::uint64_t one = random.next();
       const auto byte = one % 2 == 0 ? kOften[one / 2 % sizeof(kOften)] : static_cast<unsigned char>(1 + one / 2 % 255);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests that times are those of the fastest round, and that every run has a turn before any has a second one.
+// Tests that times come from the fastest round, and that every run has a turn before any run has a second turn.
 #include "host/foundation/base/run_times.h"
 
 #include <gtest/gtest.h>
@@ -52,7 +52,7 @@ TEST(RunTimesTest, ProcessorTimeIsOfAllThreadsAndNotOfSleep) {
   EXPECT_GE(times[1].processor_seconds, 0.04);
 }
 
-// A device's time counts only during the run, as the smallest of all rounds. Device time counts as work in addition to
+// A device's time counts only during the run, as the smallest time of all rounds. It counts as work in addition to
 // processor time.
 TEST(RunTimesTest, TheDevicesClockCountsAsWork) {
   double device = 100.0;  // device time before the run

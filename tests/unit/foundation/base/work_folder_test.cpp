@@ -30,7 +30,7 @@ class WorkFolderTest : public ::testing::Test {
     fs::create_directory(precious_);
     write_bytes(precious_ + "/thesis.txt", "weeks of work");
   }
-  /// Every way to take or remove the folder refuses or ignores the existing file; nothing changes.
+  /// Every way to take or remove the folder refuses or ignores the existing file, and nothing changes.
   void expect_left_alone(const std::string& word) const {
     const auto status = fs::symlink_status(partial_);
     expect_error(ErrorCode::kEnvironment, {partial_, word, "left unchanged"}, [&] { WorkFolder::take(partial_); });
@@ -173,7 +173,7 @@ TEST_F(WorkFolderTest, ClearingFollowsNoLink) {
   EXPECT_FALSE(fs::exists(partial_ + "/sub"));
 }
 
-// Another folder gets the name during the work: the work continues in the opened folder, and no other folder is
+// If another folder gets the name during the work, the work continues in the opened folder, and no other folder is
 // touched.
 TEST_F(WorkFolderTest, ItsNameIsTrustedOnce) {
   {

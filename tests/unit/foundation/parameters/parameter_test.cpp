@@ -164,7 +164,7 @@ TEST(ParameterTable, DefaultsAreThoseOfTheJob) {
   EXPECT_EQ(bake_parameters().at("iterations").default_text, "12");
 }
 
-// Settings hashes of files must not change: the texts, except kernels, are those of earlier programs.
+// The settings hashes of files must not change, so the texts, except for kernels, equal those of earlier programs.
 TEST(ParameterTable, HashedTextsKeepTheirBytes) {
   const auto text = [](std::initializer_list<std::pair<const char*, ParameterValue>> values) {
     BakeJob job;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A child process that fails in the way that its requests name. In place of multum-decode it fails in the way that the
-// name of the file to open says.
+// A child process that fails as its requests say. If it replaces multum-decode, it fails as the name of the file to
+// open says.
 #include <sys/resource.h>
 #include <sys/socket.h>
 #include <unistd.h>

@@ -124,7 +124,7 @@ TEST_F(ImageDecodingTest, RefusalsSayTheSame) {
   }
 }
 
-// Truncated files, flipped bits, absurd numbers: each ends in a picture or a refusal, and the next file is read.
+// Truncated files, flipped bits and absurd numbers each give a picture or a refusal, and the next file is read.
 TEST_F(ImageDecodingTest, BrokenFilesEndInARefusal) {
   std::mt19937 random(20260101);
   const TestImage image = normal_image(40, 30);
@@ -148,7 +148,7 @@ TEST_F(ImageDecodingTest, BrokenFilesEndInARefusal) {
   EXPECT_GT(refused, 10);
 }
 
-// The system kills processes if memory runs out: the same file may succeed on another machine.
+// The system kills processes if memory runs out, so the same file may succeed on another machine.
 TEST_F(ImageDecodingTest, AChildThatIsKilledMidWayIsAnErrorOfTheMachine) {
   const std::string path = write("long.tif", normal_image(64, 9000));
   ImageReader reader(path, {});
@@ -191,7 +191,7 @@ TEST_F(ImageDecodingTest, NoDecoderIsAnErrorOfTheMachine) {
                [&] { read_picture(write("a.png", normal_image(8, 8))); });
 }
 
-// Answers that none of our decoders gives.
+// None of our decoders gives these answers.
 TEST_F(ImageDecodingTest, DescriptionsAreChecked) {
   ImagePart part;
   part.width = part.height = part.full_width = part.full_height = 8;

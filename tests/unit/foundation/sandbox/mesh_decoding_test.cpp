@@ -130,7 +130,7 @@ TEST_F(MeshDecodingTest, MemoryIsLimited) {
 }
 #endif
 
-// Answers that none of our decoders gives.
+// None of our decoders gives these answers.
 TEST(MeshMessagesTest, AnswersAreChecked) {
   const AskedFile asked = {"a.obj", "assimp", 1000};
   const auto opened = [&](std::uint64_t position_count) {

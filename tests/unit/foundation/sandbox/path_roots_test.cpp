@@ -60,7 +60,7 @@ TEST_F(PathRootsTest, WhatHasBecomeALinkIsNotOpened) {
     fs::create_symlink(path == file_ ? outside_ + "/map.png" : outside_, path);
     refused(ErrorCode::kUsage, [&] { roots.open_input(file_); });
     if (path != file_) refused(ErrorCode::kUsage, [&] { roots.open_folder_of(file_); });
-    // A link to the right place is refused too: the meaning of a name was fixed when it was checked.
+    // A link to the right place is refused too, because the meaning of a name was fixed when it was checked.
     fs::remove(path);
     fs::create_symlink(path + ".real", path);
     refused(ErrorCode::kUsage, [&] { roots.open_input(file_); });
@@ -130,7 +130,7 @@ TEST_F(PathRootsTest, ARootThatIsAnotherFolderIsNotUsed) {
   refused(ErrorCode::kEnvironment, [&] { roots.open_folder_of(file_); });
 }
 
-// A disk is mounted within another root: once it is unmounted, the folder under it holds none of its files.
+// A disk is mounted within another root. Once it is unmounted, the folder at its mount point holds none of its files.
 TEST_F(PathRootsTest, ARootWithinARootIsTheOneThatCounts) {
   const PathRoots outer_first({base_, root_}), inner_first({root_, base_});
   EXPECT_TRUE(inner_first.open_input(outside_ + "/map.png").is_open());

@@ -154,7 +154,7 @@ TEST_F(TomlLimitsTest, TheDeepestArraysOfTablesAreReadOnASmallStack) {
   });
 }
 
-// Documents that once crashed programs or took a gigabyte.
+// Tests documents that once crashed programs or took a gigabyte.
 TEST_F(TomlLimitsTest, AreHeldFarBeyondThemToo) {
   expect_refused("b = 1\n" + dotted(32'000) + " = 1\n", 2, {"dotted key", "32"});
   expect_refused("[" + dotted(500'000) + "]\n", 1, {"32"});
@@ -177,7 +177,7 @@ TEST_F(TomlLimitsTest, BytesAreCountedBeforeTheyAreRead) {
 
 // ---- Strings and comments
 
-// All structure that counts outside strings, except for quotes, backslashes and line breaks.
+// This is all structure that counts outside strings, except for quotes, backslashes and line breaks.
 std::string structure() { return repeated("a.b.[{[[x]]=,1,}]#", 20'000); }
 
 struct HidingCase {
@@ -400,7 +400,7 @@ TEST_F(TomlLimitsTest, WhatIsAcceptedIsReadOnASmallStack) {
   on_small_stack([&] {
     for (std::uint64_t i = 0; i < 300; ++i) {
       SplitMix64 random(kSeed + i);
-      // As deep as allowed, alternating everything that nests.
+      // The document is as deep as allowed, and alternates everything that nests.
       std::string text, end;
       int left = 31;
       while (left > 0) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Makes the search work on pages that are opened from a disk. Browsers do not let such pages read JSON or start
-// workers, and the theme's search does both. So the index comes as a script, and the worker's script runs in a hidden
-// frame.
+// workers, but the theme's search does both. Therefore the index is loaded as a script, and the worker's script runs in
+// a hidden frame.
 if (location.protocol === "file:") {
   const base = new URL("..", document.currentScript.src);
 

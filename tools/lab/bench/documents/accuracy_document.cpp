@@ -47,7 +47,7 @@ class Errors {
     const auto value = at(level, point, brdf);
     return value ? fmt::format("{:.2f}", *value) : "-";
   }
-  // Returns the higher of two errors: midway in x, and midway in y.
+  // Returns the higher of two errors: the error midway in x, and the error midway in y.
   std::string midway(int level, const std::string& brdf) const {
     const auto x = at(level, AccuracyPoint::kMidX, brdf), y = at(level, AccuracyPoint::kMidY, brdf);
     return text(level, x.value_or(0.0) >= y.value_or(0.0) ? AccuracyPoint::kMidX : AccuracyPoint::kMidY, brdf);
@@ -127,7 +127,7 @@ std::string level_table(const Errors& errors, int level_count) {
   return text;
 }
 
-// Returns one line of the summary, with levels 3 / 5 / 7.
+// Returns one line of the summary, with the errors of levels 3 / 5 / 7.
 std::string summary_line(const std::string& name, const Errors& errors) {
   std::string text = "| " + name + " |";
   for (AccuracyPoint point : kPoints) text += " " + errors.three_levels(point, "blinn-phong:100") + " |";
@@ -209,8 +209,9 @@ std::string quarters_section(Device& device, const AccuracyDocumentOptions& opti
   }
   return fmt::format(
              "The table lists the errors of levels 3 / 5 / 7 over all texels of a white map. Each time is the shortest "
-             "of {} fits on {} cores, and includes the start of the fit. One fit per row compiled the kernels before "
-             "the timed fits, which ran alternately. *Processor s* is processor time.\n\n",
+             "of {} fits on {} cores, and includes the start of the fit. Before the timed fits, one fit per row "
+             "compiled the kernels. The timed fits of the rows ran alternately. *Processor s* is processor time in "
+             "seconds.\n\n",
              kTimedRounds, core_count()) +
          summary +
          fmt::format(
@@ -260,32 +261,30 @@ std::string first_level_section(Device& device, const AccuracyDocumentOptions& o
     }
   }
   return fmt::format(
-             "\n"
-             "### Finest levels from the normal map\n\n"
-             "The bakes have 4 lobes and store only level L and coarser levels (`multum bake --first-level L`). Each "
-             "texel of a finer level has one lobe, which is the mean vector of the normal map's mip level. Between "
-             "levels L - 1 and L, both levels are shaded, and the results are mixed. *Midway* lists the higher of two "
-             "errors: midway between texels in x, and midway in y. The table lists errors of the mixed results. "
-             "Renderers also narrow the normal map's lobe to the part that a pixel sees "
-             "([ALGORITHMS](../contributing/ALGORITHMS.md), \"The finest levels from the normal map\"). Sizes of the "
-             "file and of the GPU textures are in MB. BC5 normals and BC4 roughness of this map take {:.1f} MB on the "
-             "GPU.\n\n",
+             "\n### Finest levels from the normal map\n\nThe bakes have 4 lobes and store only level L and coarser "
+             "levels (`multum bake --first-level L`). Each texel of a finer level has one lobe, which is the mean "
+             "vector of the normal map's mip level. Between levels L - 1 and L, both levels are shaded, and the "
+             "results are mixed. *Midway* lists the higher of two errors: the error midway between texels in x, and "
+             "the error midway in y. All errors are errors of the mixed results. In addition, renderers narrow the "
+             "normal map's lobe to the part that a pixel sees ([ALGORITHMS](../contributing/ALGORITHMS.md), \"The "
+             "finest levels from the normal map\"). Sizes of the file and of the GPU textures are in MB. BC5 normals "
+             "and BC4 roughness of this map take {:.1f} MB on the GPU.\n\n",
              usual / 1e6) +
          "| L | s | 0, centres | 0, midway | between 0 and 1 | 1, centres | 1, midway | between 1 and 2 | 2, centres | "
          "file, MB | GPU, MB | GPU size / (BC5 + BC4) |\n|---|---|---|---|---|---|---|---|---|---|---|---|\n" +
          rows;
 }
 
-// Table of "multum's error / error of the best baseline" at every level. multum's error is bold if it is higher by
-// more than 0.05 points.
+// Makes a table of "multum's error / error of the best baseline" at every level. multum's error is bold if it is higher
+// by more than 0.05 points.
 struct MapTable {
   std::string rows;
   int cells = 0, worse = 0;
   std::string losses;
 };
 
-// Errors of all maps at levels from 1 on, by method and exponent. Level 0 is left out: its texels are single normals,
-// so methods that store them have no error.
+// Errors of all maps at levels from 1 on, by method and exponent. Level 0 is left out, because its texels are single
+// normals, so methods that store single normals have no error.
 using MapErrors = std::map<std::pair<std::string, double>, std::vector<double>>;
 
 // A row of the table by number of channels. Methods with the same number of channels are next to each other.
@@ -391,7 +390,7 @@ std::string maps_section(Device& device, const AccuracyDocumentOptions& options)
       equal_channels_table(errors);
   const int lobe_counts[2] = {4, 6};
   for (int t = 0; t < 2; ++t) {
-    text += fmt::format("\n### {} lobes: {} of {} cells worse\n\n{}\n", lobe_counts[t], tables[t].worse,
+    text += fmt::format("\n### {} lobes: higher errors in {} of {} cells\n\n{}\n", lobe_counts[t], tables[t].worse,
                         tables[t].cells, tables[t].losses);
     text +=
         "| map | s | 0 | 1 | 2 | 3 | 4 | 5 | 6 | 7 | 8 | 9 | 10 "
@@ -475,19 +474,18 @@ int write_accuracy_document(const AccuracyDocumentOptions& options) {
   const std::string commit = stated_commit(options.output, options.commit, options.allow_dirty);
   Device device = Device::open("");
   const std::map<std::string, std::string> there = sections_of(options.output);
-  const std::string made_by =
-      fmt::format("Made at {} on {}, {}, device {}.\n\n", commit, processor_name(), system_name(), device.info().name);
+  const std::string made_by = fmt::format("Measured at {} on {}, {}, with the OpenCL device {}.\n\n", commit,
+                                          processor_name(), system_name(), device.info().name);
   std::string text =
-      "# Accuracy\n\n"
-      "This page lists the errors of single texels for lobes, for other methods and for the shading formulas.\n\n"
-      "Generated by `multum-bench accuracy -o docs/evidence/ACCURACY.md`; `--section` regenerates one section. Do not "
-      "edit.\n\n"
-      "Errors are relative L1 errors in %: `sum |model - reference| / sum reference`. The sums run over all texels of "
-      "a level and 12 half vectors (lights (.3,.2,.93) (-.7,.1,.7) (.1,-.9,.45) (.5,.6,.6), views (0,0,1) (.6,0,.8) "
-      "(-.3,.7,.6)). For Lambert, the sums run over the four lights.\n\n"
-      "- BRDF: `(s+1)/(2 pi) t^s`. Only the convolution is measured, without the factor `n . l`.\n"
-      "- Reference: the average over all finest normals that a texel covers, computed in double precision.\n"
-      "- Model: the stored lobes, filtered as by a GPU and shaded as by the runtime. Lobes are stored as snorm16 "
+      "# Accuracy\n\nThis page lists the errors of single texels for lobes, for other methods and for the shading "
+      "formulas.\n\nGenerated by `multum-bench accuracy -o docs/evidence/ACCURACY.md`. The option `--section` "
+      "regenerates one section. Do not edit.\n\nErrors are relative L1 errors in %: `sum |model - reference| / sum "
+      "reference`. The sums run over all texels of a level and over 12 half vectors. The half vectors combine the "
+      "lights (.3,.2,.93) (-.7,.1,.7) (.1,-.9,.45) (.5,.6,.6) with the views (0,0,1) (.6,0,.8) (-.3,.7,.6). For "
+      "Lambert, the sums run over the four lights.\n\n- The BRDF is `(s+1)/(2 pi) t^s`, where t is the cosine between "
+      "the normal and the half vector. Only the convolution is measured, without the factor `n . l`.\n- The reference "
+      "is the average over all finest normals that a texel covers, computed in double precision.\n- The model consists "
+      "of the stored lobes, which are filtered as by a GPU and shaded as by the runtime. Lobes are stored as snorm16 "
       "unless a row names another format.\n\n";
   const auto add = [&](const std::string& name, const std::string& heading, const auto& make) {
     const bool is_asked = options.sections.empty() ||

@@ -11,7 +11,8 @@ struct AccuracyDocumentOptions {
   std::string output;  // Markdown file
   std::string maps;    // folder of real maps; no maps if empty
   std::string brdfs;   // folder of measured BRDFs; no BRDFs if empty
-  // Sections to make, from kSections; all sections if empty. Other sections of an existing document do not change.
+  // Sections to make, from kSections. If empty, all sections are made. Other sections of an existing document do not
+  // change.
   std::vector<std::string> sections;
   std::string commit;        // commit that the document names
   bool is_quick = false;     // measure few settings, only to test that the page can be made

@@ -32,16 +32,16 @@ std::string heading(const BenchmarksDocumentOptions& options, const std::string&
 }
 
 constexpr const char* kOpening =
-    "This page lists the time and memory that multum's programs and kernels need, next to other programs.";
+    "This page lists the time and memory that multum's programs and kernels need, compared with other programs.";
 
 constexpr const char* kHowToRead =
     "\nTimes depend on the machine and on other programs that run on it. Compared programs therefore run alternately, "
-    "and each ratio compares two consecutive runs. Figures are medians; brackets contain the first and third quartile. "
-    "One MB is 10^6 bytes, and one MiB is 2^20 bytes. To repeat a section, run the command of the section with "
-    "`build/release/bin/multum-bench`.\n";
+    "and each ratio compares two consecutive runs. Figures are medians, and brackets contain the first and third "
+    "quartile. One MB is 10^6 bytes, and one MiB is 2^20 bytes. To repeat a section, run the command of the section "
+    "with `build/release/bin/multum-bench`.\n";
 
 std::string section(const Json& result, const ResultView& view, const std::string& conditions) {
-  return fmt::format("\nMeasured by `{}` on {}{}.\n\n{}\n\n{}", result.at("command").get<std::string>(),
+  return fmt::format("\nMeasured by `{}` on {}.{}\n\n{}\n\n{}", result.at("command").get<std::string>(),
                      result.at("device").get<std::string>(), conditions, view.method, view.table);
 }
 
@@ -52,16 +52,17 @@ std::string page_of(const BenchmarksDocumentOptions& options, const Json& result
   const std::string opening = name == "filters"
                                   ? "This page compares texture filters for lobes, LEAN, Toksvig and averaged normals."
                                   : fmt::format("This page shows the results of `multum-bench {}`.", name);
-  return heading(options, view.title, opening) + section(result, view, "; " + conditions_text(result));
+  return heading(options, view.title, opening) + section(result, view, " " + conditions_text(result));
 }
 
 std::string page_of(const BenchmarksDocumentOptions& options, const std::vector<Json>& results) {
   const bool same = same_conditions(results);
   std::string text = heading(options, "Benchmarks", kOpening) + kHowToRead;
-  if (same) text += fmt::format("\nAll sections: {}.\n", conditions_text(results[0]));
+  if (same)
+    text += fmt::format("\nAll sections were measured under the same conditions. {}\n", conditions_text(results[0]));
   for (const Json& result : results) {
     const ResultView view = view_of(result);
-    text += "\n## " + view.title + "\n" + section(result, view, same ? "" : "; " + conditions_text(result));
+    text += "\n## " + view.title + "\n" + section(result, view, same ? "" : " " + conditions_text(result));
   }
   return text;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Refuses figures that were measured with uncommitted sources, because nobody could measure them again
+// Refuses figures that were measured with uncommitted sources, because nobody could repeat the measurement
 // (tools/lab/committed_tree.py does the same for Python).
 #pragma once
 

@@ -41,7 +41,7 @@ void add_brdf(const AccuracyMeter& meter, std::size_t brdf, Held& held) {
   const auto count = static_cast<double>(meter.replicate_errors().size());
   for (const std::vector<FootprintError>& replicate : meter.replicate_errors()) {
     const FootprintError& one = replicate[brdf];
-    // The mean of all choices contains this choice, which lowers the difference by a factor of sqrt(1 - 1 / n).
+    // The mean of all choices includes this choice, which lowers the difference by a factor of sqrt(1 - 1 / n).
     const double off = std::abs(one.error - whole) / std::sqrt(1.0 - 1.0 / count);
     held.held += off <= one.confidence ? 1 : 0;
     ++held.all;
@@ -115,12 +115,11 @@ class Coverage {
         "error with a 95 % interval ([ALGORITHMS](../contributing/ALGORITHMS.md), \"Measured error\"). The errors on "
         "this page are for the default filter of that commit: {}. The errors of each bake are measured with {} "
         "independent random sets of footprints. Each set contains as many footprints as a bake uses. The error over "
-        "all sets together is taken as "
-        "the true error. **{:.1f} % of {} intervals** contain the error over all sets together.\n\n*Mean "
-        "square* is the mean square of the errors, in units of the standard error. A mean square of 1 means that the "
-        "intervals have exactly the right width; a lower mean square means that the intervals are too wide. The "
-        "tables cover {} maps. A mosaic replaced each map larger than {} x {} texels.\n\n## By settings\n\n{}\n## By "
-        "maps\n\n{}",
+        "all sets together is taken as the true error. **{:.1f} % of {} intervals** contain the error over all sets "
+        "together.\n\n*Mean square* is the mean square of the errors, in units of the standard error. If the mean "
+        "square is 1, the intervals have exactly the right width. If it is lower, the intervals are too wide. The "
+        "tables cover {} maps. Each map larger than {} x {} texels was replaced by a mosaic of parts of the map.\n\n## "
+        "By settings\n\n{}\n## By maps\n\n{}",
         options_.commit, default_filter_text(), options_.replicates, 100.0 * all_.held / std::max(1, all_.all),
         all_.all, by_map_.size(), options_.side, options_.side, settings.text(), maps.text());
   }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writes a page that states how often the 95 % interval of a stated error (host/bakes/accuracy/footprint_error.h)
-// contains the error of all footprints, for every normal map of a folder and many settings.
+// Writes a page about the 95 % intervals of stated errors (host/bakes/accuracy/footprint_error.h). It states how often
+// such an interval contains the error of all footprints, for every normal map of a folder and many settings.
 #pragma once
 
 #include <string>

@@ -184,8 +184,8 @@ std::string sample_range(const Json& result) {
   return fmt::format("{} to {}", low, high);
 }
 
-// Compares the default filter with half as many taps that are each shaded, for four lobes. Both filters take about the
-// same time.
+// Compares the default filter with a filter of half as many taps, which are shaded separately, for four lobes. Both
+// filters take about the same time.
 std::string default_text(const Json& result, const Figures& errors) {
   const Figures flicker = figures_of(result, "motions", "flicker"), times = time_ratios(result);
   const auto describe = [&](int taps, bool shades_taps) {
@@ -198,7 +198,7 @@ std::string default_text(const Json& result, const Figures& errors) {
   };
   return fmt::format(
       "The **default** is {} taps at a bias of {:g}, averaged and shaded once, as by an anisotropic sampler. With 4 "
-      "lobes, {}. With two taps at the same bias, each shaded, {}.\n\n",
+      "lobes, {}. If two taps at the same bias are shaded separately, {}.\n\n",
       kTapCountDefault, kLevelBiasDefault, describe(kTapCountDefault, kShadesTapsDefault), describe(2, true));
 }
 
@@ -210,7 +210,7 @@ std::string evaluations_text(const Json& result, const std::vector<std::string>&
   std::string text = fmt::format(
       "**With an equal number of evaluations** of light per pixel, each evaluation uses {} taps (`multum-view "
       "--evaluations`). For lobes, multum's rule divides the evaluations between lobes and points. Other methods are "
-      "shaded at as many points per pixel as there are evaluations. The table lists errors in %, for each method at "
+      "shaded at as many points per pixel as there are evaluations. The table lists the errors in % of each method at "
       "its best bias:\n\n",
       kTapCountDefault);
   text += best_bias_table(errors, methods);

@@ -61,7 +61,7 @@ std::vector<Direction> hemisphere() {
   return all;
 }
 
-using Values = std::vector<double>;  // one value per direction
+using Values = std::vector<double>;  // has one value per direction
 
 Values each(const std::vector<Direction>& directions, const std::function<double(double theta)>& value) {
   Values values;
@@ -103,7 +103,7 @@ class ShadingKernels {
     std::vector<glm::vec4> vectors;
     for (const Direction& d : directions) vectors.emplace_back(glm::vec3(d.w), 0.0f);
     const MultumHighlight highlight =
-        shaded_highlight(exponent);  // begins with the exponent, the only part that moments use
+        shaded_highlight(exponent);  // adds the exponent first, because moments use only this value
     const int count = static_cast<int>(directions.size());
     std::vector<float> values(directions.size());
     const DeviceBuffer around = device_.wrap_buffer(vectors.data(), vectors.size() * sizeof(glm::vec4), "directions");
@@ -393,12 +393,11 @@ std::string formula_section(Device& device, const std::string& brdfs) {
   add_lambert(lobes, kernels, round);
   add_facets(lobes, round, brdfs);
   return "Each formula is applied to a distribution of exactly the shape that the formula assumes. The whole error "
-         "therefore comes from the formula. Errors are relative L1 errors in % over the hemisphere, compared with "
-         "quadrature in double precision. The comparison covers only the shape of the convolution, and omits the "
-         "factors `n . l`, Fresnel and visibility. The rows for Blinn-Phong, Lambert, Gaussians and moments are "
-         "computed by the kernels that "
-         "measure a bake. tests/agreement shows that the runtime's GLSL code agrees with these kernels. The other rows "
-         "are computed in double precision.\n\n" +
+         "therefore comes from the formula. Errors are relative L1 errors in % over the hemisphere. The reference is a "
+         "numerical integral in double precision. The comparison covers only the shape of the convolution, and omits "
+         "the factors `n . l`, Fresnel and visibility. The rows for Blinn-Phong, Lambert, Gaussians and moments are "
+         "computed by the kernels that measure a bake. tests/agreement shows that the runtime's GLSL code agrees with "
+         "these kernels. The other rows are computed in double precision.\n\n" +
          lobes.text() +
          "\nHarmonics are exact up to their order. The next table lists the errors of harmonics of a lobe, clamped at "
          "0 as in the runtime.\n\n" +

@@ -80,8 +80,8 @@ ResultView view_inference(const Json& result) {
   const Json& systems = result.at("systems");
   std::string yardsticks;
   for (const Json& system : systems)
-    yardsticks += (yardsticks.empty() ? "" : "; ") + system.at("system").get<std::string>() + ": " +
-                  system.at("solver").at("yardstick").get<std::string>();
+    yardsticks += (yardsticks.empty() ? "" : "; ") + system.at("solver").at("yardstick").get<std::string>() + " (" +
+                  system.at("system").get<std::string>() + ")";
   const int size = result.at("size").get<int>(), iterations = result.at("iterations").get<int>();
   return {
       "Texture inference against Eigen",
@@ -90,20 +90,20 @@ ResultView view_inference(const Json& result) {
           "three colours and no regularisers. Both programs compute in single precision, and start from texels of 0.5. "
           "The pictures are computed from the texture itself and have little contrast, so no texel reaches a bound. "
           "Both programs therefore compute the same steps of the preconditioned conjugate gradient method. *Eigen* is "
-          "the fastest variant of Eigen's `LeastSquaresConjugateGradient`, with one solve per colour (Eigen solves "
-          "three columns in the same way). Eigen was compiled for this machine ({3}). *Iteration* is the time per "
-          "iteration: the time of {4} iterations minus the time of {5} iterations, divided by the difference in "
-          "iterations. *Whole solve* is the time of {4} iterations and of all preparation. *Three columns at once* is "
-          "the time of the same iteration for all colours together. This program is written with Eigen's products, "
-          "because Eigen itself offers no such solver. *Regularised* is the time of multum's iteration with the "
-          "default pyramid_weight, which Eigen does not support. The programs ran alternately in {6} pairs on {7} "
-          "threads, and each ratio compares the two runs of a pair. *Largest difference* is the largest difference "
-          "between multum's and Eigen's texels (0 to 1) after {4} iterations.",
+          "the fastest variant of Eigen's `LeastSquaresConjugateGradient`, with one solve per colour. (Eigen solves "
+          "three columns in the same way.) Eigen was compiled for this machine. Its fastest variants were {3}. "
+          "*Iteration* is the time per iteration: the time of {4} iterations minus the time of {5} iterations, divided "
+          "by the difference in iterations. *Whole solve* is the time of {4} iterations and of all preparation. *Three "
+          "columns at once* is the time of the same iteration for all colours together. The program for this column "
+          "uses Eigen's matrix products, because Eigen itself offers no such solver. *Regularised* is the time of "
+          "multum's iteration with the default pyramid_weight, which Eigen does not support. The programs ran "
+          "alternately in {6} pairs on {7} threads, and each ratio compares the two runs of a pair. *Largest "
+          "difference* is the largest difference between multum's and Eigen's texels (0 to 1) after {4} iterations.",
           size * 5 / 4, size * 15 / 16, size, yardsticks, iterations, iterations / 4,
           result.at("repetitions").get<int>(), result.at("threads").get<int>()),
       solver_table(systems) +
-          "\nThe next table lists the times of matrix products for three colours. The column GB/s counts each vector "
-          "once, and the matrix as stored in blocks of 8 entries.\n\n" +
+          "\nThe next table lists the times of matrix products for three colours. The column *GB/s* counts each vector "
+          "once, and counts the matrix as it is stored, in blocks of 8 entries.\n\n" +
           product_table(systems) +
           "\n"
           "The next table lists the number of iterations until the gradient falls to 1e-3 of the gradient of a black "

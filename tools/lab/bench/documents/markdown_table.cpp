@@ -31,8 +31,8 @@ std::string MarkdownTable::text() const {
 }
 
 std::string default_filter_text() {
-  return fmt::format("{} taps, {}, at a bias of {:g}", kTapCountDefault,
-                     kShadesTapsDefault ? "each shaded" : "averaged and shaded once", kLevelBiasDefault);
+  return fmt::format("{} taps, which are {}, at a level bias of {:g}", kTapCountDefault,
+                     kShadesTapsDefault ? "shaded separately" : "averaged and shaded once", kLevelBiasDefault);
 }
 
 }  // namespace multum::bench

@@ -19,8 +19,8 @@ class MarkdownTable {
   std::vector<std::vector<std::string>> rows_;  // all rows, starting with the head
 };
 
-/// Describes the default filter, with which pixel errors are measured: "4 taps, averaged and shaded once, at a bias of
-/// -0.5".
+/// Describes the default filter, with which pixel errors are measured: "4 taps, which are averaged and shaded once, at
+/// a level bias of -0.5".
 std::string default_filter_text();
 
 }  // namespace multum::bench

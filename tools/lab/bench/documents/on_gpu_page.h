@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Makes the page of a run of `multum-bench on-gpu`: devices, results of the steps, and failures.
+// Makes the page of a run of `multum-bench on-gpu`, with devices, results of the steps, and failures.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -7,7 +7,7 @@
 
 namespace multum::bench {
 
-/// Returns Markdown. Leaves out sections of steps that did not run.
+/// Returns Markdown. Omits sections of steps that did not run.
 std::string page_of_run(const nlohmann::ordered_json& result);
 
 }  // namespace multum::bench

@@ -38,10 +38,10 @@ Json make_result(const std::string& benchmark, const std::string& command, const
 }
 
 std::string conditions_text(const Json& result) {
-  return fmt::format("commit {}, {}; {}, {} cores, {:.0f} GiB of memory, {}", result.at("commit").get<std::string>(),
-                     result.at("compiler").get<std::string>(), result.at("processor").get<std::string>(),
-                     result.at("cores").get<int>(), result.at("memory_bytes").get<double>() / (1 << 30),
-                     result.at("system").get<std::string>());
+  return fmt::format("The program was built from commit {} ({}), and ran on {}, {} cores, {:.0f} GiB of memory, {}.",
+                     result.at("commit").get<std::string>(), result.at("compiler").get<std::string>(),
+                     result.at("processor").get<std::string>(), result.at("cores").get<int>(),
+                     result.at("memory_bytes").get<double>() / (1 << 30), result.at("system").get<std::string>());
 }
 
 ResultView view_of(const Json& result) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The readable form of a benchmark's result, for the terminal and for docs/evidence/BENCHMARKS.md.
+// Contains the readable form of a benchmark's result, for the terminal and for docs/evidence/BENCHMARKS.md.
 #pragma once
 
 #include <string>

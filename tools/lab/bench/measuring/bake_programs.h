@@ -11,9 +11,9 @@
 namespace multum::bench {
 
 struct BakeCommandOptions {
-  int lobes = 4;                      // number of lobes; no option for lobes if 0
+  int lobes = 4;                      // number of lobes; if 0, no option for lobes is passed
   int threads = 0;                    // number of threads; all cores if 0, the default of both programs
-  std::string report;                 // JSON file that the bake writes; no file if empty
+  std::string report;                 // JSON file that the bake writes; if empty, no file is written
   std::vector<std::string> appended;  // additional options of `multum bake`
 };
 
@@ -21,7 +21,7 @@ struct BakeCommandOptions {
 /// Error(kEnvironment) that names the folder.
 std::string neighbouring_program(const std::string& name);
 
-/// Bakes the four-quarter map to a file, with --quiet.
+/// Returns the command that bakes the four-quarter map to a file, with --quiet.
 std::vector<std::string> multum_bake_command(const std::string& map, const std::string& output,
                                              const BakeCommandOptions& options);
 
@@ -29,11 +29,12 @@ std::vector<std::string> multum_bake_command(const std::string& map, const std::
 /// memory and this process must stay small (measured_program.h).
 std::string device_of_report(const std::string& path);
 
-/// Converts the same map to slopes and their squares (LEAN mapping). maketx cannot keep more information about a
-/// normal map.
+/// Returns the command that converts the same map to slopes and their squares (LEAN mapping). maketx cannot keep more
+/// information about a normal map.
 std::vector<std::string> maketx_command(const std::string& map, const std::string& output, int threads);
 
-/// Returns "2.4.7.1". Throws Error(kEnvironment) that names maketx's package if it is missing.
+/// Returns the version of maketx, such as "2.4.7.1". Throws Error(kEnvironment) that names maketx's package if maketx
+/// is missing.
 std::string maketx_version();
 
 /// Makes the four-quarter map as a 16-bit PNG in `folder` and returns its name. A process of `multum testmap` makes it,

@@ -6,7 +6,7 @@
 namespace multum::bench {
 namespace {
 
-// Quotes a word for a shell: in single quotes unless all of its characters are plain.
+// Quotes a word for a shell, in single quotes unless all of its characters are plain.
 std::string shell_quoted(const std::string& word) {
   constexpr char kPlain[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+=:.,/%@^";
   if (!word.empty() && word.find_first_not_of(kPlain) == std::string::npos) return word;

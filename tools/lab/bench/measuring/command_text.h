@@ -7,8 +7,8 @@
 
 namespace multum::bench {
 
-/// Writes a command as a person would type it in the folder of its files: quoted for a shell, with absolute paths
-/// shortened to file names.
+/// Writes a command as a person would type it in the folder of its files. It is quoted for a shell, and absolute paths
+/// are shortened to file names.
 std::string command_text(const std::vector<std::string>& command);
 
 }  // namespace multum::bench

@@ -44,7 +44,8 @@ std::vector<fs::path> files_of(const fs::path& folder, const std::string& extens
   return files;
 }
 
-// Returns one line such as "libEGL.so.1 (libc6,x86-64) => /usr/lib/..." per library; empty without ldconfig.
+// Returns one line such as "libEGL.so.1 (libc6,x86-64) => /usr/lib/..." per library. Without ldconfig, the text is
+// empty.
 std::string loader_list() {
   for (const char* program : {"/sbin/ldconfig", "/usr/sbin/ldconfig"}) {
     try {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Finds drivers that are installed but unknown to the loaders: containers with a GPU often have the maker's libraries
-// without the files that name them. Names these drivers to the loaders of child processes, by files in a folder of this
-// process.
+// Finds drivers that are installed but unknown to the loaders. Containers with a GPU often have the maker's libraries
+// without the files that name them. Names these drivers to the loaders of child processes, by means of files in a
+// folder of this process.
 //
 //   OpenCL   /etc/OpenCL/vendors/*.icd, each the name of a library      OCL_ICD_VENDORS
 //   EGL      glvnd/egl_vendor.d/*.json, each the name of a library      __EGL_VENDOR_LIBRARY_FILENAMES

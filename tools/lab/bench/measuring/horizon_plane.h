@@ -6,7 +6,7 @@
 
 namespace multum::bench {
 
-/// The plane has z = 0. x runs from -side / 2 to side / 2, y from 0 to `side`, and texture coordinates from 0 to 1.
+/// On the plane, z is 0, x runs from -side / 2 to side / 2, y from 0 to `side`, and texture coordinates from 0 to 1.
 inline gl::MeshData horizon_plane(float side) {
   gl::MeshData mesh;
   for (const float v : {0.0f, 1.0f})

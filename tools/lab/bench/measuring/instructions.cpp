@@ -10,7 +10,7 @@
 namespace multum::bench {
 namespace {
 
-// Tests for GCC's levels of x86-64, for which the yardstick is compiled.
+// Tests for the x86-64 levels of GCC for which the yardstick is compiled.
 bool processor_has(Instructions instructions) {
   return instructions == Instructions::kAvx512 ? __builtin_cpu_supports("x86-64-v4") > 0
                                                : __builtin_cpu_supports("x86-64-v3") > 0;

@@ -12,8 +12,8 @@ enum class Instructions { kAvx2, kAvx512 };
 /// Returns "AVX2" or "AVX-512".
 const char* instructions_name(Instructions instructions);
 
-/// Returns `asked`, or the processor's widest instructions if nothing was asked. Throws Error(kEnvironment) if the
-/// processor lacks these instructions.
+/// Returns `asked`, or the processor's widest instructions if `asked` is not set. Throws Error(kEnvironment) if the
+/// processor does not have these instructions.
 Instructions choose_instructions(std::optional<Instructions> asked);
 
 /// Makes PoCL compile for `instructions`, in this process and its children. Call it before the first search for

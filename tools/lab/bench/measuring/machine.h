@@ -12,7 +12,8 @@ std::string system_name();  // such as "Debian GNU/Linux 12 (bookworm)"
 int core_count();           // number of cores that this process can use
 std::uint64_t memory_bytes();
 
-/// Names the folder's file system: "ext4", "tmpfs", or its number in hexadecimal if the name is unknown.
+/// Names the folder's file system, such as "ext4" or "tmpfs". If the name is unknown, returns its number in
+/// hexadecimal.
 std::string file_system_name(const std::string& folder);
 
 }  // namespace multum::bench

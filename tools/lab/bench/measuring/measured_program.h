@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Runs a whole program as a child process, until its output is synced, and measures its costs.
+// Runs a whole program as a child process until its output is synced, and measures its costs.
 #pragma once
 
 #include <cstdint>
@@ -19,8 +19,9 @@ struct ProgramCost {
   double output_mb;     // size in MB of 10^6 bytes
 };
 
-/// Runs a command that must write `output`, then syncs the file. Removes an older file first, untimed. If the command
-/// fails, throws Error with the end of its output: kUsage for the exit code of usage errors, otherwise kEnvironment.
+/// Runs a command that must write `output`, then syncs the file. First removes an older file, without timing it. If the
+/// command fails, throws Error with the end of its output: kUsage for the exit code of usage errors, otherwise
+/// kEnvironment.
 ProgramCost run_to_disk(const std::vector<std::string>& command, const std::string& output, Progress* progress);
 
 /// Returns the end of a program's output, for error messages.

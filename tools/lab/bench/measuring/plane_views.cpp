@@ -13,9 +13,10 @@ namespace {
 
 // Distance of the horizon above the picture, in picture heights. Visible points are 0.87 to 6.7 camera heights away.
 constexpr double kHorizon = 0.15;
-constexpr double kScaleS = 1.6, kScaleT = 0.4;  // repetitions of the texture: one texel per pixel in the foreground
-// Least fraction between texels and levels. Every visible texel then has enough weight to be known in single precision
-// without regularisers, so no texel reaches a bound.
+constexpr double kScaleS = 1.6, kScaleT = 0.4;  // repetitions of the texture that give one texel per pixel in the
+                                                // foreground
+// The smallest fraction between texels and between levels. Every visible texel then has enough weight to be known in
+// single precision without regularisers, so no texel reaches a bound.
 constexpr double kFractionMin = 1.0 / 8;
 constexpr double kTurn = 2.3999632;  // angle between cameras in radians, for which all views differ
 
@@ -35,8 +36,8 @@ void add_bilinear(const MipLevelPlace& level, double s, double t, double share, 
     }
 }
 
-// Adds one sub-pixel at (x, y) of the picture, each from 0 to 1: the point of the plane, and the level by the larger
-// side of its footprint.
+// Adds one sub-pixel at (x, y) of the picture, each from 0 to 1. Computes its point on the plane, and its level from
+// the larger side of its footprint.
 void add_sample(const PlaneView& view, const MipLayout& layout, double x, double y, int width, int height,
                 std::vector<Entry>& entries) {
   const double distance = 1.0 / (kHorizon + y), angle = kTurn * view.camera;

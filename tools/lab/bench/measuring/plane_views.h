@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Makes filter matrices as in texture inference, without GL: pictures of a plane with a repeated texture, seen in
-// perspective by cameras around it, with trilinear sampling as in GL (OpenGL 4.5, section 8.14).
+// Makes filter matrices as in texture inference, but without GL. The pictures show a plane with a repeated texture in
+// perspective, seen by cameras around it, with trilinear sampling as in GL (OpenGL 4.5, section 8.14).
 #pragma once
 
 #include <vector>
@@ -11,7 +11,7 @@ namespace multum::bench {
 
 struct PlaneView {
   int texture_side = 512;  // side of the texture, a power of two; the picture is 5/4 as wide and 15/16 as high
-  int camera = 0;          // number of the camera; each looks in another direction
+  int camera = 0;          // number of the camera; each camera looks in another direction
   int sub_pixels = 1;      // sub-pixels along each side of a pixel; their rows are averaged as in multum-view
 };
 

@@ -18,7 +18,7 @@ double quantile(const std::vector<double>& sorted, double p) {
   return sorted[below] + (rank - static_cast<double>(below)) * (sorted[above] - sorted[below]);
 }
 
-// Number of decimals for three significant digits of `value`.
+// Returns the number of decimals for three significant digits of `value`.
 int decimals_of(double value) {
   if (!(std::abs(value) > 0.0)) return 2;
   return std::clamp(2 - static_cast<int>(std::floor(std::log10(std::abs(value)))), 0, 9);

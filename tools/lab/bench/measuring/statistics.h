@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Median and quartiles of repeated measurements, as numbers, JSON and text.
+// Computes the median and the quartiles of repeated measurements, as numbers, JSON and text.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -17,7 +17,7 @@ struct Spread {
 /// empty.
 Spread spread_of(std::vector<double> values);
 
-/// Converts to {"median": 1.0, "quartiles": [0.9, 1.2]}.
+/// Converts to JSON: {"median": 1.0, "quartiles": [0.9, 1.2]}.
 nlohmann::ordered_json spread_json(const Spread& spread);
 Spread parse_spread(const nlohmann::ordered_json& json);
 

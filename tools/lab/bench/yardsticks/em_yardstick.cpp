@@ -14,9 +14,8 @@
 namespace multum::bench {
 namespace {
 
-// Lanes per register. GCC splits wider vectors into registers for arithmetic, but compares and selects lane by lane:
-// with
-// 16 lanes on AVX2, this file took 5.7 times as long as with AVX-512.
+// Lanes per register. GCC splits wider vectors into registers for arithmetic, but compares and selects lane by lane.
+// With 16 lanes on AVX2, the code of this file therefore took 5.7 times as long as with AVX-512.
 #ifdef __AVX512F__
 constexpr int kLanes = 16;
 #else
@@ -29,7 +28,7 @@ typedef int I __attribute__((vector_size(kLanes * sizeof(int))));
 
 constexpr float kLog2E = 1.44269504f;
 constexpr int kChunkSamples = 4096;
-constexpr int kSampleFloats = 3 * MULTUM_GROUP;  // per group: x, y and z
+constexpr int kSampleFloats = 3 * MULTUM_GROUP;  // x, y and z of each texel in a group
 
 V splat(float x) { return V{} + x; }
 V load(const float* p) {
@@ -54,7 +53,7 @@ float sum_v(V v) {
 }
 
 // Flushes subnormal floats to 0 in this thread, until the object goes out of scope. Shares of lobes far from a normal
-// are subnormal, and Intel's processors compute with subnormal floats a hundred times slower. The kernels avoid
+// are subnormal, and Intel's processors compute with subnormal floats a hundred times more slowly. The kernels avoid
 // subnormal floats (movmf_em.clh).
 class FlushedToZero {
  public:
@@ -236,7 +235,7 @@ void fit_lanes(const YardstickLevel& level, int group, int first_lane, float* ou
   }
 }
 
-// Fits coarse levels with one sample per lane. Chunks of rows are summed in parallel; then comes one M-step with the
+// Fits coarse levels with one sample per lane. Chunks of rows are summed in parallel. One M-step follows, with the
 // lobes in lane 0.
 template <int kLobes>
 void fit_texel(const YardstickLevel& level, int texel, float* out) {
@@ -244,7 +243,7 @@ void fit_texel(const YardstickLevel& level, int texel, float* out) {
   const int chunks = (side + rows_per_chunk - 1) / rows_per_chunk;
   const int x0 = texel % level.level_width * side, y0 = texel / level.level_width * side;
   const float inverse_count = 1.0f / (static_cast<float>(side) * static_cast<float>(side));
-  // The start of this texel, copied to all lanes.
+  // The start of this texel is copied to all lanes.
   std::vector<float> start(static_cast<std::size_t>(kLobes * MULTUM_START_PLANES * MULTUM_GROUP));
   const float* from =
       level.start + static_cast<std::size_t>(texel / MULTUM_GROUP) * start.size() + texel % MULTUM_GROUP;
@@ -304,7 +303,8 @@ std::vector<float> fit(const YardstickLevel& level) {
       for (int lane = 0; lane < MULTUM_GROUP; lane += kLanes) fit_lanes<kLobes>(level, group, lane, out.data());
     }
   } else {
-    // With at least as many texels as threads, each thread fits whole texels. Otherwise threads share a texel's chunks.
+    // If there are at least as many texels as threads, each thread fits whole texels. Otherwise threads share a texel's
+    // chunks.
 #pragma omp parallel for schedule(dynamic) if (level.texel_count >= omp_get_max_threads())
     for (int texel = 0; texel < level.texel_count; ++texel) fit_texel<kLobes>(level, texel, out.data());
   }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The yardstick of the EM kernels: the same sums in plain, readable C++ with OpenMP and vectors as wide as a register
-// (GCC's vector extensions, compiled for AVX-512 and for AVX2).
+// The yardstick of the EM kernels. It computes the same sums in plain, readable C++ with OpenMP and vectors as wide as
+// a register (GCC's vector extensions, compiled for AVX-512 and for AVX2).
 #pragma once
 
 #include <cstddef>
@@ -10,13 +10,14 @@
 
 namespace multum::bench {
 
-/// Samples and starts in the kernels' layouts (kernels/shared/movmf_fit.h), whole texels only (no weights).
+/// Samples and starts in the kernels' layouts (kernels/shared/movmf_fit.h). Contains only whole texels, so there are no
+/// weights.
 struct YardstickLevel {
   int lobe_count;
   int iteration_count;
   int group_count;       // number of groups, of 16 texels each
   int sample_count;      // samples per texel
-  const float* samples;  // [group][sample][3][16]; null: use the planes (one texel after another)
+  const float* samples;  // [group][sample][3][16]; if null, the planes are used, one texel after another
   const float* start;    // [group][lobe][MULTUM_START_PLANES][16]
   float kappa_cap;
   float kappa_cap_slope;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The yardstick of texture inference: Eigen's conjugate gradient for least squares in single precision, with its
-// diagonal preconditioner, compiled for this machine and with OpenMP.
+// The yardstick of texture inference. It uses Eigen's conjugate gradient for least squares in single precision, with
+// its diagonal preconditioner, and is compiled for this machine and with OpenMP.
 #pragma once
 
 #include <memory>
@@ -12,9 +12,9 @@
 namespace multum::bench {
 
 enum class YardstickForm {
-  kRowMajor,      // LeastSquaresConjugateGradient, one solve per colour: A gathers, A^T scatters
-  kColumnMajor,   // as kRowMajor, but A scatters and A^T gathers
-  kThreeColumns,  // the same iteration, written with Eigen's products for three columns; A and A^T gather
+  kRowMajor,      // LeastSquaresConjugateGradient with one solve per colour; A gathers, and A^T scatters
+  kColumnMajor,   // as kRowMajor, but A scatters, and A^T gathers
+  kThreeColumns,  // the same iteration, written with Eigen's products for three columns; A and A^T both gather
 };
 
 struct YardstickWay {

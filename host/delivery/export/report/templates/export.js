@@ -6,7 +6,7 @@ const ids = Object.keys(names);
 const percent = (share) => (100 * share).toFixed(share < 0.0995 ? 1 : 0);
 const twoPlaces = (value) => value.toFixed(2);
 const OWN = report.anisotropy ? "anisotropic" : "isotropic";
-// Shows the least number of a row in bold.
+// Shows the lowest number of a row in bold.
 const withBest = (values, text) => {
   const least = Math.min(...values);
   return values.map((value) => (value === least ? { best: text(value) } : text(value)));

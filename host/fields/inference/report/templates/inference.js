@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Fills the page of `multum infer`: errors, pictures, times and counts of report.json. C++ adds `samples` with their
-// places on the parameter grid, `pictures`, and the `texels` of layers.
+// Fills the page of `multum infer`: errors, pictures, times and counts of report.json. The C++ code adds `samples` with
+// their places on the parameter grid, `pictures`, and the `texels` of layers.
 
 // Seconds per point of the parameter space in the paper's table "System Performance": texture coordinate optimisation
 // .93 s, obtaining matrix A 2.15 min, solving for textures 2.68 min.
@@ -8,7 +8,7 @@ const PAPER_SECONDS = { mapping: 0.93, probing: 2.15 * 60, solving: 2.68 * 60 };
 const NONE = "\u2013";
 
 const { objects, layers, frames, comparison, parameters, samples, pictures, seconds } = data;
-// Formats three digits; null: there is no value.
+// Formats a number with three digits; null means that there is no value.
 const mse = (value) => (value === null ? NONE : value.toFixed(value < 9.995 ? 2 : value < 99.95 ? 1 : 0));
 const secondsText = (value) => value.toFixed(value < 9.95 ? 2 : 1);
 const counted = (count, what) => `${count} ${what}${count === 1 ? "" : "s"}`;
@@ -74,7 +74,7 @@ function tookNodes() {
   ].filter(Boolean);
 }
 
-/** `scale`: CSS pixels per pixel, so that small objects are visible. */
+/** `scale` is the number of CSS pixels per pixel, so that small objects are visible. */
 function picture({ file, width, height }, scale, alt, ...caption) {
   return node("figure", {}, node("img", { src: file, width: scale * width, height: scale * height, alt }),
     node("figcaption", {}, caption));
@@ -130,7 +130,9 @@ const columnCount = parameters.length > 0 ? parameters.at(-1).count : 1;
 const rowCount = Math.floor(samples.length / columnCount);
 const cellWidth = Math.min(42, Math.max(4, 336 / columnCount)), cellHeight = cellWidth < 30 ? cellWidth : 24;
 
-/** Returns the parameters across and down a heat map. The text is below the map, since names may be long. */
+/**
+ * Returns a text that names the parameters across and down a heat map. It is below the map, because names may be long.
+ */
 function axesText() {
   if (parameters.length === 0) return "";
   const others = parameters.slice(0, -1).map(({ name }) => name);
