@@ -62,7 +62,7 @@ def has_header_comment(file, lines):
             continue
         if line.startswith("#version"):  # GLSL requires it in the first line
             continue
-        return line.startswith((mark, '"""'))
+        return line.startswith((mark, '"""', "/*"))
     return False
 
 

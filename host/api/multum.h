@@ -1,8 +1,7 @@
-/* SPDX-License-Identifier: Apache-2.0
+/* SPDX-License-Identifier: Apache-2.0 */
+/* multum.h: bakes, reads and shades textures that look right at every distance, from C.
  *
- * multum.h: bakes, reads and shades textures that look right at every distance, from C.
- *
- * A first program (examples/c/bake.c is longer):
+ * A first program (examples/bake.c is longer):
  *
  *     multum_error* error = NULL;
  *     multum_device* device = NULL;

@@ -42,6 +42,13 @@ def program(*words):
     return subprocess.run([MULTUM, *map(str, words)], capture_output=True, text=True, check=False)
 
 
+def write_test_map(folder):
+    """Writes map_normal.png, 64 x 64."""
+    made = program("testmap", "--size", 64, "--write-green", "up", "-o", folder / "map")
+    if made.returncode != 0:
+        raise RuntimeError(made.stderr)
+
+
 class FolderTest(unittest.TestCase):
     def setUp(self):
         self.folder = pathlib.Path(tempfile.mkdtemp(prefix="multum-python-test-"))
@@ -57,7 +64,7 @@ class BakeTest(FolderTest):
 
     def test_program_makes_the_same_texels(self):
         source = self.folder / "map_normal.png"
-        self.assertEqual(program("testmap", "--size", 64, "--write-green", "up", "-o", self.folder / "map").returncode, 0)
+        write_test_map(self.folder)
         self.assertEqual(program("bake", source, "-o", self.folder / "a.ndf.exr", "--lobes", 3).returncode, 0)
         baked = multum.bake(source, self.folder / "b.ndf.exr", lobes=3)
         other = multum.load(self.folder / "a.ndf.exr")
@@ -100,7 +107,7 @@ class BakeTest(FolderTest):
     def test_nothing_remains_of_a_bake_in_memory(self):
         temporary = self.folder / "tmp"
         temporary.mkdir()
-        code = "import multum, numpy as np\nimport sys; sys.path.insert(0, %r)\nfrom python_test import wavy_normals\n" \
+        code = "import multum, sys\nsys.path.insert(0, %r)\nfrom python_test import wavy_normals\n" \
                "baked = multum.bake(wavy_normals(16)); baked.save(%r); print(baked.content_hash)" % (
                    os.path.dirname(os.path.abspath(__file__)), str(self.folder / "kept.ndf.exr"))
         run = subprocess.run([sys.executable, "-c", code], env=dict(os.environ, TMPDIR=str(temporary)),
@@ -285,7 +292,7 @@ class ServiceTest(FolderTest):
             time.sleep(0.02)
         self.service = multum.Service((self.data / "address").read_text().strip())
         self.source = self.root / "map_normal.png"
-        self.assertEqual(program("testmap", "--size", 64, "--write-green", "up", "-o", self.root / "map").returncode, 0)
+        write_test_map(self.root)
 
     def _stop(self):
         if self.daemon.poll() is None:

@@ -39,11 +39,10 @@ int main(void) {
     for (int j = 0; j < lobes.count; ++j) {
       const float* a_r = lobes.lobes[j];
       if (a_r[3] > 0.01f)
-        printf("lobe %d: amplitude %.2f, mean normal (%.2f, %.2f, %.2f)\n", j, a_r[3], a_r[0] / a_r[3],
-               a_r[1] / a_r[3], a_r[2] / a_r[3]);
+        printf("lobe %d: amplitude %.2f, mean normal (%.2f, %.2f, %.2f)\n", j, a_r[3], a_r[0] / a_r[3], a_r[1] / a_r[3],
+               a_r[2] / a_r[3]);
     }
-  else
-    fprintf(stderr, "memory: %s\n", multum_error_message(error));
+  else fprintf(stderr, "memory: %s\n", multum_error_message(error));
   const int code = multum_error_status(error);
   multum_error_free(error);
   multum_map_free(map);

@@ -54,13 +54,14 @@ def _array(values: np.ndarray, name: str) -> np.ndarray:
     if array.ndim == 2:
         array = array[:, :, None]
     if array.ndim != 3 or not 1 <= array.shape[2] <= 4:
-        raise SettingError(f"{name}: shape is {np.shape(values)}, expected (height, width) or (height, width, channels) "
-                           "with 1 to 4 channels", name, str(np.shape(values)), "(height, width, channels)")
+        expected = "(height, width) or (height, width, channels) with 1 to 4 channels"
+        raise SettingError(f"{name}: shape is {np.shape(values)}, expected {expected}", name, str(np.shape(values)),
+                           expected)
     if array.dtype == np.float64:
         array = array.astype(np.float32)
     if array.dtype not in (np.uint8, np.uint16, np.float16, np.float32):
-        raise SettingError(f"{name}: type is {array.dtype}, expected uint8, uint16, float16, float32 or float64", name,
-                           str(array.dtype), "uint8, uint16, float16, float32 or float64")
+        expected = "uint8, uint16, float16, float32 or float64"
+        raise SettingError(f"{name}: type is {array.dtype}, expected {expected}", name, str(array.dtype), expected)
     is_plain = array.strides[2] == array.itemsize and array.strides[1] == array.itemsize * array.shape[2]
     if not is_plain or abs(array.strides[0]) < array.strides[1] * array.shape[1] or not array.dtype.isnative:
         array = np.ascontiguousarray(array, dtype=array.dtype.newbyteorder("="))
@@ -162,9 +163,9 @@ def export(normals: Image, output: PathLike, *, device: str = "", progress: Prog
     """
     maps = _maps(normals, settings)
     with _Listener(progress, "export") as listener:
-        return json.loads(
-            _multum.export_map(_device(device), maps, _values("export", settings), os.fspath(output), listener.progress,
-                               listener.log))
+        text = _multum.export_map(_device(device), maps, _values("export", settings), os.fspath(output),
+                                  listener.progress, listener.log)
+    return json.loads(text)
 
 
 def measure(baked: PathLike, normals: Image, *, device: str = "", progress: Progress = None, **settings: Any) -> list:
@@ -271,7 +272,7 @@ class Lobes:
         return shape, _multum.LobeRows(values, colours)
 
     def shade(self, light: Any, view: Any, brdf: Union[str, Brdf]) -> np.ndarray:
-        """Returns the reflected light in linear RGB, (..., 3): the integral over the normals of BRDF * max(n . light, 0).
+        """Returns the reflected light in linear RGB, (..., 3): BRDF * max(n . light, 0), integrated over the normals n.
 
         >>> up = [0.0, 0.0, 1.0]
         >>> flat = Lobes([[0.0, 0.0, 1.0, 1.0]])
@@ -279,7 +280,8 @@ class Lobes:
         [0.1592, 0.1592, 0.1592]
         """
         shape, rows = self._at(light, view)
-        return _multum.shade(rows, _brdf(brdf)._brdf, _rows(light, shape, 3), _rows(view, shape, 3)).reshape(shape + (3,))
+        rgb = _multum.shade(rows, _brdf(brdf)._brdf, _rows(light, shape, 3), _rows(view, shape, 3))
+        return rgb.reshape(shape + (3,))
 
     def density(self, normal: Any) -> np.ndarray:
         """Returns the density of normals per steradian, (...)."""
@@ -344,7 +346,7 @@ class BakedMap:
     def lobes(self, level: int) -> np.ndarray:
         """Returns the lobes of a level, float32 (lobes, rows, columns, 4): (a r_x, a r_y, a r_z, a).
 
-        Like the other parts, a view of the map's memory without a copy. It cannot be written to, and keeps the map alive.
+        Like the other parts, the array is a read-only view of the map's memory, without a copy. It keeps the map alive.
         """
         return self._map.level(level, 0)
 
@@ -370,7 +372,7 @@ class BakedMap:
 
     def read(self, level: int, region: "Tuple[int, int, int, int]", part: str = "lobes",
              dtype: Any = "float32") -> np.ndarray:
-        """Reads (x, y, width, height) of a level without keeping the level. Decodes only the rows of tiles that it needs.
+        """Reads (x, y, width, height) of a level without keeping the level, and decodes only the needed rows of tiles.
 
         part   lobes, colours, weights, slopes, mean_normals or harmonics
         dtype  float32; float16; or int16 for lobes of encoding snorm16 (the value times 32767, as stored)

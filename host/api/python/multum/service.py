@@ -148,8 +148,8 @@ class Job:
                     raise
                 time.sleep(1.0)
             if limit is not None and time.monotonic() > limit:
-                raise ServiceError(f"job {self.id} is {self.state} after {timeout_s} s, expected an end", "", self.state,
-                                   "an end")
+                raise ServiceError(f"job {self.id} is {self.state} after {timeout_s} s, expected it to end", "",
+                                   self.state, "a job that has ended")
 
     def wait(self, timeout_s: Optional[float] = None) -> "Job":
         """Waits until the job has ended. Raises ServiceError if it did not succeed, or after `timeout_s`."""

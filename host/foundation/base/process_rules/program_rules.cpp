@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+// Implements the rules for programs, which own their process.
 #include "host/foundation/base/process_rules/process_rules.h"
 
 #include <cstdio>
