@@ -21,12 +21,14 @@
 #include "host/bakes/settings_search/target_parameters.h"
 #include "host/delivery/export/batch/export_batch.h"
 #include "host/delivery/export/export_job.h"
+#include "host/delivery/gltf/gltf_job.h"
 #include "host/formats/image/files/number_type.h"
 #include "host/foundation/base/files/memory_images.h"
 #include "host/foundation/base/files/output_paths.h"
 #include "host/foundation/base/files/work_folder.h"
 #include "host/foundation/base/process_rules/process_rules.h"
 #include "host/foundation/parameters/export_parameters.h"
+#include "host/foundation/parameters/gltf_parameters.h"
 
 namespace multum {
 namespace {
@@ -216,6 +218,29 @@ multum_status multum_export(multum_device* device, const multum_maps* maps, cons
     multum::make_folder_of(job.output);
     const std::lock_guard lock(device->mutex);
     const multum::ExportReport made = multum::export_file(job, device->device, call.progress());
+    if (report != nullptr) *report = new multum_text{made.to_json(job)};
+  });
+}
+
+multum_status multum_convert_model(multum_device* device, const char* input, const multum_values* values,
+                                   const char* output, const multum_callbacks* callbacks, multum_text** report,
+                                   multum_error** error) {
+  return guarded(error, [&] {
+    multum::require(device, "multum_convert_model", "device", "a device");
+    multum::require(input, "multum_convert_model", "input", "the name of a model");
+    multum::require(output, "multum_convert_model", "output", "the name of a file to write");
+    multum::ApiCall call(callbacks);
+    const multum::ParameterValues parameters = multum::values_of(values, multum::gltf_parameters());
+    multum::GltfJob job;
+    job.threads = multum::threads_of(values);
+    multum::check_exclusions(parameters);
+    multum::apply(parameters, job);
+    job.input = input;
+    job.output = output;
+    const multum::NewFolders new_folders;
+    multum::make_folder_of(job.output);
+    const std::lock_guard lock(device->mutex);
+    const multum::GltfReport made = multum::convert_gltf(job, device->device, call.progress());
     if (report != nullptr) *report = new multum_text{made.to_json(job)};
   });
 }

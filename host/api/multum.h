@@ -197,6 +197,13 @@ MULTUM_API multum_status multum_export(multum_device* device, const multum_maps*
                                        const char* output, const multum_callbacks* callbacks, multum_text** report,
                                        multum_error** error);
 
+/* Writes a copy of a glTF model whose textures have fitted mips, as `multum gltf` does. `input`: *.glb, or *.gltf with
+ * its files. `output`: *.glb. `values`: of "gltf", or NULL. `report`: receives the JSON of `multum gltf --report`; may
+ * be NULL. */
+MULTUM_API multum_status multum_convert_model(multum_device* device, const char* input, const multum_values* values,
+                                              const char* output, const multum_callbacks* callbacks,
+                                              multum_text** report, multum_error** error);
+
 /* Measures the error of a baked file against the maps that it was baked from, as the bake did. `values`: those of the
  * bake. Returns MULTUM_NOT_VERIFIED if the file is damaged. `errors`: receives the JSON array of
  * multum_map_text(map, "measured_error"). */

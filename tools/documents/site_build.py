@@ -26,8 +26,8 @@ ORDER = {
     "how-to": ("green_is_wrong", "choose_lobes", "does_my_map_gain", "reduce_memory", "terrain_and_udim",
                "export_to_engine", "draw_lobes", "plain_pyramids", "error_numbers", "service_behind_proxy", "clusters",
                "install_packages", "upgrade", "caches_and_removal"),
-    "reference": ("commands", "exit_codes", "parameters", "input_maps", "file_format", "lobe_textures", "gltf",
-                  "scenes", "manifests", "animation_jobs", "inferred_textures", "packed_fields", "service", "c_and_python", "glossary"),
+    "reference": ("commands", "exit_codes", "input_maps", "file_format", "lobe_textures", "gltf", "scenes", "manifests",
+                  "animation_jobs", "inferred_textures", "packed_fields", "service", "c_and_python", "glossary"),
     "explanation": ("how_it_works", "accuracy", "limits"),
 }
 # A build replaces a folder only if the folder has this file.

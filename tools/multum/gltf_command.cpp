@@ -4,7 +4,6 @@
 #include <memory>
 
 #include "host/delivery/gltf/gltf_job.h"
-#include "host/formats/image/normals/reading_parameters.h"
 #include "host/foundation/base/processes/machine.h"
 #include "host/foundation/base/shown_text.h"
 #include "host/foundation/parameters/gltf_parameters.h"
@@ -25,23 +24,8 @@ struct GltfOptions {
 int run_gltf(GltfOptions& o) {
   o.job.threads = apply(o.common);
   keep_freed_memory();
-  const ParameterValues& values = o.values;
-  o.job.format = values.choice("format", kGltfTextureFormats).value_or(o.job.format);
-  o.job.form = values.choice("form", kMaterialForms).value_or(o.job.form);
-  o.job.engine = values.choice("for", kEngines).value_or(o.job.engine);
-  o.job.has_fallback = values.flag("png_fallback");
-  o.job.uastc_effort = values.integer("uastc_effort").value_or(o.job.uastc_effort);
-  o.job.encoder = values.text("encoder").value_or("");
-  o.job.is_anisotropic = values.flag("anisotropy");
-  o.job.has_lobes = values.flag("lobes");
-  o.job.lobe_texels = values.choice("lobe_texels", kLobeTexels);
-  o.job.is_fast = values.flag("fast");
-  o.job.two_channel = values.flag("two_channel");
-  o.job.z_range = z_range(values);
-  o.job.surface = map_surface(values).value_or(o.job.surface);
-  if (const auto bytes = values.bytes("memory")) o.job.memory_bytes = static_cast<std::uint64_t>(*bytes);
-  o.job.report = values.text("report").value_or("");
-  Device device = Device::when_needed({values.text("device").value_or("")});
+  apply(o.values, o.job);
+  Device device = Device::when_needed({o.values.text("device").value_or("")});
   const auto progress = make_progress(o.common);
   const GltfReport report = convert_gltf(o.job, device, progress.get());
   if (o.common.json) {

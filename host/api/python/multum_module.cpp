@@ -385,6 +385,13 @@ std::string export_map(const Device& device, const Maps& maps, const Values& val
   });
 }
 
+std::string convert_model(const Device& device, const std::string& input, const Values& values,
+                          const std::string& output, const py::object& progress, const py::object& log) {
+  return text_of(progress, log, [&](const multum_callbacks* callbacks, multum_text** text, multum_error** error) {
+    return multum_convert_model(device.get(), input.c_str(), values.get(), output.c_str(), callbacks, text, error);
+  });
+}
+
 std::string measure(const Device& device, const std::string& baked, const Maps& maps, const Values& values,
                     const py::object& progress, const py::object& log) {
   return text_of(progress, log, [&](const multum_callbacks* callbacks, multum_text** text, multum_error** error) {
@@ -437,6 +444,7 @@ PYBIND11_MODULE(_multum, module) {
   module.def("open_map", &open_map);
   module.def("bake", &bake);
   module.def("export_map", &export_map);
+  module.def("convert_model", &convert_model);
   module.def("measure", &measure);
   module.def("look_up", &look_up);
   module.def("shade", &shade);

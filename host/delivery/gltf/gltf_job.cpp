@@ -12,6 +12,7 @@
 #include "host/delivery/gltf/gltf_rewrite.h"
 #include "host/delivery/gltf/source_fit.h"
 #include "host/delivery/gltf/source_lobes.h"
+#include "host/formats/image/normals/reading_parameters.h"
 #include "host/formats/mesh/gltf_document.h"
 #include "host/formats/opencl/device_counts.h"
 #include "host/foundation/base/error.h"
@@ -407,6 +408,24 @@ std::string GltfReport::to_json(const GltfJob& job) const {
   for (const Textures& one : textures) json["textures"].push_back(json_of_textures(one));
   for (const auto& [stage, time] : seconds) json["seconds"][stage] = time;
   return json_text(json, 2) + "\n";
+}
+
+void apply(const ParameterValues& values, GltfJob& job) {
+  job.format = values.choice("format", kGltfTextureFormats).value_or(job.format);
+  job.form = values.choice("form", kMaterialForms).value_or(job.form);
+  job.engine = values.choice("for", kEngines).value_or(job.engine);
+  job.has_fallback = values.flag("png_fallback");
+  job.uastc_effort = values.integer("uastc_effort").value_or(job.uastc_effort);
+  job.encoder = values.text("encoder").value_or("");
+  job.is_anisotropic = values.flag("anisotropy");
+  job.has_lobes = values.flag("lobes");
+  job.lobe_texels = values.choice("lobe_texels", kLobeTexels);
+  job.is_fast = values.flag("fast");
+  job.two_channel = values.flag("two_channel");
+  job.z_range = z_range(values);
+  job.surface = map_surface(values).value_or(job.surface);
+  if (const auto bytes = values.bytes("memory")) job.memory_bytes = static_cast<std::uint64_t>(*bytes);
+  job.report = values.text("report").value_or("");
 }
 
 GltfReport convert_gltf(const GltfJob& job, Device& device, Progress* progress) {

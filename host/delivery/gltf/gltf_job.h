@@ -16,6 +16,7 @@
 #include "host/formats/image/surface_points.h"
 #include "host/formats/opencl/device.h"
 #include "host/foundation/base/progress.h"
+#include "host/foundation/parameters/parameter_values.h"
 
 namespace multum {
 
@@ -69,6 +70,9 @@ struct GltfReport {
   int fitted_count() const;
   std::string to_json(const GltfJob& job) const;
 };
+
+/// Replaces the job's values by the given values of gltf_parameters().
+void apply(const ParameterValues& values, GltfJob& job);
 
 /// Throws Error and Cancelled. Leaves no partial file. Progress: one unit per fitted texel and one per encoded texel.
 GltfReport convert_gltf(const GltfJob& job, Device& device, Progress* progress);

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A small path tracer in NumPy that samples the lobes of a baked map.
 
-A bumpy floor of gold-like metal lies in front of a white wall, under a sky with a sun. The picture is drawn three times:
+A bumpy metal floor lies in front of a white wall, under a sky with a sun. The picture is drawn three times:
   reference   level 0 of the map, the normals themselves, at random places of each pixel, with many paths
   lobes       the map filtered to the pixel's footprint; directions come from multum's sample()
   cosine      the same, but directions come from the cosine around the vertical
@@ -131,11 +131,12 @@ def main():
         variances[name] = variance.mean()
         print(f"{name}: mean radiance {picture.mean():.4f} (reference {reference.mean():.4f}), relative error "
               f"{np.abs(picture - reference).mean() / reference.mean():.3f}, variance of a path {variances[name]:.4f}")
-    print(f"cosine sampling needs {variances['cosine'] / variances['lobes']:.1f} times as many paths for the same noise")
+    ratio = variances['cosine'] / variances['lobes']
+    print(f"cosine sampling needs {ratio:.1f} times as many paths for the same noise")
     if options.output:
         import matplotlib.image
-        tone = np.clip(np.concatenate(pictures, axis=1) / (1 + np.concatenate(pictures, axis=1)), 0, 1) ** (1 / 2.2)
-        matplotlib.image.imsave(options.output, tone)
+        row = np.concatenate(pictures, axis=1)
+        matplotlib.image.imsave(options.output, np.clip(row / (1 + row), 0, 1) ** (1 / 2.2))
 
 
 if __name__ == "__main__":

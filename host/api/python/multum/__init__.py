@@ -12,13 +12,13 @@ Names of settings are those of the command line with underscores: `multum bake -
 `multum.bake(file, target_error=0.05)`. `multum.settings("bake")` lists them.
 """
 
-from ._api import (BakedMap, Brdf, Lobes, Setting, bake, devices, export, load, measure, settings)
+from ._api import (BakedMap, Brdf, Lobes, Setting, bake, devices, export, gltf, load, measure, settings)
 from ._errors import Cancelled, Error, InputError, MachineError, ServiceError, SettingError, VerificationError
 from ._multum import __version__
 from .service import Job, Service
 
 __all__ = [
     "BakedMap", "Brdf", "Cancelled", "Error", "InputError", "Job", "Lobes", "MachineError", "Service", "ServiceError",
-    "Setting", "SettingError", "VerificationError", "__version__", "bake", "devices", "export", "load", "measure",
-    "settings"
+    "Setting", "SettingError", "VerificationError", "__version__", "bake", "devices", "export", "gltf", "load",
+    "measure", "settings"
 ]

@@ -168,6 +168,21 @@ def export(normals: Image, output: PathLike, *, device: str = "", progress: Prog
     return json.loads(text)
 
 
+def gltf(model: PathLike, output: PathLike, *, device: str = "", progress: Progress = None, **settings: Any) -> dict:
+    """Writes a copy of a glTF model whose normal and roughness textures have fitted mips, as `multum gltf` does.
+
+    model     *.glb, or *.gltf with its files
+    output    *.glb
+    settings  see multum.settings("gltf")
+
+    Returns the report: "materials", "textures" and more.
+    """
+    with _Listener(progress, "gltf") as listener:
+        text = _multum.convert_model(_device(device), os.fspath(model), _values("gltf", settings), os.fspath(output),
+                                     listener.progress, listener.log)
+    return json.loads(text)
+
+
 def measure(baked: PathLike, normals: Image, *, device: str = "", progress: Progress = None, **settings: Any) -> list:
     """Measures the error of a baked file against the maps that it was baked from.
 
