@@ -24,8 +24,8 @@ class RowChecksums {
   /// The attribute's text. It begins with the height of tiles, as in "  128 ", followed by 16 digits per row of tiles.
   /// Parts, levels and rows come in order.
   const std::string& text() const { return text_; }
-  /// Takes the text of a file. Returns false if the text is for other tiles, for example because another program has
-  /// written the file again with other tiles.
+  /// Takes the text of a file. Returns false if the text is for tiles of another size, for example because another
+  /// program has rewritten the file with other tiles.
   bool take(const std::string& text);
 
   /// Sets the checksum of one row of tiles. `values` holds all its rows of texels, interleaved.

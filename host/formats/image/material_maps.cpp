@@ -35,7 +35,8 @@ void check_size(const Wanted& wanted, const RawImageInfo& info) {
                             wanted.what, info.width, info.height, wanted.width, wanted.height));
 }
 
-// Reads channels in parallel. Every thread has rows of its own. The first `wanted.checked` channels must hold 0 to 1.
+// Reads channels in parallel, with separate rows for every thread. The first `wanted.checked` channels must have values
+// from 0 to 1.
 void read_channels(ImageReader& reader, const Wanted& wanted, const std::vector<std::size_t>& channels, int threads,
                    const UseRows& use) {
   const RawImageInfo info = reader.info();
@@ -200,7 +201,8 @@ const char* name_of(NamedMap map) {
 void warn_of_doubts(const ChannelFile& file, RoughnessReport& report) {
   const NamedMap named = map_by_name(file.path), taken = file.is_gloss ? NamedMap::kGloss : NamedMap::kRoughness;
   const bool is_opposite = file.is_gloss ? named == NamedMap::kRoughness : named == NamedMap::kGloss;
-  // A channel that is given by name can differ from the file's name, such as gloss in the alpha of a specular map.
+  // A channel that the user names may hold another kind of map than the file's name says. For example, the alpha of a
+  // specular map may hold gloss.
   if (is_opposite || (named != NamedMap::kUnknown && named != taken && file.channel.empty())) {
     report.warnings.push_back(fmt::format(
         "{}: its name says that it is a {} map, but it was given as --{}: {}", file.path, name_of(named),

@@ -3,7 +3,7 @@
 // al. 2007, section 7.3). The values are data, never sRGB. Integers stand for 0 to 1, floats are used unchanged, and
 // values outside 0 to 1 are rejected.
 //
-// Roughness becomes the length of normals. A normal n with a BRDF of half vectors around it is a lobe of mean vector
+// Roughness becomes the length of normals. A normal n with a BRDF of half vectors around it is a lobe with mean vector
 // c n, where c is the mean cosine of those half vectors. Averages of c n over a texel then hold the spread of normals
 // and BRDFs together, because mean cosines multiply under convolution. Perceptual roughness r stands for alpha = r^2
 // and a lobe with the mean cosine
@@ -12,9 +12,9 @@
 //
 // This is normalised Blinn-Phong with s = 2 / alpha^2 - 2, the exponent that matches the peaks of Beckmann and GGX (c
 // = (s + 1) / (s + 2)). Beckmann's slopes have the variance alpha^2 / 2 = 1 - c in each direction. GGX's own mean
-// cosine is 1 / (1 + alpha^2 atanh(b) / b) with b^2 = 1 - alpha^2. It is not used, because GGX's tail, which no single
-// lobe has, would widen the peak: at alpha = 0.1, c is 0.971 and kappa is 34, but the peak has a kappa of 200. At alpha
-// = 1, both mean cosines are 1/2, the value of the uniform hemisphere.
+// cosine is 1 / (1 + alpha^2 atanh(b) / b) with b^2 = 1 - alpha^2. This value is not used, because GGX's long tail,
+// which a single lobe cannot represent, would widen the peak. At alpha = 0.1, c is 0.971 and kappa is 34, but the peak
+// has a kappa of 200. At alpha = 1, both mean cosines are 1/2, the value of the uniform hemisphere.
 #pragma once
 
 #include <optional>
@@ -80,8 +80,8 @@ constexpr double kColourDifferenceMin = 0.01;
 RoughnessReport shorten_by_roughness(PlaneStore& normals, const ChannelFile& file, const SpillPolicy& spill,
                                      int threads);
 
-/// Maps of a material of one lobe; an empty path means no map. The default channels are as in glTF: red of an
-/// occlusion map, green of a roughness map, blue of a metalness map.
+/// Maps of a material that has one lobe per texel. An empty path means no map. The default channels are as in glTF: red
+/// of an occlusion map, green of a roughness map, blue of a metalness map.
 struct LobeMaterialFiles {
   ChannelFile roughness, occlusion, metalness;
 };

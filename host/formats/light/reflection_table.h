@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Tabulates the light that a lobe of normals reflects under uniform light (the "split sum" of Karis 2013, with the lobe
-// as one more dimension). Draws normals n ~ vMF(mu, d) of a lobe, facets h ~ vMF(n, term), and l = reflect(v, h), each
-// with the weight 4 (v.h) F(v.h) V max(n.l, 0).
+// as one more dimension). Each sample draws a normal n ~ vMF(mu, d) from the lobe and a facet h ~ vMF(n, term), and
+// computes l = reflect(v, h). Its weight is 4 (v.h) F(v.h) V max(n.l, 0).
 #pragma once
 
 #include <vector>

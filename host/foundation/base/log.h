@@ -11,8 +11,9 @@ enum class LogLevel { kQuiet, kNormal, kVerbose };
 void set_log_level(LogLevel level);
 LogLevel log_level();
 
-/// Reports a doubt about `subject` that does not stop the work. `subject` is a file, or the library that reported the
-/// doubt. Unless quiet, shows "warning: SUBJECT: MESSAGE", so that users know which of many files is meant.
+/// Reports a possible problem with `subject`, after which the work continues. `subject` is a file, or the library that
+/// reported the problem. Unless quiet, shows "warning: SUBJECT: MESSAGE", so that users know which of many files is
+/// meant.
 void log_warning(const std::string& subject, const std::string& message);
 /// Like log_warning(), for a text that begins with its subject: a text from HeldWarnings or from a report.
 void log_named_warning(const std::string& warning);

@@ -47,8 +47,8 @@ class RunClock {
 
 constexpr int kTimedRounds = 3;
 
-/// Runs all of `runs` once per round, for `rounds` (at least 1) rounds. Work that only a first run does, such as
-/// compiling kernels, must be finished before. Progress counts one unit per run, and may cancel between two runs.
+/// Runs all of `runs` once per round, for `rounds` (at least 1) rounds. Work that only the first run would do, such as
+/// compiling kernels, must be done before the call. Progress counts one unit per run, and may cancel between two runs.
 std::vector<RunTime> time_in_turns(const std::vector<std::function<void()>>& runs, int rounds, Progress* progress,
                                    const DeviceSeconds& device_seconds = {});
 

@@ -56,7 +56,7 @@ std::vector<MomentLevel> empty_moment_levels(int width, int height);
 /// Copies some rows of a level into a level.
 MomentLevel rows_of(const MomentLevel& level, int first_row, int row_count);
 
-/// Rounds every value to what the encoding stores. kFloat rounds nothing. kHalf (docs/reference/file_format.md,
+/// Rounds every value to one that the encoding can store. kFloat rounds nothing. kHalf (docs/reference/file_format.md,
 /// "Moments") rounds first moments to nearest, and stores second moments about the rounded first moments. Then only the
 /// rounding of the square changes the variance, not the rounding of the mean. The variance's error is at most b^2 /
 /// 2048, and a single direction gets variance 0. The mean normal is rounded like a lobe of amplitude 1.

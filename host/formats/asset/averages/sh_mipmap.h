@@ -44,7 +44,7 @@ std::vector<ShLevel> empty_sh_levels(int width, int height);
 /// Copies some rows of a level into a level.
 ShLevel rows_of(const ShLevel& level, int first_row, int row_count);
 
-/// Rounds every value to what the encoding stores: kHalf rounds to nearest, kFloat rounds nothing.
+/// Rounds every value to one that the encoding can store. kHalf rounds to nearest; kFloat rounds nothing.
 void quantize_sh(ShLevel& rows, StorageEncoding encoding, int threads);
 
 /// The largest relative change of a band's sum of squares because of rounding (docs/reference/file_format.md,

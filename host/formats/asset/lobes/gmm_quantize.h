@@ -24,7 +24,7 @@ glm::vec3 rough_point(const glm::vec3& shortened);
 glm::vec3 shortened_normal(const glm::vec3& rough_point);
 /// Converts one finest normal, shortened or not, to a lobe of amplitude 1.
 glm::vec3 point_of_normal(const glm::vec3& normal, bool is_shortened);
-/// Inverse of point_of_normal(). For a unit normal, the third value adds nothing to (x, y) except rounding.
+/// Inverse of point_of_normal(). For a unit normal, the third value follows from (x, y), except for rounding.
 glm::vec3 normal_of_point(const glm::vec3& point, bool is_shortened);
 
 /// Returns 1 / sigma^2 for the smallest sigma^2 that a lobe of amplitude 1 stores with an error of at most a quarter,

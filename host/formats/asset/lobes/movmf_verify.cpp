@@ -46,7 +46,7 @@ LengthExcess length_excess(StorageEncoding encoding) {
   return {1e-6f, 1e-9f};
 }
 
-// Worst values so far. The two floats are exact, because they are computed from floats.
+// Worst values so far. The two members of type float are exact, because they are computed from floats.
 struct WorstLobe {
   double sum_error;
   float negative_amplitude, long_mean;
@@ -93,8 +93,8 @@ int any_worse_sum(const double* sums, std::size_t count, double worst) {
   return found;
 }
 
-// Weights are 0 to 1, so a lobe's weighted amplitudes are 0 to a. The tolerance covers the rounding of weights to halfs
-// and of amplitudes to snorm16, which may differ from the fit by a step.
+// Weights are 0 to 1, so a lobe's weighted amplitudes are 0 to a. The tolerance covers the rounding of weights to
+// 16-bit floats and of amplitudes to snorm16, which may differ from the fit by a step.
 constexpr double kWeightTolerance = 2e-3;
 
 // Returns how far the third value of a Gaussian is below the square of its mean. Rounding down is tolerated.

@@ -35,7 +35,8 @@ class MovmfWriter {
   void write_level(int level, int first_row, MovmfLevel rows);
   /// Finishes the file after every row of every stored level was written. Waits for the writer's thread, fills in the
   /// last attributes, syncs, and gives the file its name. `measured_error` is JSON of at most
-  /// options.measured_error_bytes. Progress counts no units, and can cancel until the file has its name.
+  /// options.measured_error_bytes. Counts no units of progress. The progress callback can cancel until the file is
+  /// renamed to its final name.
   void commit(const std::string& measured_error, Progress* progress = nullptr);
   /// Returns the checksum of the content (docs/reference/file_format.md); call commit() first.
   const std::string& content_hash() const;

@@ -4,12 +4,10 @@
 //  1. One channel, or three channels that are equal up to compression noise, is a height field. (Measured: the noise is
 //     up to 0.1 codes rms in 8 bits, and the greyest colour image has 2.5.) A grey gloss or albedo looks like a height,
 //     so a warning says so. An image with one value has no information, and an image with two values is a mask; both
-//     are
-//     rejected. Heights whose bytes are spread over channels are also recognised (packed_heights.h).
-//  2. With two channels, or a constant blue that does not complete the vectors, z is rebuilt if x^2 + y^2 <= 1 allows
-//  it.
-//     A blue that equals the rounded z of nearly flat normals is kept, because both readings are then equal up to
-//     rounding.
+//     are rejected. Heights whose bytes are spread over channels are also recognised (packed_heights.h).
+//  2. With two channels, or a constant blue that does not complete the vectors, z is rebuilt if x^2 + y^2 is at
+//     most 1. A blue that equals the rounded z of nearly flat normals is kept, because both readings are then equal up
+//     to rounding.
 //  3. Floats are 0..1 or signed, depending on which reading gives unit vectors. Integers are 0..1.
 //  4. z is blue itself, in 0..1, if only this reading gives unit length (`is_z_positive`).
 //  5. The file is rejected if it does not look like normals (`refusal` below), or if blue is not z (`blue_doubt`).
@@ -52,8 +50,8 @@ struct Evidence {
   }
 };
 
-// Compression adds colours of up to one code of 8 bits. With more bits, if channels differ as much as texels do, this
-// is not noise: such values are short normals around mid-grey.
+// Compression adds colours of up to one code of 8 bits. In files of more bits, larger differences between channels are
+// not noise if they are as large as the differences between texels. Such values are short normals around mid-grey.
 bool is_grey(const Evidence& evidence) { return is_grey_image(evidence.info(), evidence.survey); }
 
 // Returns whether a finite value of the first channel differs by more than `margin` from both ends of its range. In
@@ -72,7 +70,8 @@ bool has_value_between(const RawImage& image, const ImageSurvey::Range& range, d
 }
 
 // Returns why a grey image is not a height field, or nullopt if it may be one. Rejects images with one or two finite
-// values. Values may vary by a fiftieth of the difference of the two, as in a mask with 8-bit compression.
+// values. Values may differ from these two by a fiftieth of the difference between the two, as in a mask with 8-bit
+// compression.
 std::optional<std::string> grey_refusal(const Evidence& evidence) {
   const ImageSurvey::Range range = evidence.survey.range(0);
   if (range.high < range.low) return "no value is finite";
@@ -91,8 +90,8 @@ bool has_one_length(const VectorStatistics& s) {
          std::hypot(s.mean_x, s.mean_y) <= 0.5 * s.mean_z;
 }
 
-// Rates how well a reading explains the values. Unit vectors rate best, followed by vectors of one other length. A
-// rebuilt z rates well if the vectors are possible and do not all lean to one side.
+// Rates how well a reading explains the values. Unit vectors rate best, followed by vectors that all have the same
+// other length. A rebuilt z rates well if the vectors are possible and do not all lean to one side.
 double plausibility(const Reading& reading) {
   const VectorStatistics& s = reading.statistics;
   if (s.texel_count == 0.0) return -1.0;
@@ -262,8 +261,8 @@ double empty_share(const Evidence& evidence, const Reading& reading) {
   return static_cast<double>(count) / (static_cast<double>(evidence.info().width) * evidence.info().height);
 }
 
-// Detects a constant red next to an alpha. Compressed maps with one good channel and a better alpha store x in alpha
-// (DXT5nm).
+// Detects a constant red channel in a file with alpha. Some compressed formats store alpha more precisely than colours,
+// so normal maps in these formats store x in alpha (DXT5nm).
 bool has_x_in_alpha(const Evidence& evidence) {
   if (!evidence.info().has_alpha || evidence.info().channel_count < 3) return false;
   const auto spread = [&evidence](int channel) {
@@ -407,7 +406,7 @@ DetectedEncoding packed_heights(const std::string& path, const Evidence& evidenc
                       {coding, std::nullopt}, settings);
 }
 
-// Reads a file as heights because the settings request it.
+// Reads the file as a height field, as the settings request.
 DetectedEncoding asked_heights(const std::string& path, const Evidence& evidence, const NormalMapSettings& settings) {
   if (is_grey(evidence))
     return height_field(evidence.info().channel_count == 1

@@ -22,10 +22,11 @@ namespace {
 constexpr int kTileSide = 1024;  // approximate side of a tile
 constexpr int kOverlap = kDequantizeMargin;
 
-// Tiles along one direction of `count` texels. Known texels beyond a side are included.
+// Divides a row or column of `count` texels into tiles. The first and the last tile also use the known texels beyond
+// the image's sides.
 struct TileCuts {
   std::vector<int> cuts;  // borders between tiles, from 0 to count
-  int before, after;      // numbers of texels beyond the sides
+  int before, after;      // numbers of known texels beyond the sides
 
   TileCuts(int count, bool goes_on_before, bool goes_on_after)
       : before(goes_on_before ? kOverlap : 0), after(goes_on_after ? kOverlap : 0) {

@@ -25,8 +25,8 @@ struct VectorEncoding {
 };
 
 /// The smallest z of a unit normal, 1/512. Below it, the slope x/z is meaningless. The smallest positive z in an 8-bit
-/// file is 1/255, or 0.0023 after even a vector of length sqrt(3) is normalised. So every 8-bit normal above the
-/// surface stays unchanged, and every 8-bit normal below the surface is lifted.
+/// file is 1/255, or 0.0023 after a vector of the largest possible length, sqrt(3), is normalised. So every 8-bit
+/// normal above the surface stays unchanged, and every 8-bit normal below the surface is lifted.
 constexpr double kHorizonZ = 1.0 / 512.0;
 
 /// Decodes v / 255 * 2 - 1, as every GPU does. No code is then 0, because 127 and 128 are -+0.0039. Tools write either

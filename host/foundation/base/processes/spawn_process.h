@@ -13,7 +13,8 @@ namespace multum {
 
 struct SpawnSettings {
   /// Pairs of a descriptor of this process and its number in the child, applied in this order. No first number may
-  /// equal a second number of an earlier pair. The child has only these and its first three descriptors.
+  /// equal a second number of an earlier pair. The child gets only these descriptors, in addition to stdin, stdout and
+  /// stderr.
   std::vector<std::pair<int, int>> files = {};
   bool has_empty_input = false;  // if true, stdin is /dev/null instead of the stdin of this process
   bool has_own_group = false;    // terminal signals do not reach the child; a signal to -pid reaches its whole group
