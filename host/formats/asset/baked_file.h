@@ -12,8 +12,8 @@
 
 namespace multum {
 
-/// The Blinn-Phong exponent with which files with roughness are shaded. It is the largest exponent in the tests of the
-/// formulas. A highlight with this exponent adds no width to roughness above 0.1, and keeps mirrors finite.
+/// The Blinn-Phong exponent with which files with roughness are shaded. This exponent is the largest one in the tests
+/// of the formulas. A highlight with this exponent adds no width to roughness above 0.1, and keeps mirrors finite.
 constexpr float kRoughnessExponent = 1e5f;
 
 constexpr int kWeightCountMax = 4;  // the number of channels of a texture

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Alternating least squares: fits f for fixed g, then g for fixed f, each as a weighted quotient. It minimizes the sum
-// over cells and channels of (rho - k_d / pi - f g)^2 / (rho + 0.01 of its mean), weighted by the products of solid
+// Alternating least squares: fits f for fixed g, then g for fixed f, each as a weighted quotient. The fit minimizes the
+// sum over cells and channels of (rho - k_d / pi - f g)^2 / (rho + 0.01 of its mean), weighted by the products of solid
 // angles and cosines for both angles. So neither the peak nor the other cells are neglected. f may not grow with
 // theta_h; growing neighbours are replaced by their weighted mean. This has three reasons: facet distributions do not
 // grow with theta_h, a sum of vMFs around h cannot grow, and pooling smooths a thousand scattered samples. All channels

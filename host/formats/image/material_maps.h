@@ -29,8 +29,8 @@ namespace multum {
 /// Returns c(roughness), from 1 to 1/2, for perceptual roughness from 0 to 1.
 double mean_cosine_of_roughness(double roughness);
 
-/// One channel of a file. `channel` is R, G, B, A or the channel's name. It is empty for the only channel, or for G if
-/// there are several (as in glTF).
+/// One channel of a file. `channel` is R, G, B, A or the channel's name. If `channel` is empty, the only channel is
+/// used, or G if there are several channels (as in glTF).
 struct ChannelFile {
   std::string path;
   std::string channel;
@@ -62,7 +62,7 @@ constexpr double kMirrorRoughness = 0.1;
 /// roughness. In the three roughness maps of shared/data, less than 0.1 % of the texels are below kMirrorRoughness; in
 /// its six specular maps, 23 to 82 % are.
 constexpr double kMirrorShareMax = 0.1;
-/// The same limit for a file whose name agrees with its use. It is higher, because polished surfaces exist. In
+/// The same limit for a file whose name agrees with its use. This limit is higher, because polished surfaces exist. In
 /// pc_seaside-rocks01-gloss.jpg, the only gloss map of shared/data, 48 % of the texels are below kMirrorRoughness.
 constexpr double kMirrorShareMaxNamed = 0.75;
 /// The largest share of texels with roughness 1 that a gloss map may have. The gloss map of shared/data has 0 %, and
@@ -75,8 +75,8 @@ constexpr double kDullShareMax = 0.1;
 constexpr double kColourCorrelationMin = 0.6;
 constexpr double kColourDifferenceMin = 0.01;
 
-/// Scales each unit normal by c from the roughness map, which must have the same size as the normals. Throws
-/// Error(kInput), which names the file, what was found and what was expected.
+/// Multiplies each unit normal by c(roughness) from the roughness map, which must have the same size as the normals.
+/// Throws Error(kInput), which names the file, what was found and what was expected.
 RoughnessReport shorten_by_roughness(PlaneStore& normals, const ChannelFile& file, const SpillPolicy& spill,
                                      int threads);
 

@@ -14,15 +14,17 @@
 
 namespace multum {
 
-/// Returns sigma^2 of a stored or filtered lobe. It is never negative, and 0 if a is 0.
+/// Returns sigma^2 of a stored or filtered lobe. The result is never negative. It is 0 if a is 0.
 float gmm_variance(const glm::vec4& lobe);
 
-/// Converts one finest normal, which a BRDF's width has shortened to c n, to a lobe of amplitude 1: (x, y, x^2 + y^2 +
-/// 2 v) of the unit normal. v is the planar variance of its facets (kernels/device/planar_sample.clh).
+/// Converts a normal of level 0 to a lobe of amplitude 1. The normal is c n: its length c includes a BRDF's width. The
+/// lobe is (x, y, x^2 + y^2 + 2 v) of the unit normal n, where v is the planar variance of the facets around n
+/// (kernels/device/planar_sample.clh).
 glm::vec3 rough_point(const glm::vec3& shortened);
 /// Inverse of rough_point(): returns c n, for renderers that have only the file.
 glm::vec3 shortened_normal(const glm::vec3& rough_point);
-/// Converts one finest normal, shortened or not, to a lobe of amplitude 1.
+/// Converts a normal of level 0 to a lobe of amplitude 1. The normal has unit length, or a length that includes a
+/// BRDF's width.
 glm::vec3 point_of_normal(const glm::vec3& normal, bool is_shortened);
 /// Inverse of point_of_normal(). For a unit normal, the third value follows from (x, y), except for rounding.
 glm::vec3 normal_of_point(const glm::vec3& point, bool is_shortened);

@@ -48,9 +48,9 @@ void quantize_points(glm::vec3* points, std::size_t count, StorageEncoding encod
 bool is_unit_vector(const glm::vec3& normal, bool has_roughness);
 bool is_single_point(const glm::vec3& point, bool has_roughness);
 
-/// Rounds x and y to the nearest value of the grid and derives z. Rounds shortened normals like lobes of amplitude 1,
-/// and colours and weights to 16-bit floats unless the encoding is kFloat. Readers of the file get exactly these
-/// values.
+/// Rounds x and y to the nearest value of the grid and derives z. Normals whose length includes a BRDF's width are
+/// rounded in the same way as lobes of amplitude 1. Rounds colours and weights to 16-bit floats unless the encoding is
+/// kFloat. Readers of the file get exactly these values.
 void quantize_movmf(MovmfFinest& rows, StorageEncoding encoding, int threads);
 
 /// Converts rows of level 0 from full lobes. Every texel must be one direction in one lobe, with all other lobes zero

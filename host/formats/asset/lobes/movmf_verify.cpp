@@ -155,7 +155,7 @@ bool MovmfScan::Lobes::any_is_worse(const MovmfLevel& rows, std::size_t begin, s
   return (found | any_worse_sum(sums.data(), end - begin, worst.sum_error)) != 0;
 }
 
-// Sums of finest texels need no check, because each sum is 1.
+// At level 0, sums of amplitudes need no check, because each sum is 1.
 bool MovmfScan::Lobes::any_is_worse(const MovmfFinest& rows, StorageEncoding encoding) const {
   const WorstLobe worst{sum_error.value, static_cast<float>(negative_amplitude.value),
                         static_cast<float>(long_mean.value), length_excess(encoding)};

@@ -19,8 +19,8 @@ class BakedWriter;
 class MovmfWriter {
  public:
   /// `header` holds sizes, lobe count, encoding, wrap modes, first level, the flag for colours, and provenance, but no
-  /// texels. Its measured error and content hash are ignored, because commit() sets both. Throws as AtomicFile does if
-  /// the path cannot be written, and Error(kUsage) for an unknown compression.
+  /// texels. The measured error and content hash in `header` are ignored, because commit() sets both. Throws as
+  /// AtomicFile does if the path cannot be written, and Error(kUsage) for an unknown compression.
   MovmfWriter(const std::string& path, const MovmfMipmap& header, const BakedWriteOptions& options);
   /// Removes the file, unless commit() was called.
   ~MovmfWriter();

@@ -39,8 +39,8 @@ struct ImageContainer {
   double gamma = 0.0;                      // for PNG: exponent from value to light (1 / gAMA); 0 for none or sRGB
 };
 
-/// Returns ImageContainer::format according to the first bytes. It is empty if the file is missing or has another
-/// format.
+/// Returns ImageContainer::format according to the first bytes. The result is empty if the file is missing or has
+/// another format.
 std::string image_format(const std::string& path);
 
 /// Throws Error(kInput) if the file is missing, cut or of another format. Also rejects a declared size outside

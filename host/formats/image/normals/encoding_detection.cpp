@@ -111,7 +111,7 @@ std::vector<VectorEncoding> signedness_candidates(SampleType sample_type, Vector
   return candidates;
 }
 
-// Chooses unsigned or signed for a given use of blue. This is the more plausible reading, or unsigned in a tie.
+// Chooses unsigned or signed for a given use of blue. Chooses the more plausible reading, or unsigned in a tie.
 Reading best_signedness(const Evidence& evidence, const VectorEncoding& encoding, const NormalMapSettings& settings) {
   std::optional<Reading> best;
   for (const VectorEncoding& candidate : signedness_candidates(evidence.info().sample_type, encoding, settings)) {
@@ -273,8 +273,8 @@ bool has_x_in_alpha(const Evidence& evidence) {
   return spread(0) <= kNoise && spread(1) > kNoise;
 }
 
-// Returns whether x and y are plausible without z. This means that they are the slopes of a surface, and their lengths
-// leave room for z.
+// Returns whether x and y are plausible without z. Two conditions must hold: the slopes agree with a surface, and x^2 +
+// y^2 leaves room for z.
 bool is_two_channel_plausible(const Evidence& evidence, const Reading& reading) {
   if (reading.encoding.rebuild_z || evidence.info().channel_count < 3) return false;
   VectorEncoding encoding = reading.encoding;

@@ -77,7 +77,7 @@ PlateProblem plate_of(const HeightRows& rows, int column_begin, int column_end, 
   return problem;
 }
 
-// A row of tiles, blended along the row. It has rows [begin, end) and columns from -1 to width.
+// A row of tiles, blended along the row. The row of tiles has texel rows [begin, end) and columns from -1 to width.
 struct TileRow {
   int begin = 0, end = 0;
   std::vector<float> heights;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // 8-bit values are recognized in any type. Otherwise, the step is the greatest common divisor of the differences
-// between values. This applies to integers, and to floats that are whole numbers. The step is 1 if all 16 bits are
-// used.
+// between values. The divisor is used for integers, and for floats that are whole numbers. The step is 1 if all 16 bits
+// are used.
 #include "host/formats/image/normals/height_steps.h"
 
 #include <algorithm>

@@ -49,7 +49,7 @@ struct HeightRows {
   const float* row(int number) const { return &values[index(column_begin, number)]; }
 };
 
-/// The surface beyond one side. It is nothing, the image's opposite side, heights of 0, or a strip of another image.
+/// The surface beyond one side. This is nothing, the image's opposite side, heights of 0, or a strip of another image.
 struct HeightSide {
   enum class Beyond { kEnd, kWrapped, kBlack, kStrip };
   Beyond beyond = Beyond::kEnd;

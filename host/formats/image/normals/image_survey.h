@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Collects statistics of an image while it is read, so that the image need not be read again. They are counts of
-// non-finite values, greyness, ranges, and statistics of the values as vectors.
+// Collects statistics of an image while it is read, so that the image need not be read again. The statistics are counts
+// of non-finite values, greyness, ranges, and statistics of the values as vectors.
 #pragma once
 
 #include <array>

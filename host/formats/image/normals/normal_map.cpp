@@ -65,7 +65,7 @@ bool is_doubtful(const Direction& direction, WrapMode said) {
   return direction.step.is_seam() && direction.origin == WrapOrigin::kDefault && said == WrapMode::kPeriodic;
 }
 
-// Returns the mode of one direction. This is `said`, unless the map decides. If it does, adds the decision to the
+// Returns the mode of one direction. The mode is `said`, unless the map decides. If it does, adds the decision to the
 // reason.
 WrapMode resolved_wrap(WrapMode said, const Direction& direction, DetectedEncoding& found) {
   if (direction.origin != WrapOrigin::kFound) return said;

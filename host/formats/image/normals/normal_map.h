@@ -79,7 +79,7 @@ struct NormalMap {
   int height = 0;
   std::vector<float> x, y, z;
   NormalMapReport report;
-  bool is_shortened = false;  // true if roughness has shortened them, like PlaneStore::is_shortened()
+  bool is_shortened = false;  // true if their lengths include roughness, like PlaneStore::is_shortened()
 };
 
 /// Gives access to the map's planes by rows; the map must outlive the result.

@@ -78,8 +78,9 @@ Plate finest_plate(const PlateProblem& problem) {
   return plate;
 }
 
-// Makes a level whose texels cover 2 x 2 uncut texels each. Its codes are their means. An odd last row or column is
-// dropped, because half a texel would have a wrong position and would bend the plate.
+// Makes a level whose texels cover 2 x 2 uncut texels each. The codes of the new level are the means of these 2 x 2
+// texels. An odd last row or column is dropped, because half a texel would have a wrong position and would bend the
+// plate.
 Plate coarser_plate(const Plate& fine) {
   Plate plate{fine.width / 2, fine.height / 2, {}, {}, {}, {}, {}, {}, {}};
   plate.codes.assign(plate.size(), 0.0f);
@@ -154,8 +155,8 @@ void continue_once(const Plate& plate, std::vector<float>& heights, std::vector<
   }
 }
 
-// Starts the finer level from planes through the coarser texels. Cut texels have no plane. They continue the
-// surrounding heights. If there are none, they use the codes.
+// Starts the finer level from planes through the coarser texels. Cut texels have no plane, so they continue the
+// surrounding heights. If there are no such heights, cut texels use their codes.
 std::vector<float> refined(const Plate& coarse, const std::vector<float>& heights, const Plate& fine) {
   std::vector<float> result(fine.codes);
   std::vector<std::uint8_t> is_known(fine.size(), 0);

@@ -65,7 +65,7 @@ class TileSet {
   std::string file_hash(const std::string& tile);
 
   /// Returns the green of the first tile that decides it. `of_tile` returns the green found in one tile, or nullopt if
-  /// it is unknown. It is called in the order of the tiles, at most once for each.
+  /// it is unknown. `of_tile` is called in the order of the tiles, at most once for each.
   struct Green {
     std::optional<GreenAxis> axis;
     std::vector<std::string> asked;  // examined tiles; the last one decided

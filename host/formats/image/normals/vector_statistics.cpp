@@ -47,7 +47,7 @@ struct CorrelationSums {
   }
 };
 
-// Correlation ratio of z on the tilt. It is the share of z's variance that its means in bins of the tilt explain, minus
+// The correlation ratio of z on the tilt is the share of z's variance that its means in bins of the tilt explain, minus
 // the share that the same number of bins explains in noise.
 struct DependenceSums {
   static constexpr std::size_t kBinCount = 32;

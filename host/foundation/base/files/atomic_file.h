@@ -25,7 +25,7 @@ class AtomicFile {
 
   /// The descriptor is open for reading and writing.
   int descriptor() const { return file_.descriptor(); }
-  /// Returns a path to the open file itself, for functions that take names. It is valid in this process and its
+  /// Returns a path to the open file itself, for functions that take names. The path is valid in this process and its
   /// children.
   const std::string& open_path() const { return open_path_; }
   const std::string& path() const { return path_; }

@@ -58,7 +58,7 @@ class RecordFile {
   bool read(std::uint64_t offset, std::span<std::uint8_t> bytes) const;
 
   /// begin() empties the file and writes its first lines. go_on() keeps its first `size` bytes, the result of
-  /// visit_records(). Records may be added afterwards. Both throw Error(kEnvironment).
+  /// visit_records(). Records may be added afterwards. Both functions throw Error(kEnvironment).
   void begin(const std::string& key);
   void go_on(std::uint64_t size);
   /// Appends a record made of these parts in order. Any number of threads may add and read at once. Throws

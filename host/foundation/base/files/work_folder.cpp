@@ -75,7 +75,7 @@ void WorkFolder::drop(const std::string& path) {
     if (folder.is_open() && work_lock(folder, path) == Lock::kOurs &&
         is_named(place.folder, place.name, folder.descriptor()))
       remove_own_folder(place.folder, place.name, folder);
-  } catch (const Error&) {  // the folder is not ours, so it stays
+  } catch (const Error&) {  // the folder is not an own folder, so it stays
   }
 }
 

@@ -22,9 +22,9 @@ struct SpawnSettings {
   /// Kills the child when the thread that starts it ends in any way. Not for a thread that passes the child to other
   /// threads.
   bool ends_with_thread = false;
-  /// Signals that are blocked in the child. All others are unblocked and have their default action. With nullopt, the
-  /// child inherits its signals, except for SIGXFSZ: this process ignores it (run_guarded()), but the child has its
-  /// default action.
+  /// Signals that are blocked in the child. All other signals are unblocked and have their default action. With
+  /// nullopt, the child inherits its signals, except for SIGXFSZ: this process ignores it (run_guarded()), but the
+  /// child has its default action.
   std::optional<std::vector<int>> blocked_signals = {};
 };
 
