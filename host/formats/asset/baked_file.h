@@ -25,8 +25,8 @@ struct BakedProvenance {
   std::string source_hash;     // SHA-256 of the normal map's file and of data from other tiles
   std::string settings;        // JSON with every setting that changes the file
   std::string settings_hash;   // SHA-256 of `settings`
-  std::string measured_error;  // JSON with relative L1 error of file against source (docs/evidence/ACCURACY.md); may be
-                               // empty
+  std::string measured_error;  // JSON with the relative L1 error of the file compared with its source
+                               // (docs/evidence/ACCURACY.md); may be empty
   std::string content_hash;  // SHA-256 of all channel values (docs/reference/file_format.md, "Checksum"); set by write
                              // and read
   std::string reading = {};  // JSON with findings about the source's files; empty in files of older programs

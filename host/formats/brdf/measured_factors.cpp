@@ -31,7 +31,7 @@ double theta_of_column(int column) { return kHalfPi * column / (kColumns - 1); }
 std::size_t index(int row, int column) { return static_cast<std::size_t>(row * kColumns + column); }
 
 // Fills entries without measurements. Interpolates linearly between neighbours, and repeats the last measured entry
-// beyond it.
+// after the end of the measurements.
 void fill(std::vector<double>& values, const std::vector<bool>& known) {
   int before = -1;
   const int count = static_cast<int>(values.size());

@@ -51,8 +51,8 @@ struct RoughnessReport {
 };
 
 /// Kind of map that words of a file's name state, as in "bricks_gloss.png", "bricks_s.png" and "BricksRoughness2K.png".
-/// The last such word counts. Metalness counts only if no other kind is named, because metalness is packed together
-/// with other maps.
+/// If several words state a kind, the last one counts. Metalness counts only if no other kind is named, because
+/// metalness is packed together with other maps.
 enum class NamedMap { kUnknown, kRoughness, kGloss, kSpecular, kMetalness };
 NamedMap map_by_name(const std::string& path);
 

@@ -173,7 +173,7 @@ void Device::write_ranges(const std::vector<BufferRange>& ranges, const WithByte
              "clEnqueueWriteBuffer");
     state().count_upload(ranges[i].count);
   }
-  flush();  // the queue keeps its order, so the last copy finishes last
+  flush();  // the queue works in order, so the last copy finishes last
 }
 
 void Device::move_down(const std::vector<BufferMove>& moves) {

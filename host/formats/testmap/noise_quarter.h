@@ -14,7 +14,7 @@
 
 namespace multum {
 
-/// Slopes of one row. Rows grow downwards, and so does y.
+/// Slopes of one row. Row numbers and y grow downwards.
 struct NoiseSlopes {
   std::vector<double> x;
   std::vector<double> y;

@@ -48,7 +48,8 @@ int exit_code(ErrorCode code) {
 int run_guarded(const char* program, int (*body)(int, char**), int argc, char** argv) {
   // SIGXFSZ would end the program in the middle of its work. If the program ignores SIGXFSZ, a write beyond the file
   // size limit (ulimit -f) fails with EFBIG, as a write to a full disk fails with ENOSPC. Other programs that this
-  // program starts get the default action back (spawn_process()). Programs of this project then run this line too.
+  // program starts get the default action back (spawn_process()). If such a program belongs to this project, it then
+  // runs this line itself.
   std::signal(SIGXFSZ, SIG_IGN);
   begin_whole_lines();
   try {

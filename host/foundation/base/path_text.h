@@ -19,7 +19,7 @@ namespace multum {
 std::string text_of_path(std::string_view path);
 std::vector<std::string> texts_of_paths(const std::vector<std::string>& paths);
 
-/// Inverse of text_of_path(). A text without characters from U+EF80 to U+EFFF is its own path.
+/// Inverse of text_of_path(). Returns a text without characters from U+EF80 to U+EFFF unchanged.
 std::string path_of_text(std::string_view text);
 std::vector<std::string> paths_of_texts(const std::vector<std::string>& texts);
 

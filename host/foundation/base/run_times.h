@@ -3,7 +3,7 @@
 // minimum of several rounds, because other load only adds time. Processor time covers all threads of this process.
 //
 // Elapsed time shows how long a user of this machine waits. Work shows the cost of settings. Other programs hardly
-// change it, so work can rank settings on a busy machine.
+// change the amount of work, so it can rank settings on a busy machine.
 #pragma once
 
 #include <functional>

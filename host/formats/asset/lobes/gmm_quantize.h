@@ -5,9 +5,9 @@
 //   a mu_x, a mu_y, a (2 sigma^2 + |mu|^2), a        mu = mean (n_x, n_y), sigma^2 = variance of one coordinate
 //
 // All are linear in the normals, so a filter T(.) mixes them exactly: 2 sigma^2 = T(third) / T(a) - |T(a mu)/T(a)|^2.
-// Near the rim this is a small difference of numbers near 1, which independent rounding would mostly destroy. So the
-// third value is rounded last, about the rounded mean. The spread then has one rounding error instead of three
-// (docs/reference/file_format.md, "Encodings of Gaussians").
+// Near the rim, 2 sigma^2 is a small difference of two numbers near 1. Independent rounding of the two numbers would
+// mostly destroy this difference. So the third value is rounded last, about the rounded mean. The spread then has one
+// rounding error instead of three (docs/reference/file_format.md, "Encodings of Gaussians").
 #pragma once
 
 #include "host/formats/asset/lobes/movmf_mipmap.h"

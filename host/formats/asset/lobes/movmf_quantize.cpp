@@ -58,7 +58,7 @@ Bracket bracket_half(double value) {
   const auto rounded = static_cast<double>(static_cast<float>(nearest));
   if (rounded == value) return {static_cast<float>(nearest), static_cast<float>(nearest)};
   half other = nearest;
-  // Halfs of one sign have the same order as their bit patterns.
+  // For 16-bit floats of the same sign, the order of the values is the order of the bit patterns.
   const bool nearest_is_inner = std::abs(rounded) < std::abs(value);
   const auto bits = nearest.bits();
   other.setBits(static_cast<unsigned short>(nearest_is_inner ? bits + 1 : bits - 1));

@@ -30,8 +30,8 @@ class MovmfWriter {
   /// Takes any number of rounded rows of level 0, in order from row 0. Requires that the header's first level is 0.
   /// Blocks while more than about 16 MiB wait.
   void write_finest(int first_row, MovmfFinest rows);
-  /// Takes rounded rows of a level >= 1, rows.height of them. Rows come in order from row 0 within a level. Levels come
-  /// in any order, even between rows of level 0.
+  /// Takes `rows.height` rounded rows of a level >= 1. Rows come in order from row 0 within a level. Levels come in any
+  /// order, even between rows of level 0.
   void write_level(int level, int first_row, MovmfLevel rows);
   /// Finishes the file after every row of every stored level was written. Waits for the writer's thread, fills in the
   /// last attributes, syncs, and gives the file its name. `measured_error` is JSON of at most

@@ -11,7 +11,7 @@
 //  3. Floats are 0..1 or signed, depending on which reading gives unit vectors. Integers are 0..1.
 //  4. z is blue itself, in 0..1, if only this reading gives unit length (`is_z_positive`).
 //  5. The file is rejected if it does not look like normals (`refusal` below), or if blue is not z (`blue_doubt`).
-//  6. Green follows from the gradient agreement, and is up if the agreement is undecided.
+//  6. The direction of green follows from the gradient agreement. It is up if the agreement is undecided.
 // The caller's settings take precedence; a warning names the disagreement.
 #include "host/formats/image/normals/encoding_detection.h"
 
@@ -472,7 +472,7 @@ std::string describe(const VectorEncoding& encoding, const char* green_note) {
                      green_name(encoding.green), green_note);
 }
 
-// Warns if a set's green differs from the green found in the map.
+// Warns if the direction of green in a set of tiles differs from the direction found in the map.
 void warn_of_set(std::optional<GreenAxis> own, std::optional<GreenAxis> of_set, std::vector<std::string>& warnings) {
   if (!own || !of_set || *own == *of_set) return;
   warnings.push_back(

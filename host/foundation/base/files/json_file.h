@@ -15,8 +15,8 @@
 
 namespace multum {
 
-/// Returns a whole JSON file; nullopt if it cannot be read. Throws Error(kInput) if it is not a regular file, or if it
-/// holds NUL (refuse_nul()).
+/// Returns a whole JSON file; nullopt if it cannot be read. Throws Error(kInput) if the path is not a regular file, or
+/// if the file holds NUL (refuse_nul()).
 std::optional<std::string> json_of_file(const std::string& path, StandardInput input = StandardInput::kRefused);
 
 /// Throws Error(kInput), which names `path`, if a string or a key holds NUL (\u0000). System functions end names at
