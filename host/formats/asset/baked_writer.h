@@ -48,7 +48,8 @@ class BakedWriter {
   BakedWriter(const BakedWriter&) = delete;
   BakedWriter& operator=(const BakedWriter&) = delete;
 
-  /// Takes rows in order from row 0 within a level. Levels come in any order. Blocks while more than about 16 MiB wait.
+  /// Takes rows in order from row 0 within a level. Levels come in any order. Blocks while more than about 16 MiB of
+  /// rows wait.
   void write(int first_row, std::unique_ptr<const BakedRows> rows);
   /// Finishes the file after every row of every stored level was written. Waits for the writer's thread, fills in the
   /// last attributes, syncs, and gives the file its name. `measured_error` is JSON of at most

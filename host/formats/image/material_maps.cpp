@@ -98,7 +98,7 @@ struct RoughnessSums {
   double difference = 0.0;           // largest minus smallest value of red, green and blue
   std::array<double, 3> colour{};    // sums of values
   std::array<double, 3> squares{};   // sums of squares
-  std::array<double, 2> products{};  // sums of the products green times red and green times blue
+  std::array<double, 2> products{};  // sums of green * red and of green * blue
 
   void add(double value, double value_cosine) {
     cosine += value_cosine;
@@ -222,7 +222,7 @@ void warn_of_doubts(const ChannelFile& file, RoughnessReport& report) {
                     file.path, 100.0 * report.share_one));
 }
 
-// Returns the file's ignored statements about its picture, each with the file's name.
+// Returns the file's statements about its picture that the reader ignores, each with the file's name.
 std::vector<std::string> named_notes(const std::string& path, const RawImageInfo& info) {
   std::vector<std::string> notes;
   for (const std::string& note : info.notes) notes.push_back(path + ": " + note);

@@ -61,7 +61,7 @@ struct BrdfFamily {
   bool has_width() const { return !members.empty(); }
 };
 
-/// Returns the families in the order of help texts; the index of each is its kind.
+/// Returns the families in the order of help texts; the index of a family is its BrdfKind.
 std::span<const BrdfFamily> brdf_families();
 const BrdfFamily& brdf_family(BrdfKind kind);
 /// Finds a family by name; returns null for an unknown name.

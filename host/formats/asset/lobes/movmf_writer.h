@@ -28,7 +28,7 @@ class MovmfWriter {
   MovmfWriter& operator=(const MovmfWriter&) = delete;
 
   /// Takes any number of rounded rows of level 0, in order from row 0. Requires that the header's first level is 0.
-  /// Blocks while more than about 16 MiB wait.
+  /// Blocks while more than about 16 MiB of rows wait.
   void write_finest(int first_row, MovmfFinest rows);
   /// Takes `rows.height` rounded rows of a level >= 1. Rows come in order from row 0 within a level. Levels come in any
   /// order, even between rows of level 0.

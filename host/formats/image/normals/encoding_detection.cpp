@@ -436,7 +436,8 @@ std::optional<GreenAxis> green_from_gradients(const VectorStatistics& s) {
 
 const char* green_name(GreenAxis green) { return green == GreenAxis::kUp ? "up (OpenGL)" : "down (DirectX)"; }
 
-// Warns about normals times a constant, because a file with other contents would be normalised too.
+// Warns if the vectors are normals times a constant. They are normalised, but a file with other contents would be
+// normalised too.
 void warn_of_length(const Reading& reading, std::vector<std::string>& warnings) {
   const VectorStatistics& s = reading.statistics;
   if (reading.encoding.rebuild_z || s.unit_share_20 >= 0.5 || !has_one_length(s)) return;
