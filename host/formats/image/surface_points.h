@@ -29,9 +29,9 @@ struct MapWrap {
   WrapMode s = WrapMode::kPeriodic, t = WrapMode::kPeriodic;
 };
 
-/// Returns the points' normals, in new planes according to `spill`. Each is the weighted mean of four texels, scaled to
-/// the weighted mean of their lengths. The mean of the lengths is 1 without a roughness map, and at most 1 with a
-/// roughness map. If the four texels cancel out, the nearest texel gives the direction.
+/// Returns the points' normals, in new planes according to `spill`. Each normal is the weighted mean of four texels,
+/// scaled to the weighted mean of their lengths. The mean of the lengths is 1 without a roughness map, and at most 1
+/// with a roughness map. If the four texels cancel out, the nearest texel gives the direction.
 PlaneStore surface_normals(const PlaneStore& texels, const MapWrap& wrap, const SpillPolicy& spill, int threads,
                            Progress* progress);
 

@@ -31,8 +31,8 @@ FourQuarterMap make_four_quarter_map(int size, std::uint64_t seed, std::optional
 
 /// Writes PREFIX_normal.png (16 bits, n / 2 + 1/2) and PREFIX_albedo.png (16 bits, sRGB) of the same map. Writes
 /// atomically and by rows, so the map need not fit into memory. By default, green points down (four_quarter_map.cpp
-/// gives the reason). If it is read with green up, its normals are those of make_four_quarter_map(). kUp flips green,
-/// as glTF requires. Throws Error(kEnvironment).
+/// gives the reason). If PREFIX_normal.png is read with green up, its normals are those of make_four_quarter_map(). kUp
+/// flips green, as glTF requires. Throws Error(kEnvironment).
 void write_four_quarter_map(int size, std::uint64_t seed, const std::string& prefix,
                             std::optional<Quarter> alone = std::nullopt, GreenAxis green = GreenAxis::kDown);
 

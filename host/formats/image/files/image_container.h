@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Examines an image file with a few lines of our own code before any image library sees it: its format by the first
-// bytes, its declared size, and the byte ranges of the picture. Libraries trust headers: fuzzed files make them
-// allocate memory, or parse metadata for minutes.
+// bytes, its declared size, and the byte ranges of the picture. Libraries trust headers: fuzzed files make libraries
+// allocate too much memory, or parse metadata for minutes.
 #pragma once
 
 #include <cstdint>

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Solves tiles, so that the largest maps fit into memory. Each tile is solved with kOverlap more texels on each side,
-// and neighbours are blended over both overlaps. If two surfaces are within the bounds, any mean of them is too.
+// and neighbours are blended over both overlaps. If two surfaces are within the bounds, any weighted mean of the two is
+// also within the bounds.
 //
 //   tile 0   1 1 1 1 1 1 \ . . .
 //   tile 1       . . . . / 1 1 1 1        weights along a row; the border between tiles is in the middle of the slope

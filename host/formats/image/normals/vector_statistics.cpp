@@ -25,7 +25,7 @@
 namespace multum {
 namespace {
 
-// A band has 64 rows. At the scale of 4 texels, these are 16 rows, of which the inner 14 have derivatives.
+// A band has 64 rows. At the scale of 4 texels, the band has 16 rows, of which the inner 14 have derivatives.
 constexpr int kStatisticsRows = 64;
 constexpr int kStatisticsColumns = 1 << 18;  // limits rows of very wide images to 7 MB
 constexpr int kScaleCount = 3;
