@@ -6,10 +6,9 @@
 //
 // These figures were measured on smooth 8-bit surfaces where a step of one code tilts a texel by 45 degrees. Without
 // this method, the mean error of normals is 17 degrees. It is 2.3 degrees with 16 steps of the descent at the finest
-// level, 0.8 with 64, and 0.2 with 300. Ramps, which plates
-// represent exactly, have errors below 0.1 degrees, or up to 0.6 where a plateau is longer than the map is high. More
-// steps of the descent at coarse levels would not help, because the bounds of their means are too wide to determine a
-// plate.
+// level, 0.8 with 64, and 0.2 with 300. Ramps, which plates represent exactly, have errors below 0.1 degrees, or up to
+// 0.6 where a plateau is longer than the map is high. More steps of the descent at coarse levels would not help,
+// because the bounds of their means are too wide to determine a plate.
 #include "host/formats/image/normals/thin_plate.h"
 
 #include <algorithm>
