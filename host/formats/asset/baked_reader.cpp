@@ -172,8 +172,8 @@ void BakedReader::check_tile_rows(const TileRows& rows, const float* values) {
   }
 }
 
-// Checks the checksum of the whole file. Row checksums are missing in older files, and in files to which another
-// program gave other tiles.
+// Checks the checksum of the whole file. Row checksums are missing in older files. Row checksums also do not apply if
+// another program has rewritten the file with tiles of another size.
 void BakedReader::check_content_hash() {
   is_content_checked_ = true;
   const std::string& stated = header_.provenance.content_hash;

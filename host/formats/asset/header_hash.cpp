@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Reads the attributes from the file's bytes, not through OpenEXR. The hash therefore covers types that OpenEXR does
-// not know and bits that it ignores.
+// not know and bits that OpenEXR ignores.
 #include "host/formats/asset/header_hash.h"
 
 #include <algorithm>

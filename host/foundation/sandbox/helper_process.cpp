@@ -101,8 +101,8 @@ bool is_ready_to_run(pid_t pid) {
   return false;
 }
 
-// Returns whether inherited limits may leave a child less memory than HelperLimits allow. Its libraries also need
-// address space: 360 MB were measured (OpenImageIO and assimp of Debian 12).
+// Returns whether inherited limits may leave a child less memory than HelperLimits allow. The child's libraries also
+// need address space: 360 MB were measured (OpenImageIO and assimp of Debian 12).
 bool may_lack_memory(std::uint64_t memory_max) {
   constexpr std::uint64_t kLibraries = std::uint64_t{1} << 29;
   rlimit space = {}, data = {};
@@ -116,8 +116,8 @@ std::string text_of(std::chrono::milliseconds time) {
   return time.count() % 1000 == 0 ? fmt::format("{} s", time.count() / 1000) : fmt::format("{} ms", time.count());
 }
 
-// Returns the most informative line that a program printed before its end. This is a line about an exception or a
-// sanitizer, or the last line if there is none.
+// Returns the most informative line that a program printed before its end. The line is about an exception or a
+// sanitizer, or is the last line if there is no such line.
 std::string essence(std::string_view said) {
   constexpr std::size_t kLengthMax = 200;
   std::string_view last, chosen;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Runs a child for work that may end a process: libraries that crash on broken files. Requests and answers are messages
-// over a socket. Results are in shared memory. The child's memory and time are limited. A crash, missing answers and
-// excess memory of the child become exceptions in this process.
+// Runs work in a child process if the work may crash, as libraries do on some broken files. Requests and answers are
+// messages over a socket. Results are in shared memory. The child's memory and time are limited. A crash, missing
+// answers and excess memory of the child become exceptions in this process.
 //
 //   this process                        the child (host/foundation/sandbox/helper_service.h)
 //   ask("...")      -- socket, fd 3 -->  answer("...")

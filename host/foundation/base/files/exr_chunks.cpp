@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Layout of an OpenEXR file ("OpenEXR File Layout", openexr.com):
 //
-//   headers | 8 bytes per chunk: its position; by part, level, row and column | chunks, in any order
+//   headers | positions of chunks (8 bytes each), by part, level, row and column | chunks, in any order
 //   chunk:  [part]  tile x, tile y, level x, level y  size: 4 bytes each | data
 //           [part]  y of its first row                size
 //
