@@ -27,8 +27,8 @@ std::int64_t map_bytes_in_memory(const BakeJob& job, MapReadings readings) {
   return readings == MapReadings::kFew ? std::min(kDefault, much) : much;
 }
 
-// Colours are stored as halfs, except in float files. For float files, the limit leaves room below the largest float
-// for sums of texels and for their measurement.
+// Colours are stored as 16-bit floats, except in float files. For float files, the limit is so far below the largest
+// float that sums of texels and the measurement do not overflow.
 void check_range(const BakeJob& job, float largest) {
   constexpr float kHalfMax = 65504.0f, kFloatMax = 1e15f;
   const bool is_float = job.encoding == StorageEncoding::kFloat;

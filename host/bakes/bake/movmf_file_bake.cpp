@@ -100,7 +100,7 @@ void bake_lobe_file(const BakeRun& run, BakeReport& report, Progress* progress) 
   const BakeJob& job = run.job;
   if (job.shard) return bake_lobe_shard(run, report, progress);
   const int width = run.header.width, height = run.header.height;
-  // Measuring and writing each count as the work of about one level.
+  // Measuring counts as about the work of one level, and so does writing.
   const std::uint64_t level_units =
       movmf_bake_units(width, height) / static_cast<std::uint64_t>(mip_level_count(width, height));
   progress_start(progress, movmf_bake_units(width, height, job.fitting.first_level) + 2 * level_units);

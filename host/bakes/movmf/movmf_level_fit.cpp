@@ -155,8 +155,8 @@ void LevelFit::run(const std::function<void(const FittedRows&)>& finished) {
   }
 }
 
-// Returns the rows that step `step` must fit so that the last step's rows are correct. For each following step, it is
-// one more row on each side.
+// Returns the rows that step `step` must fit so that the last step's rows are correct. Each step must fit one more row
+// on each side than the step after it.
 LevelFit::RowRange LevelFit::rows_of_step(int step) const {
   if (range_) return wanted_;  // texels outside the range keep their lobes
   if (whole_) return {0, fit_.height};
@@ -287,7 +287,7 @@ std::uint64_t fit_level_bytes(const LevelSchedule& level, const MovmfSettings& s
                                         ? static_cast<std::uint64_t>(fit.height / 2 + 1)
                                         : product((fit.width + 1) / 2, (step_rows + 1) / 2);
   bytes += em_step_bytes(level, settings, rgb_plane_count > 0, step_texels);
-  // Adds the rows that are handed over, in the fitted form and in the stored form.
+  // Adds the bytes of the rows that are handed over, in the fitted form and in the stored form.
   return bytes + product(fit.width, step_rows) * 2 * (lobe_bytes + feature_bytes);
 }
 

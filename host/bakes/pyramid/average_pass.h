@@ -57,7 +57,8 @@ class AveragedPlanes {
   virtual ~AveragedPlanes() = default;
   /// Name in the plan's text, such as "moments".
   virtual std::string name() const = 0;
-  /// Number of planes without feature planes (host/bakes/pyramid/feature_planes.h), which come last, three per triple.
+  /// Number of planes, not counting feature planes (host/bakes/pyramid/feature_planes.h). Feature planes come last,
+  /// three per triple.
   virtual int plane_count() const = 0;
   /// Launches kernels that write a band of all planes except feature planes to `nodes` [plane][row][row_length].
   virtual void make_finest(const MapPlanes& normals, const DeviceBuffer& nodes, const MultumBoxBand& band) = 0;

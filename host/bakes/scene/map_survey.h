@@ -21,7 +21,8 @@ namespace multum {
 struct LevelStatistics {
   int level = 0;
   double texel_count = 0.0;
-  // 1 - |mean normal| of the normals under a texel: half the sum of the variances of the slopes along both axes.
+  // 1 - |mean normal| of the normals under a texel. For small slopes, it is half the sum of the variances of the slopes
+  // along both axes.
   double spread_mean = 0.0, spread_max = 0.0;
   // (a - b) / (a + b) of the variances along the two main axes of a texel's normals, weighted by a + b. It is 0 for
   // equal spread and 1 for parallel grooves.

@@ -36,8 +36,8 @@ struct Attempt {
   std::vector<std::string> warnings;  // warnings, which are printed if this attempt is chosen
 };
 
-// Bakes candidates in a folder of unfinished work next to the output. The folder is removed unless a stopped bake may
-// resume.
+// Bakes candidates in a temporary folder next to the output. At the end, removes the folder unless it holds a stopped
+// bake that can be resumed.
 class Attempts {
  public:
   Attempts(const BakeJob& job, const BakeSource& source, SettingTrials& trials, double read_seconds, Device& device,

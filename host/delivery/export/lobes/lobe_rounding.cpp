@@ -113,7 +113,7 @@ class ByteRounding : public LobeRounding {
   std::vector<std::vector<std::uint8_t>> layers_;
 };
 
-// A BC4 block whose texels can choose different values among its eight.
+// A BC4 block in which each texel can choose another one of the block's eight values.
 class RechosenBlock {
  public:
   explicit RechosenBlock(std::uint8_t* block) : block_(block) {
