@@ -295,7 +295,7 @@ class Comparison {
       }
   }
 
-  // Adds the errors of one channel, which is -1 if there are no colours.
+  // Adds the errors of one colour channel. The channel is -1 if there are no colours.
   void add_footprints(const std::vector<std::unique_ptr<FootprintReference>>& references,
                       const std::vector<std::size_t>& point_begin, const std::vector<float>& values, int channel,
                       std::size_t first_brdf) {
@@ -353,7 +353,7 @@ class Comparison {
     }
   }
 
-  // Fills sums[point][highlights, then Lambert] for one channel, which is -1 if there are no colours.
+  // Fills sums[point][highlights, then Lambert] for one colour channel. The channel is -1 if there are no colours.
   void compare_points(const Pass& pass, const std::vector<SamplePoint>& points, const std::vector<float>& values,
                       int channel, std::vector<ErrorSum>& sums) const {
     constexpr int kPointsPerBand = 4096;

@@ -39,8 +39,8 @@ void append_samples(int level, PlaneSize size, std::int64_t wanted, SplitMix64& 
     }
 }
 
-// Works along one axis of two levels, which have `size` and `fine_size` texels. Returns the two texels of the first
-// level on either side of the centre of texel i of the finer level, clamped to the borders.
+// Relates two levels along one axis. The coarse level has `size` texels, and the fine level has `fine_size` texels.
+// Returns the two coarse texels on either side of the centre of fine texel i, clamped to the borders.
 struct AxisTaps {
   int first, second;
   double second_weight;

@@ -22,7 +22,7 @@
 namespace multum {
 namespace {
 
-// Programs choose a reader by the extension. They would treat a baked file named .png as a broken picture.
+// Programs choose a reader by the extension. These programs would treat a baked file named .png as a broken picture.
 void check_output_name(const std::string& path) {
   if (!path.ends_with(".exr"))
     throw Error(ErrorCode::kUsage,

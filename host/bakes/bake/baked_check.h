@@ -29,7 +29,7 @@ std::optional<double> worst_error(const std::vector<FootprintError>& errors);
 
 /// Names an error that is missing from `stated`, or the error that exceeds its value in `stated` by the largest amount.
 /// Ignores rounding. The result is empty if there is no such error. Errors of pixels come before errors of levels.
-/// Pixel errors are not compared for files of earlier program versions, which do not state them.
+/// Files of earlier program versions state no pixel errors, so their pixel errors are not compared.
 std::string worse_than_stated(const StatedErrors& measured, const StatedErrors& stated);
 
 }  // namespace multum

@@ -26,7 +26,7 @@ struct AverageInputs : MapInputs {
   int first_level = 0;  // the finest level to make
 };
 
-/// Wraps maps in memory as inputs, with the header of the result, which has only sizes and contents.
+/// Wraps maps in memory as inputs. Also holds the header of the result, which has only sizes and contents.
 class AveragedMap {
  public:
   /// `albedo` may be null. Weights are the features of `inputs`, and must outlive the object.

@@ -15,7 +15,8 @@ struct AxisTap {
   double weight;
 };
 
-// For each texel along an axis, returns the finest texels (of `from`) that it overlaps, with weights that sum to 1.
+// For each texel along an axis, returns the finest texels that it overlaps, with weights that sum to 1. The axis has
+// `from` finest texels.
 std::vector<std::vector<AxisTap>> axis_taps(std::int64_t from, std::int64_t to) {
   std::vector<std::vector<AxisTap>> taps(static_cast<std::size_t>(to));
   for (std::int64_t x = 0; x < to; ++x) {

@@ -59,10 +59,10 @@ class RowWindow {
   DeviceBuffer buffer_;
 };
 
-/// Fills windows through `read` from `store_rows` rows of `row_bytes` bytes, which wrap. Each row is [plane][column].
+/// Fills windows through `read` from `store_rows` rows of `row_bytes` bytes. Rows wrap. Each row is [plane][column].
 using ReadRows = std::function<void(int first_row, int row_count, void* rows)>;
 RowWindow::Fill fill_planes(int store_rows, std::size_t row_bytes, ReadRows read);
-/// Fills windows from rows of `store`, which wrap. Each row is [plane][column]. The store must outlive the result.
+/// Fills windows from rows of `store`. Rows wrap. Each row is [plane][column]. The store must outlive the result.
 RowWindow::Fill fill_planes(const RowStore& store);
 
 /// Rows of three planes of a map, each plane in its own buffer, with MULTUM_GROUP finite values after the last texel.

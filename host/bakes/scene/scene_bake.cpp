@@ -83,8 +83,8 @@ std::vector<FootprintError> errors_of(const nlohmann::json& row) {
   return errors;
 }
 
-// `earlier` is the map's row in the earlier report, from which unchanged files are recognised. It is null if there is
-// none.
+// `earlier` is the map's row in the earlier report, by which unchanged files are recognised. If there is no such row,
+// `earlier` is null.
 SceneMapReport bake_map(const SceneDescription& scene, const MapPlan& map, const SceneFiles& files,
                         const nlohmann::json& earlier, Device& device, Progress* progress) {
   const Stopwatch stopwatch;
