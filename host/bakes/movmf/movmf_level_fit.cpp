@@ -27,8 +27,9 @@ int total_steps(const LevelSchedule& level, const MovmfSettings& settings) {
   return em_steps(level, settings) + (is_refined(level, settings) ? 1 : 0);
 }
 
-// True if windows hold the whole level. Scan-line order needs the whole level. Chunks also need it, because they are
-// summed for all texels at once, band by band. A window that would hold nearly all rows holds the whole level instead.
+// True if windows hold the whole level. Scan-line order needs the whole level. Chunks also need the whole level,
+// because they are summed for all texels at once, band by band. A window that would hold nearly all rows holds the
+// whole level instead.
 bool is_whole(const LevelSchedule& level, const MovmfSettings& settings, const BandPlan& plan) {
   return plan.band_rows + total_steps(level, settings) >= level.fit.height || level.order == FitOrder::kScanline ||
          level.method == FitMethod::kChunks;

@@ -43,7 +43,8 @@ class RowWindow {
   /// undefined.
   using Fill = std::function<void(int row, int count, const std::vector<unsigned char*>& planes)>;
   void move_to(int first_row, int row_count, const Fill& fill);
-  /// Copies rows [first_row, + count) in the order of the store, in which the planes of each row follow one another.
+  /// Copies rows [first_row, first_row + count) in the order of the store, in which the planes of each row follow one
+  /// another.
   void copy_rows(int first_row, int count, void* rows) const;
 
  private:

@@ -16,8 +16,9 @@
 namespace multum {
 
 /// Statistics over all texels of a level. On maps of more than 4 million texels, they use only every fourth row of
-/// level 5 and the finer texels in these rows. Each finest texel belongs to one texel of the level. If the map's sides
-/// are not powers of two, a finest texel on the border between two texels counts for only one of them.
+/// level 5 and the finer texels in these rows. Each texel of the finest level belongs to one texel of the coarser
+/// level. If the map's sides are not powers of two, a finest texel can be on the border between two coarser texels. It
+/// then counts for only one of them.
 struct LevelStatistics {
   int level = 0;
   double texel_count = 0.0;

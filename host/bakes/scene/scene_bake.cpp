@@ -38,7 +38,8 @@ MipJob colour_job(const MapPlan& map, const std::string& output) {
   return job;
 }
 
-// The BRDF of a target is the narrowest highlight. For a map with roughness, the roughness itself is the BRDF.
+// A target error applies to the BRDF with the narrowest highlight. For a map with roughness, this is the BRDF whose
+// width comes from the map.
 TargetBrdf target_brdf(const BakeJob& job) {
   if (!job.roughness.empty()) return {};
   return parse_target_brdf(job.measured_exponents.empty()

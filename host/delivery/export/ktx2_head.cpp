@@ -34,7 +34,7 @@ bool is_uastc(TexelFormat format) { return format == TexelFormat::kUastc || form
 std::vector<DescribedSample> samples_of(TexelFormat format) {
   constexpr std::uint32_t kAlphaChannel = 15, kUastcRgba = 3;
   const TexelFormatInfo& info = info_of(format);
-  // A BC5 block consists of two blocks. BC7 and UASTC blocks hold all channels together.
+  // A BC5 block consists of two BC4 blocks. BC7 and UASTC blocks hold all channels together.
   const bool is_whole = format == TexelFormat::kBc7 || is_uastc(format);
   const std::uint32_t count = is_whole ? 1u : static_cast<std::uint32_t>(info.channels);
   const std::uint32_t bits = 8 * static_cast<std::uint32_t>(info.block_bytes) / count;

@@ -54,8 +54,8 @@ function choice() {
     node("pre", {}, row.command)];
 }
 
-// Shapes also distinguish the groups on paper. Each shape lists corners around the mark's centre. A circle has no
-// corners.
+// On paper, where colours may be missing, shapes distinguish the groups. Each shape lists corners around the mark's
+// centre. A circle has no corners.
 const SHAPES = [
   null,
   [[-3.6, -3.6], [3.6, -3.6], [3.6, 3.6], [-3.6, 3.6]],

@@ -58,7 +58,7 @@ float value_of(const RoundedChannel& lobe, std::size_t texel, float share) {
   return lobe.low + lobe.range * share + offset_at(lobe, texel);
 }
 
-// Stores four half floats per texel. They are exact enough to round each lobe independently.
+// Stores four half floats per texel. Half floats are exact enough to round each lobe independently.
 class HalfRounding : public LobeRounding {
  public:
   HalfRounding(int lobe_count, std::size_t texels) : layers_(size_of(lobe_count)) {
