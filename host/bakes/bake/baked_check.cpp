@@ -17,7 +17,7 @@ namespace {
 // Allowed differences. The device that measures may differ from the device that baked, and both shade in float. Six
 // maps of 16 to 64 texels per side were baked with PoCL 3.1 and measured with Oclgrind 21.10. No error differs by more
 // than 5e-7, which is half a unit of the sixth decimal place, the last one in the header. GPUs were not measured. The
-// limit of 1 % leaves room for the errors of their exp and sqrt. If an error is nearly 0, as at the finest level of a
+// limit of 1 % leaves room for the errors of exp and sqrt on GPUs. If an error is nearly 0, as at the finest level of a
 // smooth map, rounding is a large part of the error. The second limit covers this case. It is one unit of the last
 // digit that `multum info` prints.
 constexpr double kAllowedRelative = 0.01;

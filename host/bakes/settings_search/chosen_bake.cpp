@@ -79,7 +79,8 @@ class Attempts {
                      held.take()});
     return made_.back();
   }
-  /// True if the last attempt meets the target. If it seems to do so, measures the file again at other footprints.
+  /// True if the last attempt meets the target. If the attempt seems to meet the target, measures its file again at
+  /// other footprints.
   bool meets(double target) {
     constexpr std::uint64_t kSecondSeed = 1000003;
     Attempt& attempt = made_.back();
