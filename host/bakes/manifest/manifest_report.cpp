@@ -92,7 +92,7 @@ std::size_t count_of(const ManifestOutcome& outcome, MapState state) {
                                                 [&](const MapResult& result) { return result.state == state; }));
 }
 
-// Counts maps by state, as in "1 stale, 1 worse". Counts either the states that are in place or the other states.
+// Counts maps by state, as in "1 stale, 1 worse". Counts either the maps that are in place or the other maps.
 std::string counts(const ManifestOutcome& outcome, bool in_place) {
   std::vector<std::string> parts;
   for (int s = 0; s < kMapStateCount; ++s) {

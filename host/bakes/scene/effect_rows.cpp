@@ -182,7 +182,8 @@ class EffectRows {
         anisotropy = level.anisotropy;
         at = level.level;
       }
-    const bool needed = representation_info(chosen_.representation).has_slopes ||  // their spread varies by direction
+    const bool needed = representation_info(chosen_.representation).has_slopes ||  // the spread of slopes varies by
+                                                                                   // direction
                         (anisotropy > 0.5 && chosen_.lobe_count > 1);
     add_row("anisotropic spread", needed,
             plan_.is_constant

@@ -38,7 +38,8 @@ MipJob colour_job(const MapPlan& map, const std::string& output) {
   return job;
 }
 
-// The BRDF of a target is the narrowest highlight. For a map with roughness, the roughness itself is the BRDF.
+// A target error applies to the BRDF with the narrowest highlight. For a map with roughness, this is the BRDF whose
+// width comes from the map.
 TargetBrdf target_brdf(const BakeJob& job) {
   if (!job.roughness.empty()) return {};
   return parse_target_brdf(job.measured_exponents.empty()
@@ -83,8 +84,8 @@ std::vector<FootprintError> errors_of(const nlohmann::json& row) {
   return errors;
 }
 
-// `earlier` is the map's row in the earlier report, from which unchanged files are recognised. It is null if there is
-// none.
+// `earlier` is the map's row in the earlier report, by which unchanged files are recognised. If there is no such row,
+// `earlier` is null.
 SceneMapReport bake_map(const SceneDescription& scene, const MapPlan& map, const SceneFiles& files,
                         const nlohmann::json& earlier, Device& device, Progress* progress) {
   const Stopwatch stopwatch;

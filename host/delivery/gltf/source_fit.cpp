@@ -50,8 +50,8 @@ ImageReadSettings reading_of(const SourceFitSettings& settings) {
 
 float fourth_power(float v) { return v * v * (v * v); }
 
-// Reads roughness times its factor, occlusion and metalness from an image. Red is occlusion, green is roughness, and
-// blue is metalness. A grey image sets all three.
+// Reads occlusion (red), roughness (green) and metalness (blue) from an image. Roughness is multiplied by the
+// material's factor. A grey image sets all three.
 PlaneStore read_surface(const GltfAsset& asset, const std::string& file, const LobeSource& source, bool is_fourth_power,
                         const SourceFitSettings& settings) {
   ImageReader reader(file, reading_of(settings));
