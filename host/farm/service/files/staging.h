@@ -36,7 +36,7 @@ std::string result_identity(const PathRoots& roots, const std::string& path);
 /// published files. Follows no links. Throws Error(kEnvironment) when this cannot be determined.
 bool is_as_made(const PathRoots& roots, const std::string& path, const std::string& identity, const ResultSeal& seal);
 
-/// One job's result before it has its name.
+/// One job's result before it gets its final name.
 class StagedResult {
  public:
   /// Throws like PathRoots::open_folder_of().

@@ -15,8 +15,8 @@ class RangeDecoder {
   /// The bytes must outlive the decoder.
   explicit RangeDecoder(std::span<const std::uint8_t> bytes);
 
-  /// Returns the next symbol. `probability` is that of a 1, in units of 1/65536, from 1 to 65535. Returns false once
-  /// the bytes no longer determine the symbol.
+  /// Returns the next symbol. `probability` is the probability of a 1, in units of 1/65536, from 1 to 65535. Returns
+  /// false once the bytes no longer determine the symbol.
   bool decode(std::uint32_t probability) {
     if (exhausted_) return false;
     // Size of the part of the interval, at its beginning, that stands for 1.

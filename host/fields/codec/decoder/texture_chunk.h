@@ -35,7 +35,8 @@ class TextureChunk {
   /// the sum of its terms' weights times image().
   const ImagePlan& plan() const { return plan_; }
   /// Returns an image, [height][width][3], in the units of texture(), without weight and offset. Takes no time if
-  /// is_zero(). Otherwise it takes three inverse transforms and a colour rotation, whatever the values are.
+  /// is_zero(). Otherwise the call always computes three inverse transforms and a colour rotation, whatever the values
+  /// are.
   std::vector<float> image(std::size_t number) const;
   bool is_zero(std::size_t number) const;
   /// Returns the weighted sum of a sample's images, which is the texture without the offset, at the cost of one image.
