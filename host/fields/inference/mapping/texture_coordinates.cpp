@@ -148,9 +148,9 @@ std::array<bool, 2> periodic_directions(const TextureMapping& mapping) {
 }
 
 // Step 2: finds the most isometric affine map in the least-squares sense, eq. 7, with texels of the screen's
-// resolution. The search starts from a matrix square root of the mean of S^T S over visible pixels, where S is the
-// Jacobian from texture coordinates to the screen. The singular values of this root are the mean singular values of S,
-// however the mesh scales u and v.
+// resolution. The search starts from a map R for which R^T R is the mean of S^T S over visible pixels, where S is the
+// Jacobian from texture coordinates to the screen. The singular values of R are the mean singular values of S, however
+// the mesh scales u and v.
 glm::dmat2 isometric_map(const SeenMesh& scene, bool is_diagonal) {
   glm::dmat2 mean(0.0);
   std::vector<IsometricEdge> edges;
