@@ -31,7 +31,7 @@ class FileNotes {
   std::vector<std::string> uploads(const std::string& after, int limit);
   void forget_upload(const std::string& path);
 
-  /// Returns the folders that hold or will hold results of jobs, each once.
+  /// Returns the folders that hold or will hold results of jobs, without duplicates.
   std::vector<std::string> output_folders();
   /// Paths that jobs use.
   struct Uses {

@@ -117,7 +117,8 @@ void WorkerPool::spawn() {
   }
 }
 
-// Kills the process and waits for it, once; processes that it has started end with it.
+// Kills the process and waits until it has ended; later calls have no effect. Processes that it has started end with
+// it.
 void WorkerPool::end_process(Worker& worker) {
   if (worker.pid <= 0) return;
   ::kill(-worker.pid, SIGKILL);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Decodes binary symbols of given probabilities from the bytes of RangeEncoder, a 32-bit range coder with carries
 // (Martin 1979). The decoder never reads beyond the end. After the end it continues as long as the missing bytes cannot
-// change the symbols; then it returns zeros and reports this. Every prefix of a stream therefore decodes to a prefix of
-// its symbols.
+// change the symbols; then it returns zeros, and exhausted() returns true. Every prefix of a stream therefore decodes
+// to a prefix of its symbols.
 #pragma once
 
 #include <cstdint>
