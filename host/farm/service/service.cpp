@@ -27,7 +27,7 @@ namespace {
 
 namespace asio = boost::asio;
 
-// Every connection and every worker needs a file.
+// Every connection and every worker needs a file descriptor.
 void raise_file_limit(const ServiceSettings& settings) {
   rlimit limit{};
   if (::getrlimit(RLIMIT_NOFILE, &limit) != 0) return;

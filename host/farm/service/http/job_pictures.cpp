@@ -38,8 +38,8 @@ constexpr auto kTimeMax = std::chrono::seconds(60);
 constexpr int kNiceness = 10;  // children have a lower priority than jobs
 constexpr std::uint64_t kMemoryMax = std::uint64_t{3} << 30;
 constexpr char kSaid[] = "said.txt", kSources[] = "sources.txt";
-// The page contains all its data. The page may run its own script and save paths, but it has no origin. Malicious data
-// in the page can therefore not reach the service or a token.
+// The page contains all its data. The page may run its own script and save recorded paths as files, but it has no
+// origin. Malicious data in the page can therefore not reach the service or a token.
 constexpr char kPagePolicy[] =
     "sandbox allow-scripts allow-downloads; default-src 'none'; script-src 'unsafe-inline' 'wasm-unsafe-eval'; "
     "worker-src blob:; style-src 'unsafe-inline'; img-src data: blob:; base-uri 'none'; form-action 'none'";

@@ -143,7 +143,7 @@ function axesText() {
 function rowLabels() {
   if (parameters.length < 2) return [];
   const labels = [];
-  const step = Math.max(1, Math.ceil(12 / cellHeight)); // labels are 12 high
+  const step = Math.max(1, Math.ceil(12 / cellHeight)); // labels are 12 units high
   for (let row = 0; row < rowCount; row += step)
     labels.push(label(LEFT - 6, TOP + (row + 0.5) * cellHeight + 4, "end",
       samples[row * columnCount].at.slice(0, -1).join(",")));
