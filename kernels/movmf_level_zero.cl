@@ -16,7 +16,7 @@
 #define MULTUM_PLANAR 0
 #endif
 
-// One work-item = one texel of some rows, first_row the first; global size row_count * map_width.
+// One work-item = one texel of the rows from first_row on; global size row_count * map_width.
 //   normal_x, normal_y, normal_z [rows * map_width]  from row normals_row on
 //   parent  [lobe][fit.window_rows * fit.width]      the window of level 1; if has_parent is 0 (a map of one texel, or
 //                                                    lobes that are not aligned), lobe 0 takes all normals

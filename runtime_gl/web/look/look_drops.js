@@ -109,8 +109,9 @@ class Drops {
   }
 
   /**
-   * Returns the JSON of each glTF, or an Error if it is damaged, and whether they use a file. The files of a damaged
-   * glTF are unknown, so every picture and every unknown file then counts as used.
+   * Returns `models`, the JSON of each glTF or an Error if it is damaged, and `isCompanion`, a function that tells
+   * whether a glTF uses a file. The files of a damaged glTF are unknown, so every
+   * picture and every file of an unknown type then counts as used.
    */
   async gltfModels(list, kinds) {
     const models = new Map(), named = new Set();

@@ -107,7 +107,7 @@ void main() {
 
 class LookGl {
   /**
-   * `shaders` has texts by name, and `table` the halves of GGX over lobes. Throws Error if the browser lacks a feature.
+   * `shaders` has texts by name. `table` has GGX over lobes in 16-bit floats. Throws Error if a feature is missing.
    */
   constructor(canvas, shaders, table) {
     const gl = canvas.getContext("webgl2",

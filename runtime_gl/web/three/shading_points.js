@@ -79,7 +79,7 @@ const END = `
   diffuseColor.a = multum_alpha;
   vec3 outgoingLight = multum_light;
 `;
-// The decision is made for the whole pixel by its mean alpha.
+// The alpha test is made once for the whole pixel, with its mean alpha.
 const ALPHA_TESTS = ["alphatest_fragment", "alphahash_fragment"];
 
 // The variance of a box filter over the point's part of the pixel (Kaplanyan et al. 2016; Tokuyoshi and Kaplanyan
@@ -96,8 +96,8 @@ export const VARIANCE = `{
  * Returns the fragment shader of a physical material that is shaded at MULTUM_EVALUATIONS points of each pixel. Maps
  * are sampled MULTUM_MAP_BIAS octaves coarser than for the whole pixel. `defines` are by name. `lobes`, if given, is
  * GLSL with multum_decide(), multum_shift() and multum_map(), whose first parameter numbers the lookups. `geometry` is
- * the effect of the change of the geometry's normals on roughness. `edit(name, text)` returns the replacement of a
- * chunk's text.
+ * GLSL that adds the variance of the geometry's normals to the roughness. `edit(name, text)` returns the replacement of
+ * a chunk's text.
  */
 export function fragmentAtPoints(fragment, chunks, revision,
   { defines, lobes = null, geometry = VARIANCE, edit = (name, text) => text }) {
