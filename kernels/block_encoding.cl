@@ -477,7 +477,8 @@ static inline BlockBits mode_6_block(Colours c, CodedLine line, int third_is_alp
   return bits;
 }
 
-// Modes 4 and 5: channel `alone` has its own ends and indices and is stored in alpha; alpha is stored in its place.
+// Modes 4 and 5. Channel `alone` has its own endpoints and indices. It is stored as alpha, and alpha is stored in its
+// place.
 typedef struct SeparateMode {
   int mode, colour_bits, scalar_bits;
   int colour_last, scalar_last;  // last step: 3 or 7
@@ -520,7 +521,7 @@ static inline BlockBits separate_block(Colours c, int alone, SeparateMode m, Sep
       put_bits(&bits, (uint)fit.line.codes[end][source], m.colour_bits);
     }
   for (int end = 0; end < 2; ++end) put_bits(&bits, (uint)fit.scalar.codes[end], m.scalar_bits);
-  // Indices of 2 bits come first. In mode 5, all indices have 2 bits, and those of the colours come first.
+  // Indices of 2 bits come first. In mode 5, all indices have 2 bits, and the indices of the colours come first.
   const int scalar_first = m.colour_last == 7;
   put_indices(&bits, scalar_first ? scalar : colour, 2, -1);
   put_indices(&bits, scalar_first ? colour : scalar, m.mode == 4 ? 3 : 2, -1);

@@ -8,7 +8,7 @@
 // Work-items that fit one texel together, on devices with enough of them (movmf_em_texels.cl, movmf_binning.cl).
 #define MULTUM_TEAM 64
 
-// Values of MovmfFit::order, which determines the neighbours that are done when a texel is fitted.
+// Values of MovmfFit::order, which determines the neighbours that are fitted before a texel ("done").
 #define MULTUM_ORDER_COLOUR 0    // four colours (x&1, y&1) in the order (0,0), (1,1), (1,0), (0,1)
 #define MULTUM_ORDER_AGAIN 2     // a further pass: all neighbours are done; EM starts from the texel's own lobes
 #define MULTUM_ORDER_SCANLINE 1  // rows from top to bottom, each from left to right: Han et al. 2007, section 7

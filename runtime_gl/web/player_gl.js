@@ -4,7 +4,7 @@
 // up, and computes no lighting. Averages supersampling^2 sub-pixels per pixel in linear light, and encodes the result
 // as sRGB.
 
-const BYTES_PER_TEXEL = 8; // three halves, padded to four by most drivers
+const BYTES_PER_TEXEL = 8; // three 16-bit floats, padded to four by most drivers
 const SUB_PIXELS_MAX = 1 << 24; // limit for the framebuffer; each has 8 bytes of colour and 4 of depth
 const POSITION = 0;
 const UV = 1;

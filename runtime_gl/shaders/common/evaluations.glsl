@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Decides how a pixel spends its evaluations of the material. An evaluation shades one lobe at one point. If the
 // normals under a pixel are similar, evaluations are spent on points, and all lobes of a point are added up to one
-// lobe. If the normals scatter, evaluations are spent on lobes, at as many points as remain. If there are more lobes
-// than evaluations, the most similar lobes are added up. The decision depends on the spread 1 - |r| of the sum of all
-// lobes: from MULTUM_SPREAD_OF_LOBES on, evaluations are spent on lobes. A single lookup reads this sum, two levels
-// finer than the level of the pixel's longer side.
+// lobe. If the normals scatter, evaluations are spent on lobes, at as many points as the number of evaluations then
+// allows. If there are more lobes than evaluations, the most similar lobes are added up. The decision depends on the
+// spread 1 - |r| of the sum of all lobes: from MULTUM_SPREAD_OF_LOBES on, evaluations are spent on lobes. A single
+// lookup reads this sum, two levels finer than the level of the pixel's longer side.
 //
 //     float points = multum_movmf_spread(sum) > MULTUM_SPREAD_OF_LOBES ? multum_lobe_points(16.0, 4.0) : 16.0;
 //     vec2 grid = multum_point_grid(points, length(dFdx(uv) * size), length(dFdy(uv) * size));

@@ -65,8 +65,8 @@ float multum_vmf_spread(float kappa) {
 }
 
 // Returns the lobe without a BRDF's width, for diffuse light, which does not depend on roughness. If lobes contain a
-// BRDF's width (multum:roughness), this width has shortened them by a factor. Only the factor's mean over the map is
-// known (multum:meanCosine).
+// BRDF's width (multum:roughness), this width has shortened their mean vectors by a factor. Only the factor's mean over
+// the map is known (multum:meanCosine).
 vec4 multum_movmf_without_roughness(vec4 lobe, float mean_cosine) {
   return vec4(lobe.xyz * min(1.0 / mean_cosine, lobe.w / max(length(lobe.xyz), 1e-12)), lobe.w);
 }
@@ -75,7 +75,7 @@ vec4 multum_movmf_without_roughness(vec4 lobe, float mean_cosine) {
 // and l. With m = |r| t: E max(x, 0) = (m + E|x|) / 2, x = n . l. E|x| is modelled as sqrt(m^2 + v exp(-g)), the shape
 // of the mean of a folded normal distribution, where v = (E|x|)^2 at t = 0 and g is a polynomial in m^2 / v. The
 // relative L1 error over the sphere of l is at most 0.22 % (spherical harmonics to l = 2 have 2-3 %). The result is
-// exact at |r| = 1, max(t, 0), and at r = 0, 1/4.
+// exact at |r| = 1, where it is max(t, 0), and at r = 0, where it is 1/4.
 float multum_vmf_mean_cosine(float d, float t) {
   float r = 1.0 - d;
   float m = r * t;

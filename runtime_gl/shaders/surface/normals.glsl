@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// One normal per fragment, in one of four ways (exactly one is defined):
+// Shades one normal per fragment in one of four ways. Exactly one of these flags is defined:
 //   MULTUM_REFERENCE  the finest map's nearest texel    MULTUM_TOKSVIG  |averaged normal| -> gloss (Toksvig 2004)
 //   MULTUM_MIP        averaged normal, normalised       MULTUM_LEAN     slope moments (Olano and Baker 2010):
 //                                                       density of slopes; MULTUM_JACOBIAN: / cos^3, normalised
@@ -10,8 +10,8 @@
 // roughness map, averaged as in an engine. MULTUM_BASIS k: everything is multiplied by weight k. MULTUM_COLOURS: the
 // map has colours. MULTUM_NORMAL_MAP: levels finer than the stored ones come from the normal map. The normal map has no
 // moments of slopes, so these levels are shaded by Toksvig's rule, before mixing. MULTUM_ALBEDO_MAP: their colours come
-// from the albedo map. MIP, TOKSVIG and LEAN read a baked file of moments, or mips of the finest map, which are the
-// same.
+// from the albedo map. MIP, TOKSVIG and LEAN read a baked file of moments, or mips of the finest map, which contain the
+// same values.
 uniform sampler2D u_normals;  // unit normal for REFERENCE, otherwise averaged normal, with w = E[b_s b_t] for LEAN
 #ifdef MULTUM_LEAN
 uniform sampler2D u_slopes;  // E[b_s], E[b_t], E[b_s^2], E[b_t^2]

@@ -51,7 +51,8 @@ function normalsOfImage(image) {
 }
 
 /**
- * Returns the distance of x and y of `level`, a level of meanNormals(), from `means` (x, y). y is multiplied by `sign`.
+ * Returns the root mean square difference between x and y of `level`, a level of meanNormals(), and of `means`. First
+ * multiplies the y of `level` by `sign`.
  */
 function normalsApart(level, means, sign) {
   let sum = 0;

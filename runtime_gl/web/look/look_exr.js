@@ -220,7 +220,7 @@ const exrFloat = new Float32Array(1), exrBits = new Uint32Array(exrFloat.buffer)
 function exrHalf(value) {
   exrFloat[0] = Math.abs(value);
   const magnitude = exrBits[0], sign = value < 0 ? 0x8000 : 0;
-  if (magnitude < 0x38800000) { // such halves have steps of 2^-24; adding 1/2 rounds to these steps
+  if (magnitude < 0x38800000) { // 16-bit floats below this value have steps of 2^-24; adding 1/2 rounds to them
     exrFloat[0] += 0.5;
     return sign | (exrBits[0] - 0x3f000000);
   }

@@ -83,7 +83,8 @@ function restore(material) {
 }
 
 /**
- * Makes `material` draw `lobes` (LobeTexture) where its normal map is filtered. Its roughness is the surface's own.
+ * Makes `material` draw `lobes` (LobeTexture) where its normal map is filtered. The roughness of
+ * `material` must be that of the surface itself, without the effect of filtered normals.
  *
  * `evaluations` is the number of evaluations of the material's light per pixel: 1, 2, 4, 8 or 16. `spend` says on what
  * they are spent: "points", "lobes", or "auto", which decides for each pixel. `taps` is the number of trilinear lookups

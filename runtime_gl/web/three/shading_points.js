@@ -38,7 +38,7 @@ ${each((name) => `multum_derive_${name}()`)}}
 void multum_move(vec2 by) {  // offset from the pixel's middle, in pixels
 ${each((name) => `multum_move_${name}(by)`)}}
 `;
-// Handles maps without lobes.
+// Defines, for materials without lobes, the functions that differ for lobes.
 const PLAIN = `
 void multum_decide() {}
 vec4 multum_map(int number, sampler2D map, vec2 st, vec2 along_x, vec2 along_y) {
@@ -82,9 +82,9 @@ const END = `
 // The alpha test is made once for the whole pixel, with its mean alpha.
 const ALPHA_TESTS = ["alphatest_fragment", "alphahash_fragment"];
 
-// The variance of a box filter over the point's part of the pixel (Kaplanyan et al. 2016; Tokuyoshi and Kaplanyan
-// 2019).
-// three.js instead adds the largest change of a component to the roughness.
+// GEOMETRY is three.js's line, which adds the largest change of a normal's component to the roughness. VARIANCE
+// replaces this line; it adds the variance of the normals over the point's part of the pixel, for a box filter
+// (Kaplanyan et al. 2016; Tokuyoshi and Kaplanyan 2019).
 const GEOMETRY = "material.roughness += geometryRoughness;";
 export const VARIANCE = `{
   vec3 along_x = dFdx(nonPerturbedNormal), along_y = dFdy(nonPerturbedNormal);
