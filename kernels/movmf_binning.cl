@@ -9,10 +9,10 @@
 // the density, a few steep edges would make the cells of a flat texel too coarse. Normals outside the range of an axis
 // belong to its outermost cells.
 //
-// Normals that a BRDF's width has shortened (MovmfFit::shortened) are also sorted by direction, in a separate grid for
-// each class of lengths. Lobes can then distinguish sharp and wide BRDFs under one texel. The classes are separated at
-// kappa 1250, 133 and 22, which correspond to perceptual roughnesses of 0.2, 0.35 and 0.55. The kappas of a class thus
-// differ by a factor of 9 at most, except in the sharpest class, whose widths are hardly visible.
+// If normals were shortened to include a BRDF's width (MovmfFit::shortened), each class of lengths has its own grid of
+// directions. Lobes can then distinguish sharp and wide BRDFs under one texel. The classes are separated at kappa 1250,
+// 133 and 22, which correspond to perceptual roughnesses of 0.2, 0.35 and 0.55. The kappas of a class thus differ by a
+// factor of 9 at most, except in the sharpest class, whose widths are hardly visible.
 //
 // The map is read in bands of rows. Sums are integers in units of 2^-30, so they do not depend on the order of bands,
 // chunks or threads. These units are small enough to keep the differences between thousands of nearly equal normals.

@@ -142,7 +142,7 @@ __kernel void movmf_em_texels(__global const float* restrict samples, __global c
 //   member    S0 X0 Y0 Z0 D0 S1 X1 ...          sums: member 5 j + k adds sum k of lobe j
 //
 // Buffers as above; local size MULTUM_TEAM, global size MULTUM_TEAM * slot_count. Bound by the chain of additions in
-// each sum, which takes four clocks per sample; a single work-item needs some hundred.
+// each sum, which takes four clocks per sample. A single work-item would need about a hundred clocks per sample.
 #define TEAM_ROW (MULTUM_TEAM + 1)  // puts lobes into different memory banks
 
 // For member 5 j + k, returns the factors by which responsibilities are multiplied in sum k of lobe j: 1, x, y, z or

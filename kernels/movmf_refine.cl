@@ -63,7 +63,7 @@ typedef struct RefinedLobe {
   real_v widening;                    // derivative of the spread with respect to the fourth parameter
 } RefinedLobe;
 
-// A vMF of mean cosine A, `peak * exp(-kappa * u)` without the common 1/(2 pi), and the terms of its derivatives.
+// A vMF with mean cosine A, `peak * exp(-kappa * u)` without the common 1/(2 pi), and the terms of its derivatives.
 typedef struct Blurred {
   real_v kappa, peak;
   real_v peak_slope;   // d log(peak) / d kappa

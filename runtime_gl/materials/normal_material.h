@@ -67,8 +67,8 @@ class NormalMaterial : public Material {
   std::optional<Texture> weights_;
   int weight_count_ = 0;
   bool has_roughness_ = false;
-  // Only for kMipmapped: sets (perceptual roughness, 0, 0, 1), averaged as engines average a roughness map. The
-  // roughness is used with unit normals.
+  // Sets a texture of perceptual roughness, (roughness, 0, 0, 1), whose levels are averaged in the same way as an
+  // engine's roughness map. Used with unit normals, and only by kMipmapped.
   std::optional<Texture> roughness_;
   Baseline baseline_ = Baseline::kMip;
   Sampling sampling_;

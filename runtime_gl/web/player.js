@@ -165,8 +165,8 @@ function start({ file, description, objects, startWorkers, title }) {
   document.title = title;
   byId("about").textContent = `${description.sizes.join(" \u00d7 ")} samples of ` +
     `${description.parameters.join(", ")}; ${description.width} \u00d7 ${description.height} pixels`;
-  const stage = byId("stage"); // replaces the stage, because a canvas keeps its context forever, and old controls must
-                               // go
+  const stage = byId("stage"); // replaces the stage, because a canvas keeps its context forever, and to remove old
+                               // controls
   const freshStage = stage.cloneNode(false);
   const canvas = Object.assign(document.createElement("canvas"), { id: "canvas" });
   canvas.style.aspectRatio = `${description.width} / ${description.height}`;

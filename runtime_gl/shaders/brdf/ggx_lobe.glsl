@@ -51,7 +51,8 @@ float multum_ggx_facet_kappa(float alpha, float kappa, float e) {
   return facets;
 }
 
-// Returns GGX of alpha convolved with the lobe at the unit half vector h, per solid angle, times the amplitude.
+// Returns GGX with the given alpha, convolved with the lobe at the unit half vector h, per solid angle, times the
+// amplitude.
 float multum_movmf_ggx(sampler2D table, vec4 lobe, vec3 h, float alpha) {
   if (lobe.w <= MULTUM_AMPLITUDE_MIN) return 0.0;
   float d = multum_movmf_spread(lobe);

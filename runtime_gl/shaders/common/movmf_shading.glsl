@@ -28,7 +28,8 @@ float multum_movmf_spread(vec4 lobe) {
   return max(lobe.w - length(lobe.xyz), 0.0) / max(lobe.w, MULTUM_AMPLITUDE_MIN);
 }
 
-// Returns the mean direction mu. For r = 0 it may be any unit vector, because nothing depends on it.
+// Returns the mean direction mu. For r = 0 the result may be any unit vector, because no other value then depends on
+// it.
 vec3 multum_movmf_mean_direction(vec4 lobe) {
   float size = length(lobe.xyz);
   return size > 1e-12 ? lobe.xyz / size : vec3(0.0, 0.0, 1.0);

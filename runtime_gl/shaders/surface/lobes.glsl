@@ -3,8 +3,8 @@
 // follow this file. MULTUM_COLOURS: lobes have colours. MULTUM_MEAN_COLOURS: all lobes share the colour of a separate
 // texture. MULTUM_NORMAL_MAP: levels finer than those of the lobes come from the normal map, as one more lobe (a r, a)
 // of a mean normal; MULTUM_ALBEDO_MAP: this lobe has its own colours. MULTUM_BASIS k: everything is multiplied by
-// weight k of the lobes. MULTUM_DRAWN_LOBE: a single normal, drawn at random from the lobes by amplitude for each of
-// u_sample frames. The random numbers come from blue_noise.glsl or, with MULTUM_HASHED, from footprint.glsl, whose
+// weight k of the lobes. MULTUM_DRAWN_LOBE: uses a single normal, drawn at random from the lobes by amplitude for each
+// of u_sample frames. The random numbers come from blue_noise.glsl or, with MULTUM_HASHED, from footprint.glsl, whose
 // numbers are white noise over the picture. MULTUM_SHADE_FIRST: fetches the lobes of all eight texels with their
 // weights, so that each texel is shaded before filtering. Lobes that are not aligned need this flag, which also shades
 // taps one by one. MULTUM_MAGNIFIED: between texels of level 0, shows the surface of an interpolated normal map instead

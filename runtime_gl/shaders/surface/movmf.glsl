@@ -48,7 +48,8 @@ float multum_spread_of_all(MultumSurface surface) {
 
 #ifdef MULTUM_VISIBILITY
 // Returns V, computed from the mean cosines over the lobe's normals that reflect from l to v. These normals are near h.
-// The mean of the normals, which gives n.h, is between h and the lobe's mean, closer to the sharper of the two.
+// The mean of the normals, which gives n.h, is between h and the lobe's mean. It is closer to h if the facets are
+// sharper than the lobe.
 float multum_lobe_visibility(vec4 lobe, vec3 l, vec3 v, vec3 h) {
   vec3 facets = multum_lobe_facets(lobe, h);
   float total = max(facets.x + facets.y + facets.z, 1e-20);
