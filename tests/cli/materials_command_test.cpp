@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests multum bake --roughness and --weights: the contents of the file, and the recognition of changes in manifests
+// Tests multum bake --roughness and --weights: the contents of the file, and that changes are recognised in manifests
 // and for every representation.
 #include <algorithm>
 #include <cmath>
@@ -19,7 +19,7 @@ class MaterialsCommandTest : public CliTest {
  protected:
   void SetUp() override {
     make_map("map", 64);
-    // The first file has glTF's order of channels (occlusion, roughness, metalness), the second file the weights of
+    // The first file has glTF's order of channels (occlusion, roughness, metalness). The second file has the weights of
     // four BRDFs.
     write_waves("orm.png", 3, 0.5);
     write_waves("weights.png", 4, 1.0);

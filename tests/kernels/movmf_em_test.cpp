@@ -183,8 +183,9 @@ class BinnedTest : public ::testing::TestWithParam<BinnedCase> {
 };
 
 // Binned texels lose only the place of a normal within its cell, so 4 iterations end close to the reference, which uses
-// every normal. A cell is 1/31 of the mean extent, and a lobe about a quarter. This blurs a lobe by about 1/100 of its
-// spread, and moves the share of two competing lobes by less. Each texel's mean normal is exact.
+// every normal. The width of a cell is 1/31 of the mean extent, and the width of a lobe is about a quarter. This blurs
+// a lobe by about 1/100 of its spread, and moves the share of two competing lobes by less. Each texel's mean normal is
+// exact.
 TEST_P(BinnedTest, EqualsReferenceClosely) {
   how_.iterations = 4;
   const auto expected = fit_with_reference(map_, parent_, lobes_, how_);

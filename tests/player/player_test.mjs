@@ -15,9 +15,9 @@ import { RangeServer } from "./range_server.mjs";
 
 const [executablePath, folder, screenshots, only = "", seconds = "10"] = process.argv.slice(2);
 const PATIENCE = 30000; // ms; the machine may be busy
-// The allowed difference from multum-view's pictures, in 8-bit values. This GL has 4 bits of sub-pixel position where
-// the other has 8, so pixels at edges differ by their coverage. Other pixels differ by rounding of half floats and of
-// sRGB.
+// The allowed difference from multum-view's pictures, in 8-bit values. This GL has 4 bits of sub-pixel position and
+// multum-view's GL has 8, so pixels at edges differ by their coverage. Other pixels differ by rounding of half floats
+// and of sRGB.
 const NEAR = 2;
 const NEAR_SHARE_LEAST = 0.995;
 const MEAN_MOST = 0.15;

@@ -47,7 +47,7 @@ const FOREIGN = {
 };
 function foreignLoads() {
   const found = [];
-  for (const file of files.filter((one) => one !== path.join("search", "search_index.js"))) { // it has texts of pages
+  for (const file of files.filter((one) => one !== path.join("search", "search_index.js"))) { // it has page text
     const pattern = FOREIGN[path.extname(file)];
     if (pattern === undefined) continue;
     const text = readFileSync(path.join(site, file), "utf8").replace(/\/\*[^]*?\*\//g, "");

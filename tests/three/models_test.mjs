@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Draws four small models and four bumpy surfaces from `multum gltf --lobes` by three.js: plain mips, points, one lobe,
-// lobes and the rule, at equal evaluations. Checks which method wins and by how much. Exits with 77 (skipped) if
+// Draws four small models and four bumpy surfaces from `multum gltf --lobes` with three.js. Compares plain mips,
+// points, one lobe, several lobes, and the rule that spends evaluations on points or on lobes, all with equally many
+// evaluations. Checks which method wins and by how much. Exits with 77 (skipped) if
 // something is missing.
 //
 //   node models_test.mjs BIN_FOLDER

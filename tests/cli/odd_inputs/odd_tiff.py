@@ -32,7 +32,8 @@ class Layout:
 
 
 def lzw_encoded(data):
-    """TIFF 6.0, section 13: codes of 9 to 12 bits, highest bit first; the code length grows one code early."""
+    """TIFF 6.0, section 13: codes of 9 to 12 bits, highest bit first. The length of codes grows one code earlier than
+    needed."""
     codes, table, size, text = [(256, 9)], {bytes([i]): i for i in range(256)}, 258, b""
     width = 9
     for byte in data:

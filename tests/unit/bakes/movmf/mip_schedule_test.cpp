@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests that every texel of every level is fitted in exactly one step, after the neighbours that its start reads
-// (movmf_start.cl).
+// Tests that every texel of every level is fitted in exactly one step, after the neighbours from which its initial
+// lobes are computed (movmf_start.cl).
 #include "host/bakes/movmf/mip_schedule.h"
 
 #include <gtest/gtest.h>

@@ -255,7 +255,8 @@ TEST_F(SceneTest, TwoDirectionsAreTwoLobes) {
       << "planar Gaussians round slanted facets and cut off tails";
   EXPECT_LT(errors.error(1, lambert, ColourModel::kNone), 0.05);
   EXPECT_LT(errors.error(2, lambert, ColourModel::kNone), 1e-3);
-  // Harmonics of order 20 follow s = 8; the remaining error is the estimate's vMF approximation of Blinn-Phong.
+  // Harmonics of order 20 can represent a highlight with s = 8. The remaining error is the estimate's vMF approximation
+  // of Blinn-Phong.
   EXPECT_LT(errors.sh_error(20, {{8.0}}, ColourModel::kNone), 0.15);
 }
 

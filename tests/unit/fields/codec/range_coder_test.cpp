@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests the range coder and its contexts: symbols come back, at about the length that their probabilities predict. Cut
-// streams give the certain symbols and then zeros; random bytes do no harm.
+// Tests the range coder and its contexts. Decoding returns the encoded symbols, and streams have about the length that
+// the probabilities predict. Streams that are cut off give the certain symbols and then zeros. Random bytes do no harm.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -161,7 +161,7 @@ TEST(BitMixer, FollowsTheContextThatKnows) {
     if (i >= 2000) bits -= std::log2((bit ? p : 65536 - p) / 65536.0);
     mixer.update(inputs, p, bit);
   }
-  EXPECT_LT(bits / 2000.0, 0.1);  // the good predictor without mixing needs log2(1 + exp(-500 / 256)) = 0.19
+  EXPECT_LT(bits / 2000.0, 0.1);  // the good predictor without mixing needs log2(1 + exp(-500 / 256)) = 0.19 bits
 }
 
 TEST(SymbolCoder, NumbersComeBack) {

@@ -234,7 +234,7 @@ TEST(MomentGpuBytesTest, TwoTexturesAndOneForColours) {
   EXPECT_EQ(moment_gpu_bytes(header), (2u + 1u) * 3u * 16u);
 }
 
-// Makes files that are not valid files of moments from a good one.
+// Makes invalid files of moments from a good one.
 class MomentRefusalTest : public ::testing::Test {
  protected:
   MomentRefusalTest() {
