@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Draws maps whose mixtures are exact: on both back-ends, the baked map's picture must equal the reference picture.
+// Draws maps whose mixtures are exact. On both back-ends, the baked map's picture must equal the reference picture.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -25,7 +25,7 @@ namespace {
 constexpr int kShWidth = 96, kShHeight = 72;
 
 RenderScene scene_of(float exponent, float uv_scale = 60.0f) {
-  RenderScene scene;  // far enough away that a pixel covers several texels of a 32-texel unit
+  RenderScene scene;  // far enough away that a pixel covers several texels at 32 texels per unit
   scene.camera.eye = {0.0f, -8.0f, 12.0f};
   scene.camera.target = {0.0f, 8.0f, 0.0f};
   scene.uv_scale = uv_scale;

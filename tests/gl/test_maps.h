@@ -41,7 +41,7 @@ MomentMipmap make_moments(const NormalImage& image, StorageEncoding encoding);
 /// facets.
 MovmfMipmap as_gaussians(MovmfMipmap mipmap);
 
-/// Returns a view from so far away that every pixel covers several texels of a 64-texel unit and shows level 1 or
+/// Returns a view from so far away that every pixel covers several texels, at 64 texels per unit, and shows level 1 or
 /// coarser.
 RenderScene distant_scene();
 

@@ -51,7 +51,7 @@ Lobes random_lobes(int lobe_count, int texels, bool planar, std::mt19937& random
   const auto uniform = [&] { return static_cast<float>(random() >> 8) * 0x1p-24f; };
   Lobes lobes(static_cast<std::size_t>(lobe_count * texels));
   for (std::size_t i = 0; i < lobes.size(); ++i) {
-    // Lobe j is near one direction everywhere, as in aligned levels. One lobe in five is dead.
+    // Lobe j has nearly the same direction in every texel, as in aligned levels. One lobe in five is dead.
     const auto turn = 6.28f * static_cast<float>(i / static_cast<std::size_t>(texels)) / static_cast<float>(lobe_count);
     const glm::vec3 near(std::cos(turn), std::sin(turn), 1.0f);
     const glm::vec3 r = glm::normalize(near + 0.8f * glm::vec3(uniform() - 0.5f, uniform() - 0.5f, 0.0f));

@@ -122,7 +122,7 @@ INSTANTIATE_TEST_SUITE_P(
                       Case{37, 21, 2, 3, FitMethod::kTexels, kGmm}, Case{1, 37, 1, 4, FitMethod::kTexels, kGmm},
                       Case{64, 64, 5, 4, FitMethod::kChunks, kGmm}, Case{21, 37, 3, 4, FitMethod::kChunks, kGmm}));
 
-// A texel's size decides which of two ways of summing runs; both must agree.
+// There are two ways of summing, and a texel's size decides which one is used. Both ways must agree.
 TEST(MovmfEmPathTest, ChunkedAgreesWithUnchunked) {
   const NormalMap map = random_map(64, 64, 5);
   const auto parent = random_parent(map, 4, 4, 6);

@@ -125,7 +125,7 @@ TEST(SettingChoice, TakesTheCheapestForAFlatMap) {
   EXPECT_EQ(trials.made().size(), 1u) << "more settings were tried than needed";
 }
 
-// Chooses as many lobes as needed and no more: the four quarters have one, two and many directions.
+// The search must choose as many lobes as needed and no more. The four quarters have one, two and many directions.
 TEST(SettingChoice, TakesMoreLobesAsTheErrorFalls) {
   const FourQuarterMap map = make_four_quarter_map(64, 7);
   const BakeSource source = source_of(map.normals);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Makes materials of three.js that average their shading over a grid of points in each pixel. Edges stay as in one
-// frame. The remaining error comes only from edges, for any textures.
+// Makes materials of three.js that average their shading over a grid of points in each pixel. Edges stay as they are in
+// a single frame. The remaining error comes only from edges, for any textures.
 import { REVISION, ShaderChunk } from "three";
 import { fragmentAtPoints } from "/package/shading_points.js";
 

@@ -326,7 +326,7 @@ class GltfTest(FolderCase):
         model.json["accessors"][0]["extras"] = {"index": 0, "bufferView": 77, "text": "gr\u00fc\u00df", "big": 2**60,
                                                 "small": 1e-300, "none": None, "deep": [[[]], {}]}
         shared = model.json["bufferViews"][model.json["images"][0]["bufferView"]]
-        # If an image's bytes have an additional view, the bytes stay.
+        # If another buffer view also refers to an image's bytes, the bytes stay.
         model.json["bufferViews"].append({**shared, "name": "the same"})
         model.json["bufferViews"].append({**shared, "byteOffset": shared["byteOffset"] + 20, "byteLength": 30})
         interleaved = model.view(bytes(range(96)), byteStride=24, target=34962)

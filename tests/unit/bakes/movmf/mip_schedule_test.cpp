@@ -209,7 +209,7 @@ TEST(MipScheduleWeightTest, OnlySidesThatHalveWithoutRestAreUnweighted) {
 }
 
 TEST(MipScheduleWeightTest, ThreeTimesAPowerOfTwoHasAWholeTopLevel) {
-  // 12 -> 6 -> 3 -> 1: the size of every level divides 12; the last level's only texel covers everything.
+  // The sizes are 12, 6, 3 and 1. Each of them divides 12, and the last level's only texel covers everything.
   const MipSchedule schedule = make_mip_schedule(12, 12, MovmfSettings());
   EXPECT_FALSE(schedule.weighted);
   EXPECT_EQ(schedule.levels.front().fit.sample_columns, 12);

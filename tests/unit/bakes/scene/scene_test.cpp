@@ -74,7 +74,7 @@ class SceneTest : public ::testing::Test {
         for (int c = 0; c < 3; ++c) image.at(x, y, c) = static_cast<float>(n[c]);
       }
     write_test_image(folder_ / "wall.exr", image);
-    pattern_.hashes = BakeJob().hashes;  // a job compares its inputs with the hashes of its first look
+    pattern_.hashes = BakeJob().hashes;  // a job compares its inputs with the hashes that it computed first
   }
   ScenePlan plan(const std::string& text) const { return plan_scene(read(text), {2}, nullptr); }
   static const PlannedEffect& effect(const std::vector<PlannedEffect>& effects, const std::string& name) {

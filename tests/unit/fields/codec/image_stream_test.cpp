@@ -18,7 +18,7 @@ struct Picture {
   std::array<std::vector<float>, 3> planes;
 };
 
-/// Makes four pictures: two alike, one of noise, one extreme, one empty.
+/// Makes four pictures: two similar ones, one of noise, one with extreme values, and an empty one.
 std::vector<Picture> pictures(SplitMix64& random) {
   std::vector<Picture> result(4);
   for (std::size_t k = 0; k < 4; ++k)

@@ -45,8 +45,8 @@ Hit cast_ray(const ObjectMesh& mesh, const glm::dmat4& projection, int width, in
   return best;
 }
 
-// Every pixel must agree with its ray, except where the ray's own decision is closer than `margin`; counts these
-// pixels.
+// Every pixel must agree with its ray, except where the ray's own decision is closer than `margin`. Returns the number
+// of these exceptions.
 int undecided_pixels(const ObjectMesh& mesh, int width, int height, double margin) {
   const glm::dmat4 projection = glm::perspective(1.0, static_cast<double>(width) / height, kNear, 100.0);
   const ItemBuffer items = draw_item_buffer({{&mesh, glm::dmat4(1.0)}}, projection, width, height);

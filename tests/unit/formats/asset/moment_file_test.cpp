@@ -33,7 +33,7 @@ using testing::TemporaryFolder;
 using testing::uniform;
 using testing::write_bytes;
 
-// Makes moments like a bake: level 0 has single directions, other levels have a variance.
+// Makes moments as a bake does: level 0 has single directions, and other levels have a variance.
 MomentMipmap random_moments(int width, int height, bool has_colours, StorageEncoding encoding, unsigned seed) {
   std::mt19937 random(seed);
   MomentMipmap mipmap;

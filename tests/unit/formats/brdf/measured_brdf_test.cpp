@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests measured BRDFs of all three formats, made here, and environment files: reading, factoring, refusing.
+// Tests measured BRDFs of all three formats, which this test makes, and environment files: reading, factoring,
+// refusing.
 #include <gtest/gtest.h>
 
 #include <fmt/format.h>

@@ -463,8 +463,8 @@ TEST(NormalMapReading, XInAlphaIsNamed) {
   }
 }
 
-// Scaling follows glTF's normalTexture.scale: x and y are multiplied, then normalised; the detected encoding does not
-// change.
+// Scaling follows glTF's normalTexture.scale: x and y are multiplied, and then the normal is normalised. The detected
+// encoding does not change.
 TEST(NormalMapReading, NormalsAreScaled) {
   const TemporaryFolder folder;
   write_test_image(folder / "a.exr", normal_image(32, 16, true));

@@ -34,8 +34,8 @@ TestImage cut_image(int x0, int y0, int width, int height, TypeDesc type = TypeD
 
 class TileSetTest : public ::testing::Test {
  protected:
-  // Writes one tile of the set; rows of tiles count from the bottom. The picture is two tiles wide and two high, with
-  // tiles of kSide.
+  // Writes one tile of the set; rows of tiles are counted from the bottom. The picture is two tiles wide and two high,
+  // with tiles of kSide.
   void write_tile(const std::string& tile, int u, int v, TypeDesc type = TypeDesc::UINT16) {
     write_test_image(folder_ / ("h_" + tile + ".png"), cut_image(u * kSide, (1 - v) * kSide, kSide, kSide, type));
   }

@@ -177,7 +177,7 @@ TEST_F(TomlLimitsTest, BytesAreCountedBeforeTheyAreRead) {
 
 // ---- Strings and comments
 
-// This is all structure that counts outside strings, except for quotes, backslashes and line breaks.
+// Outside strings, these characters would all count as structure. Quotes, backslashes and line breaks are left out.
 std::string structure() { return repeated("a.b.[{[[x]]=,1,}]#", 20'000); }
 
 struct HidingCase {
