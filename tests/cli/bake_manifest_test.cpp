@@ -257,7 +257,7 @@ TEST_F(BakeManifestCommandTest, WhatCannotBeBakedSaysWhyItIsMissing) {
   fs::remove(path("out/a.ndf.exr"));
   fs::copy_file(path("b_normal.png"), path("small.png"));
   struct Refused {
-    std::string keys;  // keys of a map of a_normal.png, which has no output yet
+    std::string keys;  // keys of a map that reads a_normal.png and has no output yet
     std::vector<std::string> why;
   };
   for (const Refused& c : {Refused{"albedo = \"small.png\"\n", {"small.png", "16 x 16", "32 x 32"}},

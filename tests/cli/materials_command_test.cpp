@@ -170,8 +170,8 @@ TEST_F(MaterialsCommandTest, WhatCannotBeIsRefusedBeforeAnythingIsFitted) {
   EXPECT_FALSE(std::filesystem::exists(path("a.ndf.exr")));
 }
 
-// Gloss is 1 - roughness, for the command line, manifests and reports. A bake with a gloss map does not count as a bake
-// with the same map as roughness.
+// Gloss is 1 - roughness, for the command line, manifests and reports. A bake that reads a map as gloss does not count
+// as a bake that reads the same map as roughness.
 TEST_F(MaterialsCommandTest, GlossIsRoughnessTheOtherWayRound) {
   TestImage rough{.width = 64, .height = 64, .channels = 1, .type = OIIO::TypeDesc::FLOAT}, gloss = rough;
   for (int i = 0; i < 64 * 64; ++i) {

@@ -119,7 +119,7 @@ TEST_F(DrawnLobeTest, BlueNoiseIsNearerOnceBlurred) {
   }
 }
 
-// Normals are drawn from the inside of broad lobes.
+// If lobes are broad, normals must be drawn from all of a lobe, not only from its mean direction.
 TEST_F(DrawnLobeTest, TheMeanOfBroadLobesIsTheSum) {
   const TestMap map = make_noise_map(64, 0.5f, WrapMode::kPeriodic);
   RenderScene scene = one_normal_scene();

@@ -178,7 +178,7 @@ TEST_P(HardCaseTest, NearlyEqualNormalsKeepTheirSpread) {
   EXPECT_NEAR(spread_of(top, 0) / exact, 1.0, 0.05) << "exact spread " << exact;
 }
 
-// Tests amplitudes that fade: one normal in 4096 differs from the others. On every level this normal keeps its own
+// Tests very small amplitudes: one normal in 4096 differs from the others. On every level this normal keeps its own
 // lobe, whose share is right to within one per cent, although sums of floats have errors of 1e-6. The mean includes
 // this normal; without it, the coarsest mean would have an error of 2.6e-4.
 TEST_P(HardCaseTest, ALobeOfOneNormalInThousands) {

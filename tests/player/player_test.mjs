@@ -225,7 +225,7 @@ const steps = {
       Math.max(...globalThis.multumPlayer.pixels().filter((_, i) => i % 4 === 1)));
     assert.ok(picture > 60, "nothing is drawn");
     await shoot(page, "damaged");
-    // The decoder decodes or refuses damage with a correct checksum, and the page survives.
+    // The decoder decodes or refuses damaged data whose checksum is correct, and the page survives.
     for (const change of [(b) => { b[9] ^= 64; }, (b) => b.fill(255, 1, 8), (b) => { b[1] = 1; }]) {
       const own = sectionsOf(bytes);
       own[place].bytes = Buffer.from(own[place].bytes);

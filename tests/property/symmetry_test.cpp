@@ -138,7 +138,7 @@ AccuracySettings settings_for(const Layout& layout) {
 // Holds the difference of errors at texel centres in the levels that both pyramids have.
 struct ErrorDifference {
   double most = 0.0;           // largest difference, absolute
-  double most_of_error = 0.0;  // largest difference relative to the error, where that is above 1 %
+  double most_of_error = 0.0;  // largest difference relative to the error, where the error is above 1 %
   double mean = 0.0;           // relative difference of the mean over levels and BRDFs
 };
 

@@ -10,7 +10,7 @@ export function shiftOfGrid(number) {
   return [part(0.7548776662466927), part(0.5698402909980532)]; // powers of the plastic number, as in Roberts's R2
 }
 
-// The package's loop over points, without its term for changing normals.
+// Contains the package's loop over points, without its term for changing normals.
 const PLACES = `
 uniform vec2 multum_grid_shift;
 void multum_decide() {}
