@@ -223,8 +223,8 @@ std::vector<std::vector<float>> read_first_part(const std::string& path, int cha
   return levels;
 }
 
-// The six channels equal maketx's in names, order and signs, for inputs that maketx handles well: signed, with sizes
-// that halve.
+// The six channels equal maketx's channels in names, order and signs. This holds for inputs that maketx handles well,
+// which are signed and have sizes that can be halved.
 TEST_F(MomentsCommandTest, TheFirstPartIsWhatMaketxWrites) {
   if (!program_works("maketx", "--help")) GTEST_SKIP() << "no maketx (Debian package openimageio-tools)";
   make_exr("map.exr", 64, 32);

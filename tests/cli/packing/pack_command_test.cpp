@@ -211,7 +211,8 @@ TEST_F(PackCommandTest, BlocksAreStaggeredWhenAsked) {
   EXPECT_LT(drawn_mse("one"), 2.0);
 }
 
-// With --alpha each object's mean error is at most --alpha times the mean of all; without it some object exceeds that.
+// With --alpha, each object's mean error is at most --alpha times the mean error of all objects. Without --alpha, some
+// object exceeds this limit.
 TEST_F(PackCommandTest, AlphaHoldsWhatAnObjectMayBeOff) {
   FieldPackSettings settings;
   settings.folder = path("out");

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests image files decoded in a child: numbers and refusals equal those of this process. Whatever ends the child
-// becomes a refusal that names the file.
+// Tests image files decoded in a child: numbers and refusals equal those of this process. However the child ends, the
+// result is a refusal that names the file.
 #include <sys/wait.h>
 #include <unistd.h>
 

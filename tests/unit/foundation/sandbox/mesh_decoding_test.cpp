@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests meshes read in a child: numbers and refusals equal those of this process. Whatever ends the child, and any
-// wrong answer, becomes a refusal that names the file.
+// Tests meshes read in a child: numbers and refusals equal those of this process. However the child ends, and whatever
+// wrong answer it gives, the result is a refusal that names the file.
 #include <filesystem>
 #include <limits>
 
