@@ -111,8 +111,8 @@ double exact_lean(const MultumFilteredMoments& m, double s, const glm::vec4& h) 
   return reference::lean(wide_moments, glm::dvec3(h), s, false);
 }
 
-// Tests second moments that rounding left below the square of the mean, for slopes up to the largest slope, 20. Only
-// the BRDF's own variance remains, so no value exceeds the peak of the BRDF.
+// Tests second moments that are smaller than the square of the mean because of rounding, for slopes up to the largest
+// slope, 20. Only the BRDF's own variance remains, so no value exceeds the peak of the BRDF.
 void variance_below_0(Device& device, WorstError& worst) {
   for (const float mean : {0.0f, 0.5f, 3.0f, 20.0f})
     for (const float missing : {0.0f, 1e-7f, 1e-5f, 0.1f})
@@ -199,7 +199,8 @@ void toksvig_of_every_length(Device& device, WorstError& worst) {
     }
 }
 
-// Tests stored levels whose share is 0, or a small share left by rounding. Only the value of the normal map remains.
+// Tests stored levels whose share of the result is 0, or nearly 0 because of rounding. The result is then the value of
+// the normal map.
 void no_share(Device& device, WorstError& worst) {
   for (const float share : {0.0f, 1e-45f, 1e-30f, 1e-8f})
     for (const int shading : {MULTUM_SHADE_TOKSVIG, MULTUM_SHADE_LEAN, MULTUM_SHADE_LEAN_JACOBIAN}) {

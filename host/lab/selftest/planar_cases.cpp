@@ -38,7 +38,8 @@ glm::dvec3 point(double degrees, double azimuth = 0.3) {
 
 constexpr double kTilts[] = {0.0, 30.0, 60.0, 80.0, 89.0, 90.0};
 
-// Returns a texel of a thousand normals within `width` degrees of a tilt.
+// Returns a texel with a thousand normals. The angles between the normals and one tilted direction are at most about
+// `width` degrees.
 EmTexel narrow_texel(double degrees, double width) {
   EmTexel texel{{}, equal_lobes({point(degrees)}, 100.0)};
   for (int i = 0; i < 1000; ++i)
@@ -57,7 +58,8 @@ void variance_at_the_rim(Device& device, WorstError& worst) {
     }
 }
 
-// Tests one repeated point and a distant mean. D/S and Steiner's term are equal except for rounding.
+// Tests one repeated point and a distant mean. The mean squared distance from the mean and the squared shift of the
+// mean (Steiner's theorem) are equal except for rounding.
 void variance_never_negative(Device& device, WorstError& worst) {
   for (int i = 0; i < 60; ++i) {
     const EmTexel texel = {repeated({point(1.5 * i, 0.1 * i)}, 7), equal_lobes({point(89.0 - i, 2.0)}, 3.0)};
@@ -104,8 +106,8 @@ void few_points(Device& device, WorstError& worst) {
     }
 }
 
-// Tests the cap of a texel with three lobes. Two lobes share the points, and the third lobe has no points. The sums are
-// those of an E-step, relative to mu.
+// Tests the upper limit of 1/sigma^2 in a texel with three lobes. Two lobes share the points, and the third lobe has no
+// points. The sums are the sums of an E-step, relative to mu.
 void caps_of_narrow_texels(Device& device, WorstError& worst) {
   constexpr std::size_t kChunks = 64, kSums = 5;
   for (const double degrees : kTilts)

@@ -121,7 +121,7 @@ void texels_keep_their_bits(Device& device, WorstError& worst) {
   }
 }
 
-// Fills three planes behind `kBefore` other planes, which must not change.
+// Fills three planes that follow `kBefore` other planes, which must not change.
 void features_keep_their_bits(Device& device, WorstError& worst) {
   constexpr int kBefore = 5;
   for (MultumBoxBand band : kOddBands) {

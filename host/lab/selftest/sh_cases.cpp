@@ -91,7 +91,7 @@ glm::vec3 random_direction(SplitMix64& random) {
   return glm::vec3(side * std::cos(phi), side * std::sin(phi), z);
 }
 
-// Compares each coefficient of each normal with the definition at `meant`. The normals can have any length.
+// Compares each coefficient of each normal with its definition, evaluated at `meant`. The normals can have any length.
 void add_basis(Device& device, int order, const std::vector<glm::vec3>& normals, const std::vector<glm::dvec3>& meant,
                WorstError& worst) {
   const std::vector<std::vector<float>> found = project_sh(device, order, normals);

@@ -23,9 +23,9 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Stacks that differ in the ratio of the entries of A^T A to the entries of A. Rows with few entries share texels with
-// many rows of other pictures in the stack. Averaged rows have many entries, and A^T A combines each entry with all
-// others.
+// Stacks that differ in a ratio: the number of entries of A^T A, divided by the number of entries of A. Rows with few
+// entries share texels with many rows of other pictures in the stack. Averaged rows have many entries, and A^T A
+// combines each entry with all others.
 struct StackShape {
   int views, sub_pixels;
 };

@@ -26,7 +26,7 @@ TITLE = "Hakura et al. 2000: parameterized animation compression"
 TARGETS = (384, 768)
 VIEWS, COSINES, WAVELETS = "views, AV1, one key frame per block", "textures, cosines", "textures, wavelets"
 CODERS = {COSINES: ("--coder", "dct"), WAVELETS: ("--coder", "wavelet")}
-# (ratio, MSE) of figure 10. The paper's methods are MPEG-4, Laplacian DCT and Laplacian SPIHT.
+# Points (ratio, MSE) of figure 10. The paper's methods are MPEG-4, Laplacian DCT and Laplacian SPIHT.
 PUBLISHED = {384: {VIEWS: (355, 13.5), COSINES: (366, 11.8), WAVELETS: (379, 8.66)},
              768: {VIEWS: (570, 29.8), COSINES: (732, 18.1), WAVELETS: (751, 16.5)}}
 DEMOS = {"field_demo1": "Demo 1: views of the room, and a swinging light",

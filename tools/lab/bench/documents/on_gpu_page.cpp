@@ -144,7 +144,7 @@ std::string bakes_text(const Json& result) {
          table.text() + "\n";
 }
 
-// States whether devices write the same bytes.
+// States whether all devices write the same bytes.
 std::string bytes_text(const Json& result) {
   std::string text;
   const std::vector<const Json*> steps = steps_named(result, "bake ");
