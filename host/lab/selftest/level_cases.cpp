@@ -330,7 +330,7 @@ std::vector<NumericalCase> level_cases() {
        {{"movmf_pack", "MAX_V(length, (real)(1e-6f))", "length"}}},
       {{"uneven-cells-side-by-side", "movmf_binned_pack",
         "data after the last cell of a texel counts as samples of the texel",
-        "every texel is padded with samples of weight 0 up to the largest number of samples", kNothingWrong,
+        "every texel is padded with samples that have weight 0, up to the largest number of samples", kNothingWrong,
         "wrong values", "values are only copied"},
        uneven_cells_by_any_parts,
        {{"movmf_pack", "i < count ? vload4(i, in) : (float4)(0.0f, 0.0f, 1.0f, 0.0f)", "vload4(i, in)"}}},

@@ -242,16 +242,17 @@ void stored_variance(StorageEncoding encoding, bool naive, WorstError& worst) {
 }
 
 NumericalCase storage_case(StorageEncoding encoding, const std::string& name) {
-  return {{"planar-variance-in-" + name, "gmm_quantize",
-           "twice the variance is a difference of two rounded numbers, which are both near 1 at the unit circle, so "
-           "all digits cancel",
-           "the third value, the mean square, is rounded last to match the rounded mean, and for a single direction it "
-           "is rounded down",
-           0.251, "error of the variance (relative at the encoding's limit, absolute for single directions)",
-           "at the encoding's limit, half a rounding step of the third value is a quarter of twice the variance"},
-          [=](Device&, WorstError& worst) { stored_variance(encoding, false, worst); },
-          {},
-          [=](WorstError& worst) { stored_variance(encoding, true, worst); }};
+  return {
+      {"planar-variance-in-" + name, "gmm_quantize",
+       "twice the variance is a difference of two rounded numbers, which are both near 1 at the unit circle, so "
+       "all digits cancel",
+       "the third value, the mean square, is rounded last to match the rounded mean, and for a single direction it "
+       "is rounded down",
+       0.251, "error of the variance (relative at the encoding's limit, absolute for single directions)",
+       "at the encoding's limit, rounding the third value changes twice the variance by up to a quarter of its value"},
+      [=](Device&, WorstError& worst) { stored_variance(encoding, false, worst); },
+      {},
+      [=](WorstError& worst) { stored_variance(encoding, true, worst); }};
 }
 
 std::vector<NumericalCase> fit_cases() {
@@ -280,7 +281,8 @@ std::vector<NumericalCase> fit_cases() {
        far_from_every_gaussian,
        {em_edit("exp2_in_range_v(MAX_V(e[j] - largest, (real_v)(LOG_SHARE_MIN)))", "exp2(e[j])")}},
       {{"planar-lobes-that-die", kFormula,
-        "the exponent of a share such as 2^-1000 wraps around, so a tiny share becomes a large number",
+        "the binary exponent of a share such as 2^-1000 overflows and wraps around, so a tiny share becomes a large "
+        "number",
         "each share is at least 2^-100 times the largest share, and a lobe with an amplitude below 1e-7 keeps its mean "
         "and variance",
         1e-5, kUnit, kEmBoundReason},
