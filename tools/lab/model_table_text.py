@@ -19,7 +19,7 @@ edit.
 licences. The repository does not contain the model files. `tests/three/bumpy_models.mjs` makes the surfaces.
 
 `multum gltf MODEL --lobes` converted each model ([gltf](../reference/gltf.md)). three.js's WebGLRenderer in Chromium
-(SwiftShader) drew each model with {width} x {height} pixels and a field of view of {angle} degrees, under one
+(SwiftShader) drew each model at {width} x {height} pixels, with a field of view of {angle} degrees, under one
 directional light and three.js's RoomEnvironment. Every row is for one frame with {edges} samples per pixel for edges,
 and with the highest anisotropy that WebGL offers in this browser. Models without a meaningful size are scaled until
 half of their diagonal is 1.2 m long.

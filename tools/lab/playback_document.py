@@ -47,7 +47,8 @@ INFERENCES = (("as it is", {}, ()), ("textures of 1.5 times the side", {"resolut
               ("solved ten times nearer", {}, ("--tolerance", "1e-4")))
 # Names of rows as the page shows them.
 SHOWN = {"as it is": "defaults", "cosines alone": "only cosines", "wavelets alone": "only wavelets",
-         "the paper's search for levels, no learnt basis": "search for levels as in the paper, no learnt basis",
+         "the paper's search for levels, no learnt basis":
+             "the paper's method to search for levels, without a learnt basis",
          "no object above 1.25 times the mean": "at most 1.25 times the mean error per object",
          "blocks of 4 samples a parameter": "blocks of 4 samples per parameter",
          "every sample by itself": "every sample packed separately",

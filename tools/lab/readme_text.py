@@ -291,7 +291,8 @@ def whole_bakes(root):
 
 def bake_costs(_figures, root):
     gpu, cores = row_of(root, "GPU.md", r"^- A whole bake of 4096 x 4096 texels, from file to file, takes ([\d.]+) s "
-                                        r"with the GPU and ([\d.]+) s on the processor\.")
+                                        r"if the kernels run on the GPU, and ([\d.]+) s if they run on the "
+                                        r"processor\.")
     device, count = row_of(root, "GPU.md", r"^Device: (NVIDIA [^.]+)\..*?, (\d+) cores")
     ((seconds, mib), (other_seconds, other_mib)), few = whole_bakes(root)
     return (f"A whole bake of a 4096 x 4096 map takes {gpu} s with an {device} and {cores} s on the {count} cores of\n"

@@ -142,7 +142,8 @@ def layers_and_pyramids(study, field):
 def moving_object(study, field):
     study.heading("Figure 12: an object that turns")
     samples = " x ".join(map(str, field.field.counts))
-    study.paragraph(f"The field contains {samples} samples: views and turns of a reflecting knot. The paper's field",
+    study.paragraph(f"The field contains {samples} samples: views times rotation angles of a reflecting knot.",
+                    "The paper's field",
                     "contains 24 x 48 samples, and the authors divided the storage among the textures by hand.")
     results = {VIEWS: field.video(361)} if shutil.which("ffmpeg") else {}
     results["textures"] = field.packed("textures", 361, ())

@@ -252,7 +252,8 @@ ResultView view_filters(const Json& result) {
   return {
       "Texture filters",
       fmt::format(
-          "The scene is the oblique plane of `tools/lab/reproduce maps` with {} x {} pixels and Blinn-Phong (s = 100). "
+          "The scene is the oblique plane of `tools/lab/reproduce maps`, drawn at {} x {} pixels with Blinn-Phong (s = "
+          "100). "
           "The {} maps are {}. Flicker is measured on pictures of half the width and height. Every method uses the "
           "same filter (`multum-view --taps --level-bias`). The reference has {} samples per pixel of the finest "
           "level, averaged with a box filter. The noise of the reference is at most {}. The noise of the blended "
