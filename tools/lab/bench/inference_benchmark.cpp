@@ -288,7 +288,7 @@ Json run_system(Device& device, const std::string& name, const Stack& stack, Inf
   result["products"] = run_products(device, stack, normal, options.repetitions);
   result["solver"] = run_solver(device, stack, form, options, hash, progress);
   result["convergence"] = run_convergence(device, stack, form, options.threads);
-  fmt::print(stderr, "{}: {} of the yardstick's time an iteration\n", name,
+  fmt::print(stderr, "{}: {} times the yardstick's time per iteration\n", name,
              rounded_text(parse_spread(result["solver"]["iteration_ratio"]).median));
   return result;
 }

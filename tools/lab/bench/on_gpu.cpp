@@ -123,7 +123,7 @@ class OnGpuRun {
     progress_advance(progress_, 0);
     const auto fail = [&](const std::string& how) { throw Error(ErrorCode::kEnvironment, how); };
     if (result.is_over_time) fail(fmt::format("not done after {:.0f} s", seconds));
-    if (result.signal != 0) fail(fmt::format("ended by signal {}: {}", result.signal, last_words(result.output)));
+    if (result.signal != 0) fail(fmt::format("terminated by signal {}: {}", result.signal, last_words(result.output)));
     if (std::find(expected.begin(), expected.end(), result.exit_code) == expected.end())
       fail(fmt::format("exit code {}: {}", result.exit_code, last_words(result.output)));
     return result;

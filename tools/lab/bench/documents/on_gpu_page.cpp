@@ -238,7 +238,8 @@ std::string page_of_run(const Json& result) {
       result.at("command").get<std::string>(),
       result.contains("device") ? result.at("device").get<std::string>() : "no device yet", conditions_text(result));
   if (result.contains("is_gpu") && !result.at("is_gpu").get<bool>())
-    text += "**This device is a processor: the page shows that the command works, and has no times of a GPU.**\n\n";
+    text +=
+        "**This device is a processor. The page only shows that the command works, and contains no GPU times.**\n\n";
   if (!result.contains("devices")) return text;
   text += summary_text(result) + devices_text(result) + steps_text(result) + checks_text(result);
   if (!steps_named(result, "bake ").empty())
