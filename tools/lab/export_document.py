@@ -253,8 +253,8 @@ def stored(report):
 
 
 def storage(multum, path, roughness, cells, folder):
-    """Measures all ways to store a material except for PNG. Bytes hardly depend on roughness, so they are measured at
-    one roughness."""
+    """Measures all storage formats of a material except for PNG. Bytes hardly depend on roughness, so they are
+    measured at one roughness."""
     ways = {texels: ["--format", "ktx2", "--texels", texels] for texels in ("rg8", "bc")}
     ways["exr"] = ["--format", "exr"]
     if roughness == STORED_ROUGHNESS:

@@ -2,7 +2,7 @@
 """Makes the measured figures that README.md and the pages of docs/ quote, from docs/evidence.
 
 A page has each figure between <!-- figures: NAME --> and <!-- /figures: NAME -->. BLOCKS makes the text of every NAME
-from readme_figures.json or from a generated page of docs/evidence, so that no two pages can disagree. README.md and
+from readme_figures.json or from a generated page of docs/evidence, so that all pages agree. README.md and
 docs/explanation have no measured figures outside the marks. The check needs only the standard library: neither the
 programs nor the real maps.
 """

@@ -72,7 +72,8 @@ class FieldStudy:
         return self.field.raw_bytes / file.stat().st_size, mse(frames, self.traced), frames
 
     def video(self, ratio):
-        """Codes the best AV1 whose size is at most that of the raw frames / ratio, or the smallest AV1 if none fits."""
+        """Codes the best AV1 stream whose size is at most the size of the raw frames / ratio, or the smallest if none
+        fits."""
         best = video_codecs.best_within(video_codecs.CODECS[0], self.field.raw_bytes / ratio, self.traced)
         return self.field.raw_bytes / best[0], mse(best[1], self.traced), best[1]
 

@@ -231,8 +231,8 @@ def seek_section(row, table):
             f"lib{row['decoder']} decodes all frames from the key frame to the requested frame, without colour "
             f"conversion. The median seek takes {', and '.join(verdict)}. To obtain any texture of a block, the "
             "decoder must decode the coefficients of all samples of the block. The textures of a block cover "
-            "everything that is visible in any view of the block. A block therefore contains several times as many texels as one "
-            "frame needs."]
+            "everything that is visible in any view of the block. A block therefore contains several times as many "
+            "texels as one frame needs."]
 
 
 def rate_section(found, table):
