@@ -118,7 +118,7 @@ def table(errors, ratios):
             lines.append(f"| {count} | {name} | {ratio:.2f} | {count * layers} | " + " | ".join(cells) + " |")
         for rival, words in RIVALS:
             cells = [f"{100 * statistics.median(errors[count, rival, exponent]):.1f} %" for exponent in EXPONENTS]
-            lines.append(f"| {count} | no lobes; {words} at {evaluations_of(count)} points | | | " +
+            lines.append(f"| {count} | none: {words} at {evaluations_of(count)} points | | | " +
                          " | ".join(cells) + " |")
     return "\n".join(lines)
 

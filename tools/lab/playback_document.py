@@ -338,8 +338,8 @@ def at_ratios(rows, name, video_codecs, stated):
         here, best = value_at(own, ratio), leading.get(ratio)
         if here and best:
             words.append(f"{100 * abs(1 - here / best):.0f} % {'lower' if here < best else 'higher'} at {ratio:g}:1")
-    said = (f"Compared with {spoken(video_codecs.LEADING)}, the MSE of `multum pack` is {', '.join(words)}."
-            if words else "")
+    listed = ", ".join(words[:-1]) + (", and " if len(words) > 1 else "") + "".join(words[-1:])
+    said = f"Compared with {spoken(video_codecs.LEADING)}, the MSE of `multum pack` is {listed}." if words else ""
     return table(head, lines), said
 
 

@@ -247,10 +247,11 @@ def rate_section(found, table):
         ["path", "sub-pixels", "frames per second", "slowest frame, ms", "decoding, processor ms per frame",
          "upload, ms", "preparing, ms", "drawing, ms"], lines),
         "`multum-view play` draws with Mesa's software renderer and decodes on the same core. On the *cached* path, "
-        "the view moves within a sample. On the *diagonal* path, each frame moves one sample further along all "
-        "parameters, until all samples were shown. Each frame waits for the textures of its sample. For a diagonal "
-        "path on hardware of 1999, the paper reports 2.4 to 8.8 frames per second on average, and 1.3 in the worst "
-        "case. For a cached path, the paper reports 34 frames per second."] if lines else []
+        "the view moves between two neighbouring samples, whose textures are already decoded. On the *diagonal* path, "
+        "each frame moves one sample further along all parameters, until all samples were shown. Each frame waits for "
+        "the textures of its sample. For a diagonal path on hardware of 1999, the paper reports 2.4 to 8.8 frames per "
+        "second on average, and 1.3 in the worst case. For a cached path, the paper reports 34 frames per "
+        "second."] if lines else []
 
 
 def border_section(found, table):

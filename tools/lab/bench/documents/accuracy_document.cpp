@@ -209,7 +209,8 @@ std::string quarters_section(Device& device, const AccuracyDocumentOptions& opti
   }
   return fmt::format(
              "The table lists the errors of levels 3 / 5 / 7 over all texels of a white map. Each time is the shortest "
-             "of {} fits on {} cores, and includes the start of the fit. Before the timed fits, one fit per row "
+             "of {} fits on {} cores, and includes the time to compute the starting lobes. Before the timed fits, one "
+             "fit per row "
              "compiled the kernels. The timed fits of the rows ran alternately. *Processor s* is processor time in "
              "seconds.\n\n",
              kTimedRounds, core_count()) +
