@@ -92,7 +92,7 @@ constexpr InfoKind kInfoKinds[] = {
                           file.has_colours ? ", mean colour" : "", material_texts(file));
      },
      [](const BakedHeader& file) {
-       return fmt::format("at a slope b, keeps slope deviations down to {:.4f} b",
+       return fmt::format("at a slope b, stores deviations of slopes down to {:.4f} b",
                           static_cast<double>(least_slope_deviation(file.encoding)));
      }},
     {Representation::kSh,
@@ -103,8 +103,9 @@ constexpr InfoKind kInfoKinds[] = {
                           material_texts(file));
      },
      [](const BakedHeader& file) {
-       return std::string(file.encoding == StorageEncoding::kHalf ? "loses at most 2^-11 of each coefficient"
-                                                                  : "loses nothing");
+       return std::string(file.encoding == StorageEncoding::kHalf
+                              ? "rounds each coefficient by at most 2^-11 of its value"
+                              : "loses nothing");
      }},
 };
 

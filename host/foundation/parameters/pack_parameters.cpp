@@ -15,8 +15,8 @@ std::vector<Parameter> target_parameters() {
   std::vector<Parameter> rows = {
       {.name = "ratio",
        .kind = ParameterKind::kNumber,
-       .help = "make the file at least this many times smaller than raw 24-bit frames (default: 384, or less if 384 "
-               "would add more than 3 times the error of the inferred textures)",
+       .help = "make the file at least this many times smaller than raw 24-bit frames (default: 384, or less if a "
+               "ratio of 384 would add an error of more than 3 times the error of the inferred textures)",
        .low = 1,
        .high = 1e6,
        .surfaces = kPackJob},
@@ -35,7 +35,7 @@ std::vector<Parameter> target_parameters() {
        .surfaces = kPackJob},
       {.name = "lambda",
        .kind = ParameterKind::kNumber,
-       .help = "set the squared error that is worth one bit",
+       .help = "set lambda, the increase of the squared error that is accepted to save one bit",
        .low = 1e-4,
        .high = 1e9,
        .surfaces = kPackJob}};

@@ -89,7 +89,7 @@ bool has_view(const fs::path& folder) {
 
 std::string end_of(const ChildResult& result, const std::string& program) {
   if (result.is_over_time) return fmt::format("{} took more than {} s and was killed", program, kTimeMax.count());
-  if (result.signal != 0) return fmt::format("{} was ended by signal {}", program, result.signal);
+  if (result.signal != 0) return fmt::format("{} was terminated by signal {}", program, result.signal);
   return "";  // the reader has printed the error
 }
 

@@ -2,7 +2,7 @@
 // Contents of a baked file of spherical harmonics: the mean of Y_lm(n) over the normals n of each texel. This mean is
 // the distribution of normals, cut off above an order (Han et al. 2007, section 5). The mean is linear, so any filter
 // mixes texels exactly. If a BRDF's width is included (BakedHeader::has_roughness), the distribution describes
-// microfacets. Band l of a finest normal is then scaled by a_l of the vMF with mean cosine c(roughness).
+// microfacets. Band l of a level-0 normal is then scaled by a_l of the vMF with mean cosine c(roughness).
 #pragma once
 
 #include <vector>
