@@ -193,8 +193,8 @@ int print_info(const std::string& path) {
   text += on_the_gpu(baked_gpu_bytes(path), file);
   text += fmt::format("source          {}, SHA-256 {}\n", from.source_name, from.file_hash());
   if (!from.source_tiles.empty())
-    text += fmt::format("with its set    SHA-256 {} of the source and of the data that it took from other tiles\n",
-                        from.source_hash);
+    text +=
+        fmt::format("with its set    SHA-256 {} of the source and of the data from other tiles\n", from.source_hash);
   text += reading_text(from.reading);
   text += fmt::format("settings        {}\n", rounded_settings(from.settings));
   text += fmt::format("checksum        {}\n", from.content_hash);

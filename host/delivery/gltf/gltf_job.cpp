@@ -266,7 +266,7 @@ class GltfConversion {
     FittedSource fitted = std::move(*found);
     const ChosenForm form = form_of(forms, number, fitted, baked);
     if (form.normals.is_plain() && !form.has_lobes) {
-      source.kept = "its own mips are equally accurate";
+      source.kept = "the mips of its original textures are equally accurate";
       source.is_plain = true;
       remove_levels(fitted);
       remove_file(baked);

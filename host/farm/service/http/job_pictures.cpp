@@ -288,7 +288,7 @@ void JobPictures::publish(const std::string& unfinished, const std::string& fold
   fs::rename(unfinished, folder, error);
   if (!error) return;
   data_.give_back(bytes);
-  throw Error(ErrorCode::kEnvironment, folder + ": cannot be given its name: " + error.message());
+  throw Error(ErrorCode::kEnvironment, folder + ": cannot be renamed to its final name: " + error.message());
 }
 
 void JobPictures::run(const Request& request, const std::string& folder) {
