@@ -95,10 +95,6 @@ const ParameterTable& pack_parameters() {
                     .choices = {"closed", "open"},
                     .surfaces = kPackJob});
     rows.push_back(
-        memory_parameter("stay within this resident memory; with less memory, fewer chunks are coded at once, textures "
-                         "are read again, and the result is the same",
-                         kLeastPackMemory, "a quarter of the memory of the machine", kPackJob));
-    rows.push_back(
         memory_parameter("stay within this resident memory; less memory is slower, but does not change the result",
                          kLeastPackMemory, "a quarter of the memory of the machine", kPackJob));
     rows.push_back(
