@@ -173,7 +173,7 @@ std::string manifest_summary(const ManifestOutcome& outcome) {
         fmt::format("| {} | {} | {} | {} | {} | {:.2f} | {} |\n", markdown(result.name), map_state_name(result.state),
                     percent_or_dash(result.error), percent_or_dash(result.stated), percent_or_dash(result.allowed),
                     result.seconds, result.bytes > 0 ? fmt::format("{}", result.bytes) : "-");
-  text += "\nErrors are relative L1 errors of pixels; each is the largest over all BRDFs.\n";
+  text += "\nErrors are relative L1 errors of pixels. Each error is the highest of all BRDFs.\n";
   if (failure_count(outcome) > 0) text += "\n";
   for (const MapResult& result : outcome.results)
     if (!is_in_place(result.state))

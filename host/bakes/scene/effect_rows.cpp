@@ -106,7 +106,7 @@ class EffectRows {
     const bool needed = holds_lobes(chosen_.representation) && chosen_.lobe_count > 1;
     const auto one = [](BakeShape& s) { s.lobe_count = 1; };
     if (!is_estimated()) {
-      add_row("several lobes, EM", false, "the normals have no spread that lobes could divide", saved_by(one));
+      add_row("several lobes, EM", false, "the normals do not vary, so several lobes are not needed", saved_by(one));
       return;
     }
     add_row("several lobes, EM", needed,
@@ -188,8 +188,8 @@ class EffectRows {
     add_row("anisotropic spread", needed,
             plan_.is_constant
                 ? "there is no spread"
-                : fmt::format("its largest value is {:.2f} of 1, at level {}{}", anisotropy, at,
-                              needed && chosen_.lobe_count > 1 ? ": several round lobes represent it" : ""));
+                : fmt::format("the anisotropy is at most {:.2f} (on a scale from 0 to 1), at level {}{}", anisotropy,
+                              at, needed && chosen_.lobe_count > 1 ? ": several round lobes represent it" : ""));
   }
 
   void add_levels() {

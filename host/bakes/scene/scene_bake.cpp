@@ -254,7 +254,8 @@ std::string SceneReport::to_text() const {
     all_unchanged &= map.bake.unchanged && (!map.has_colours || map.colours.unchanged);
     if (const auto& d = map.difference)
       text += fmt::format(
-          "{}: differs from the default bake by {} ({}, 95 % interval), and by at most {} at any level (level {})\n",
+          "{}: differs from the default bake by {} ({}, 95 % interval), and by at most {} at the worst level (level "
+          "{})\n",
           map.name, error_text(d->error, d->confidence), d->part, percent_text(d->at_most()), d->worst_level);
     else if (plan.maps[m].stated_difference == 0.0 && !map.is_by_trials)
       text += fmt::format("{}: identical to the default bake\n", map.name);
@@ -264,12 +265,15 @@ std::string SceneReport::to_text() const {
       fmt::format("textures take {}, which is {} {} than in the default bake\n", bytes_text(plan.cost.bytes),
                   bytes_text(std::abs(bytes)), bytes < 0.0 ? "more" : "less");
   if (all_unchanged)
-    return text + fmt::format("nothing to bake: all files exist; planned in {}; ", time_text(1e3 * plan.plan_seconds)) +
+    return text +
+           fmt::format("nothing to bake: all files exist; the plan took {}; ", time_text(1e3 * plan.plan_seconds)) +
            textures;
   return text +
-         fmt::format("baked in {} and planned in {}, compared in {} (predicted bake time {}, default bake {}); ",
-                     time_text(1e3 * seconds), time_text(1e3 * plan.plan_seconds), time_text(1e3 * compare_seconds),
-                     time_text(plan.cost.ms), time_text(plan.default_cost.ms)) +
+         fmt::format(
+             "the bake took {}, the plan {} and the comparison {} (predicted for this bake: {}; for the default bake: "
+             "{}); ",
+             time_text(1e3 * seconds), time_text(1e3 * plan.plan_seconds), time_text(1e3 * compare_seconds),
+             time_text(plan.cost.ms), time_text(plan.default_cost.ms)) +
          textures;
 }
 

@@ -293,8 +293,9 @@ void check_target(const BakeTarget& target, const BakeJob& job) {
         ErrorCode::kUsage,
         "--no-measure excludes --target-error and --budget-ms, because these choose settings by measured errors");
   if (job.region || !job.onto.empty())
-    throw Error(ErrorCode::kUsage,
-                "--region and --onto use the settings of a file, so --target-error and --budget-ms cannot choose any");
+    throw Error(
+        ErrorCode::kUsage,
+        "--region and --onto use the settings of a file, so --target-error and --budget-ms cannot choose settings");
   if (job.resume && target.seconds)
     throw Error(ErrorCode::kUsage,
                 "--resume and --budget-ms exclude each other: the time of a resumed bake does not show the cost of its "

@@ -293,7 +293,7 @@ void prepare(const GltfAsset& asset, const SourceFitSettings& settings, Prepared
       made.kept = fmt::format("its normals have {} x {} texels and its roughness has {} x {}", normal.first,
                               normal.second, surface.first, surface.second);
     if (surface != normal)
-      made.notes.push_back(fmt::format("normals of {} x {} and roughness of {} x {} were resized to one size",
+      made.notes.push_back(fmt::format("normals of {} x {} and roughness of {} x {} were resized to the same size",
                                        normal.first, normal.second, surface.first, surface.second));
   }
   if (normal == std::make_pair(1, 1)) made.kept = "its normal map is a single texel";

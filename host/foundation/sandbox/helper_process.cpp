@@ -190,12 +190,12 @@ int HelperProcess::wait_for_end() {
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
   }
   kill_and_wait();
-  throw HelperEnded("stopped answering and was ended", false);
+  throw HelperEnded("stopped answering and was terminated", false);
 }
 
 void HelperProcess::end(const std::string& why) {
   kill_and_wait();
-  throw HelperEnded(why + " and was ended", false);
+  throw HelperEnded(why + " and was terminated", false);
 }
 
 void HelperProcess::reap() {
@@ -206,9 +206,9 @@ void HelperProcess::reap() {
   std::string how;
   bool lacked_memory = false;
   if (WIFSIGNALED(status) && WTERMSIG(status) == SIGXCPU) {
-    how = "used up its processor time and was ended";
+    how = "used up its processor time and was terminated";
   } else if (WIFSIGNALED(status)) {
-    how = fmt::format("was ended by signal {} ({})", WTERMSIG(status), ::sigdescr_np(WTERMSIG(status)));
+    how = fmt::format("was terminated by signal {} ({})", WTERMSIG(status), ::sigdescr_np(WTERMSIG(status)));
     lacked_memory = WTERMSIG(status) == SIGKILL || may_lack_memory(memory_max_);
   } else {
     how = fmt::format("ended with exit code {}", WEXITSTATUS(status));

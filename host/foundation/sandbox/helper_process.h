@@ -30,7 +30,7 @@ struct HelperLimits {
   std::chrono::milliseconds time_max;
 };
 
-/// Thrown if the child has ended; what() tells how: "was ended by signal 11 (Segmentation fault)".
+/// Thrown if the child has ended; what() tells how: "was terminated by signal 11 (Segmentation fault)".
 class HelperEnded : public std::runtime_error {
  public:
   HelperEnded(const std::string& how, bool lacked_memory) : std::runtime_error(how), lacked_memory_(lacked_memory) {}

@@ -221,7 +221,7 @@ struct HttpApi::State {
       if (part.share == share && part.state == SlurmPartState::kSent && dispatcher.slurm() != nullptr &&
           dispatcher.slurm()->cancel_part(job.id, part.batch, part.item))
         co_return json_response(job_json(job), 202);
-    throw Refusal{409, "too_late", fmt::format("job {} has no part '{}' at Slurm", job.id, share)};
+    throw Refusal{409, "too_late", fmt::format("job {} has no part '{}' on Slurm", job.id, share)};
   }
 
   asio::awaitable<HttpResponse> cancel(std::string text, HttpRequest request) {

@@ -89,7 +89,7 @@ bool has_view(const fs::path& folder) {
 
 std::string end_of(const ChildResult& result, const std::string& program) {
   if (result.is_over_time) return fmt::format("{} took more than {} s and was killed", program, kTimeMax.count());
-  if (result.signal != 0) return fmt::format("{} was ended by signal {}", program, result.signal);
+  if (result.signal != 0) return fmt::format("{} was terminated by signal {}", program, result.signal);
   return "";  // the reader has printed the error
 }
 
@@ -288,7 +288,7 @@ void JobPictures::publish(const std::string& unfinished, const std::string& fold
   fs::rename(unfinished, folder, error);
   if (!error) return;
   data_.give_back(bytes);
-  throw Error(ErrorCode::kEnvironment, folder + ": cannot be given its name: " + error.message());
+  throw Error(ErrorCode::kEnvironment, folder + ": cannot be renamed to its final name: " + error.message());
 }
 
 void JobPictures::run(const Request& request, const std::string& folder) {

@@ -58,7 +58,7 @@ std::string text_of(const Json& said, const char* key) {
 }
 
 std::string death_of(int status) {
-  if (WIFSIGNALED(status)) return fmt::format("its worker was ended by signal {}", WTERMSIG(status));
+  if (WIFSIGNALED(status)) return fmt::format("its worker was terminated by signal {}", WTERMSIG(status));
   return fmt::format("its worker ended with exit code {}", WEXITSTATUS(status));
 }
 

@@ -152,7 +152,9 @@ void read_objects(const StrictTable& job_table, const std::vector<std::string>& 
 void check_camera(const StrictTable& table, const AnimationCamera& camera) {
   const glm::dmat4& m = camera.world_to_camera;
   if (m[0][3] != 0.0 || m[1][3] != 0.0 || m[2][3] != 0.0 || m[3][3] != 1.0)
-    table.refuse("world_to_camera", "has a last row other than 0 0 0 1; expected rows for column vectors");
+    table.refuse(
+        "world_to_camera",
+        "has a last row that is not 0 0 0 1; expected the four rows of a matrix that multiplies column vectors");
   if (!(glm::determinant(glm::dmat3(m)) > 0.0))
     table.refuse("world_to_camera", "is mirrored or flat: its determinant is not above 0");
   const glm::dmat4& p = camera.projection;

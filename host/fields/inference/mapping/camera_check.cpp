@@ -124,12 +124,13 @@ CameraCheck check_camera(const AnimationJob& job, const AnimationSample& sample,
   check.distance_median = distances[distances.size() / 2];
   const double off_share = static_cast<double>(check.off) / check.tested;
   if (off_share > kOffShareMax)
-    throw Error(ErrorCode::kInput,
-                fmt::format("{}: sample {}: its depths do not match the objects in camera {}: {:.0f} % of {} pixels "
-                            "differ by more than {} of their depth, and the median distance is {:.3g}; expected at "
-                            "most {:.0f} %. Check the camera's matrices, depth, and the placement of objects",
-                            job.path, sample.name, camera.name, 100.0 * off_share, check.tested, job.depth_tolerance,
-                            check.distance_median, 100.0 * kOffShareMax));
+    throw Error(
+        ErrorCode::kInput,
+        fmt::format("{}: sample {}: its depths do not match the objects in camera {}: {:.0f} % of {} pixels "
+                    "differ by more than {} of their depth, and the median distance to the objects is {:.3g}; expected "
+                    "at most {:.0f} %. Check the camera's matrices, depth, and the placement of objects",
+                    job.path, sample.name, camera.name, 100.0 * off_share, check.tested, job.depth_tolerance,
+                    check.distance_median, 100.0 * kOffShareMax));
   return check;
 }
 

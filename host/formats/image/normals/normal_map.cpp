@@ -48,7 +48,8 @@ void check_finite(const std::string& path, const ImageSurvey& survey, int width,
 
 std::string step_text(const SeamStep& step) {
   return fmt::format(
-      "the step across its border is {:.3g} rms, and steps inside are {:.3g} in the median and {:.3g} at most",
+      "the step across its border has an rms of {:.3g}, but steps inside the map have a median of {:.3g} and a maximum "
+      "of {:.3g}",
       step.border, step.median, step.largest);
 }
 
