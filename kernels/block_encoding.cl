@@ -2,14 +2,15 @@
 // Encodes blocks of 4 x 4 texels as BC4 and BC7 (Khronos Data Format Specification 1.3, chapters 18 and 20). Searches
 // for the codes with the least sum of squared differences. BC5 is two blocks of BC4.
 //
-// BC4 stores two endpoints of 8 bits, and one index of 3 bits per texel. An index selects one of eight values between
-// the endpoints, or one of six such values, 0 or 1. From the best of several starts, the endpoints move by ever smaller
-// steps until no neighbouring pair has a lower error. BC7: every block chooses its mode. Mode 6 is tried first: one
-// line through the colours with 16 steps. The search stops there if its error is no higher than that of rounding to 8
-// bits. Otherwise a separate channel (modes 4 and 5, by rotation) and two lines (mode 1) are tried too. A line starts
-// along the texels' principal axis and is fitted to its indices by least squares; then the codes of the best line are
-// improved one by one. Modes with three lines are not used. Alpha is 255. If the third channel is stored as alpha, blue
-// is 255 and modes 4, 5 and 6 swap the two.
+// BC4 stores two endpoints of 8 bits, and one index of 3 bits per texel. An index selects one of eight values from
+// endpoint to endpoint, or one of six such values and the constants 0 and 1. The search begins with the best of several
+// pairs of endpoints, and moves these endpoints by ever smaller steps until no neighbouring pair has a lower error. In
+// BC7, every block has its own mode. Mode 6, one line through the colours with 16 steps, is tried first. The search
+// stops if the error of mode 6 is at most the error of rounding to 8 bits. Otherwise it also tries a separate channel
+// (modes 4 and 5, by rotation) and two lines (mode 1). A line is first placed along the texels' principal axis, and
+// then fitted by least squares to the indices of the texels. Finally, the codes of the best line are improved one by
+// one. Modes with three lines are not used. Alpha is 255. If the third channel is stored as alpha, blue is 255, and
+// modes 4, 5 and 6 swap blue and alpha.
 //
 // Values range from 0 to 255 and are not rounded. On every device, the texels of a block are the lanes of a vector.
 
@@ -21,7 +22,7 @@
                                             // inlined
 #endif
 
-// The mean of the sum of squared differences if the 48 values of a block are rounded to 8 bits: 48 / 12.
+// The expected sum of squared differences if the 48 values of a block are rounded to 8 bits: 48 / 12.
 #define ROUNDING_ERROR 4.0f
 
 static inline float sum_of(float16 v) {
@@ -59,7 +60,7 @@ typedef struct ScalarEnds {
   float low, high, error;
 } ScalarEnds;
 
-// Nearest steps from low to high: 0 to 5, or 0 to 7.
+// Returns the nearest step from low to high for each value: 0 to 5, or 0 to 7.
 static inline float16 scalar_steps(float16 v, float low, float high, float step_count) {
   const float scale = high > low ? step_count / (high - low) : 0.0f;
   return rint(clamp((v - low) * scale, 0.0f, step_count));
@@ -161,7 +162,8 @@ __kernel void encode_scalar_blocks(__global const float* values, __global uint2*
   vstore16(d * d, 0, squares);
   vstore16(v, 0, texels);
   BlockBits bits = {{0, 0, 0, 0}, 0};
-  // Eight values: the first end is the higher one. Six values: it is the lower one. Indices count from the first end.
+  // With eight values, the first endpoint is the higher one. With six, it is the lower one. Indices count from the
+  // first endpoint.
   put_bits(&bits, (uint)(has_limits ? ends.low : ends.high), 8);
   put_bits(&bits, (uint)(has_limits ? ends.high : ends.low), 8);
   for (int i = 0; i < MULTUM_BLOCK_TEXELS; ++i) {
@@ -475,7 +477,8 @@ static inline BlockBits mode_6_block(Colours c, CodedLine line, int third_is_alp
   return bits;
 }
 
-// Modes 4 and 5: channel `alone` has its own ends and indices and is stored in alpha; alpha is stored in its place.
+// Modes 4 and 5. Channel `alone` has its own endpoints and indices. It is stored as alpha, and alpha is stored in its
+// place.
 typedef struct SeparateMode {
   int mode, colour_bits, scalar_bits;
   int colour_last, scalar_last;  // last step: 3 or 7
@@ -492,7 +495,7 @@ static inline Colours without(Colours c, int alone) {
 }
 
 // A decoder swaps alpha with the channel that the rotation names. If the third channel is alpha, it is therefore stored
-// in the place of `alone`, and the constant 255, which the line has in that place, is stored as blue.
+// in the place of `alone`. The line has the constant 255 in that place; this constant is stored as blue.
 static inline BlockBits separate_block(Colours c, int alone, SeparateMode m, SeparateFit fit, int third_is_alpha) {
   const EndPrecision precision = {m.colour_bits, 0};
   int colour[16], scalar[16];
@@ -518,7 +521,7 @@ static inline BlockBits separate_block(Colours c, int alone, SeparateMode m, Sep
       put_bits(&bits, (uint)fit.line.codes[end][source], m.colour_bits);
     }
   for (int end = 0; end < 2; ++end) put_bits(&bits, (uint)fit.scalar.codes[end], m.scalar_bits);
-  // Indices of 2 bits come first. In mode 5, all indices have 2 bits, and those of the colours come first.
+  // Indices of 2 bits come first. In mode 5, all indices have 2 bits, and the indices of the colours come first.
   const int scalar_first = m.colour_last == 7;
   put_indices(&bits, scalar_first ? scalar : colour, 2, -1);
   put_indices(&bits, scalar_first ? colour : scalar, m.mode == 4 ? 3 : 2, -1);
@@ -633,7 +636,7 @@ static inline SeparateFit separate_fit(Colours c, int alone, int* choice) {
 }
 
 // Returns the error that mode 6 cannot avoid: its p is 1, so it stores 0 as 1. A channel that is 0 everywhere, such as
-// metalness, has this error, which is not a reason to continue the search.
+// metalness, always has this error, so this error is no reason to continue the search.
 static inline float unreachable_error(Colours c) {
   float error = 0.0f;
   for (int channel = 0; channel < 3; ++channel) error += most_of(channel_of(c, channel)) == 0.0f ? 16.0f : 0.0f;

@@ -18,8 +18,8 @@ static inline float cosine_of_half(float4 mean, float4 h, __global const float4*
 
 // One work-item = one sample point; global size sample_count.
 //   moments    [sample]                       already filtered
-//   half_vectors [half_count]   unit vectors; w: 1 + the index of the light that multiplies its highlights by a
-//                               cosine, or 0 for none
+//   half_vectors [half_count]   unit vectors; w: 1 + the index of the light whose cosine multiplies the
+//                               highlights, or 0 for no cosine
 //   lights     [light_count]    unit vectors; w: the mean cosine for without_roughness()
 //   exponents  [exponent_count]               Blinn-Phong s
 //   values     [sample][exponent_count * half_count + light_count]   written: Blinn-Phong, then Lambert

@@ -5,20 +5,21 @@
 // exact (docs/contributing/ALGORITHMS.md, "Binned normals").
 //
 // Directions are mapped to p = (x, y) / sqrt(1 + z), Lambert's equal-area disc. Each axis of p has its own map to
-// cells: three quarters of the cells follow the density of the normals, and one quarter follow their extent. The
-// density keeps a few steep edges from coarsening the cells of a flat texel. Normals outside the axes belong to the
-// outermost cells.
+// cells: three quarters of the cells follow the density of the normals, and one quarter follow their extent. Without
+// the density, a few steep edges would make the cells of a flat texel too coarse. Normals outside the range of an axis
+// belong to its outermost cells.
 //
-// Normals that a BRDF's width has shortened (MovmfFit::shortened) are also sorted by direction, in a separate grid for
-// each class of lengths. Lobes can then distinguish sharp and wide BRDFs under one texel. The classes are separated at
-// kappa 1250, 133 and 22, which correspond to perceptual roughnesses of 0.2, 0.35 and 0.55. The kappas of a class thus
-// differ by a factor of 9 at most, except in the sharpest class, whose widths are hardly visible.
+// If normals were shortened to include a BRDF's width (MovmfFit::shortened), each class of lengths has its own grid of
+// directions. Lobes can then distinguish sharp and wide BRDFs under one texel. The classes are separated at kappa 1250,
+// 133 and 22, which correspond to perceptual roughnesses of 0.2, 0.35 and 0.55. The kappas of a class thus differ by a
+// factor of 9 at most, except in the sharpest class, whose widths are hardly visible.
 //
 // The map is read in bands of rows. Sums are integers in units of 2^-30, so they do not depend on the order of bands,
-// chunks or threads. Rounding loses no differences even between thousands of nearly equal normals. 2^28 normals add up
-// to 2^58 at most. A launch handles the texels of one row of a level. This file has only a scalar variant.
-// movmf_binning_team.cl has variants for devices with atomic additions and teams of work-items; they write the same
-// bytes.
+// chunks or threads. These units are small enough to keep the differences between thousands of nearly equal normals.
+// 2^28 normals add up to 2^58 at most. A launch handles the texels of one row of a level.
+//
+// This file has only a scalar variant. movmf_binning_team.cl has variants for devices with atomic additions and teams
+// of work-items; these variants write the same bytes as this file.
 
 #include "device/binned_cells.clh"
 

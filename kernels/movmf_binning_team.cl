@@ -16,10 +16,10 @@ static void add_to_cell(__global long* cells, int cell, long4 value) {
   atom_add((volatile __global long*)(at + 3), value.w);
 }
 
-// Does the work of movmf_bin_cells into one table per texel, by atomic additions of whole numbers, whose order does not
-// matter. One work-item = strip_rows rows of one column of one texel; global size
-// width * fit.sample_columns * strip_count, with neighbouring columns in neighbouring items. Consecutive values for one
-// cell are summed first and added once, so that work-items of a flat map do not wait for one another.
+// Does the work of movmf_bin_cells with one table per texel. Whole numbers are added atomically, so the order of the
+// additions does not matter. One work-item = strip_rows rows of one column of one texel; global size width *
+// fit.sample_columns * strip_count, with neighbouring columns in neighbouring items. Consecutive values for one cell
+// are summed first and added once, so that work-items of a flat map do not wait for one another.
 //   cells [texel][fit.sample_capacity][MULTUM_CELL_SUMS]   added to
 __kernel void movmf_bin_add(__global const float* restrict normal_x, __global const float* restrict normal_y,
                             __global const float* restrict normal_z, __global const float* restrict value_x,

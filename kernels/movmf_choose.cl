@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Fits level 1 of maps with even sides, instead of EM. A texel covers four normals, and each normal belongs wholly to
-// one of its lobes. Of all J^4 assignments, the kernel chooses the one with the narrowest lobes. The width of a lobe is
+// Fits level 1 of maps with even sides, without EM. A texel covers four normals, and each normal belongs wholly to one
+// of its lobes. Of all J^4 assignments, the kernel chooses the one with the narrowest lobes. The width of a lobe is
 // measured twice: by itself, and mixed with the surrounding lobes as texture filters mix them
 // (docs/contributing/ALGORITHMS.md, "Level 1").
 //
@@ -10,14 +10,14 @@
 //
 //   sum_j width(S_j) + alignment * width(S_j and T_j),   width = sqrt(c q - |m|^2 + c^2 e)
 //
-// where e is half the inverse of the cap of kappa, a width that is too small to be visible in any highlight. T_j is the
-// mean of lobe j over the parents and over the neighbours that are done; the parents are weighted as by a filter
-// between levels. The difference c q - |m|^2 is a sum over pairs of normals, and is computed from these pairs. If
-// rounding makes it negative, its size is still far below e.
+// where e is half the inverse of the cap of kappa. This width is too small to be visible in any highlight. T_j is the
+// mean of lobe j over the parents and over the neighbours that are already fitted. The parents are weighted as by a
+// filter between levels. The difference c q - |m|^2 is a sum over pairs of normals, and is computed from these pairs.
+// If rounding makes the difference negative, its magnitude is still far below e.
 //
 // The assignment of least cost is found one lobe after another. The least cost of giving the normals S to the first j
-// lobes is a minimum over the subsets A of S. A goes to lobe j, and the other normals go to the first j - 1 lobes at
-// their least cost.
+// lobes is a minimum over the subsets A of S: lobe j takes the normals A, and the first j - 1 lobes take the other
+// normals at their least cost.
 
 #include "device/done_neighbours.clh"
 #include "device/level_window.clh"
@@ -88,7 +88,8 @@ static void find_parents(const Places* places, const MultumMovmfFit* fit, Parent
   }
 }
 
-// Sums the lobes of one index around each texel. `parent` and `level` are the planes of that lobe.
+// Sums the lobes that have one index over the surroundings of each texel. `parent` and `level` are the planes of that
+// lobe.
 static LobeLanes sums_around(__global const float* parent, __global const float* level, const Places* places,
                              const Parents* parents) {
   float x[MULTUM_VECTOR_WIDTH], y[MULTUM_VECTOR_WIDTH], z[MULTUM_VECTOR_WIDTH], weight[MULTUM_VECTOR_WIDTH];

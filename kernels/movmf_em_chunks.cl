@@ -60,8 +60,8 @@ __kernel void movmf_em_partial(__global const float* restrict normal_x, __global
   const int top_row = first_covered(y, fit.map_height, fit.height);
   const int first_row = top_row + chunk * fit.chunk_rows;
   const int last_row = min(min(first_row + fit.chunk_rows, top_row + fit.sample_rows), fit.map_height);
-  // A chunk is summed when the window in which it begins is loaded. If a smaller texel lacks this chunk, its sums are
-  // set to 0 once.
+  // A chunk is summed when the window in which it begins is loaded. If a smaller texel lacks this chunk, the chunk's
+  // sums are set to 0 once.
   if (!in_map_window(min(first_row, fit.map_height - 1), &fit)) return;
   const int used_slot = min(slot, fit.slot_count - 1);
 

@@ -61,7 +61,7 @@ static float cap_of_chunks(__global const float* chunks, const MultumMovmfFit* f
 
 // One work-item = one lobe of one slot; global size MULTUM_LOBES * slot_count.
 //   partial [slot][chunk][lobe][PARTIAL_SUMS]
-//   start   [group][lobe][MULTUM_START_PLANES][MULTUM_GROUP]  in: parameters of the E-step; out: of the next one
+//   start   [group][lobe][MULTUM_START_PLANES][MULTUM_GROUP]  in: parameters of this E-step; out: of the next E-step
 //   level   [lobe][window_rows * width]                       written in the last iteration, which keeps `start`
 //   alignment_vectors [lobe][window_rows * width][4]          written in the last iteration, for the neighbours' priors
 // Sums of up to 2^16 chunks are compensated, so their rounding error is as small as for one addition. Memory bound.

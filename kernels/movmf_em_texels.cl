@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Runs EM on fine levels: one work-item runs every iteration of a texel. Han et al. 2007, section 7, Algorithm 1; with
+// Runs EM on fine levels: one work-item runs all iterations of a texel. Han et al. 2007, section 7, Algorithm 1; with
 // MULTUM_PLANAR, Tan et al. 2005, section 4.1.
 //
 // One work-item = MULTUM_VECTOR_WIDTH texels (16 lanes of one group, or one of them); local size 1 or 2 on a CPU.
@@ -9,9 +9,9 @@
 //                                                                      the last E-step, for movmf_features
 //   alignment_vectors [lobe][window_rows * width][4]                   written, for the neighbours' priors
 //   level   [lobe][window_rows * width]                                written: r and amplitude of each texel's lobes
-// Sums run over the samples in their order, and a texel that has converged keeps its lobes while others of its group
-// continue. Therefore both variants, and a team (below), write the same bytes. Compute bound: about 26 operations per
-// lobe and sample. A texel reads 12 or 16 bytes per sample, from cache after the first iteration.
+// Sums run over the samples in their order, and a texel that has converged keeps its lobes while other texels of its
+// group continue. Therefore both variants, and a team (below), write the same bytes. Compute bound: about 26 operations
+// per lobe and sample. A texel reads 12 or 16 bytes per sample, from cache after the first iteration.
 
 #include "device/level_window.clh"
 #include "device/movmf_em.clh"
@@ -102,8 +102,8 @@ __kernel void movmf_em_texels(__global const float* restrict samples, __global c
       const real_v prior_z = LOAD_V(START(j, MULTUM_START_PRIOR + 2));
       real_v next_x, next_y, next_z, next_sharpness = sharpness[j], next_log;
       M_STEP(m, prior_x, prior_y, prior_z, cap, fit.extra_copies, next_x, next_y, next_z, next_sharpness, next_log)
-      // Computes the squares of three changes: the turn in units of the lobe's width, and the relative changes of kappa
-      // and of the weight.
+      // Computes the squares of three changes: the change of the mean in units of the lobe's width, and the relative
+      // changes of kappa and of the weight.
       const real_v dx = next_x - mu_x[j], dy = next_y - mu_y[j], dz = next_z - mu_z[j];
       const real_v turn = fma(dx, dx, fma(dy, dy, dz * dz)) * next_sharpness;
       const real_v dl = next_log - log_weight[j], dk = 1.0f - sharpness[j] / next_sharpness;
@@ -142,10 +142,11 @@ __kernel void movmf_em_texels(__global const float* restrict samples, __global c
 //   member    S0 X0 Y0 Z0 D0 S1 X1 ...          sums: member 5 j + k adds sum k of lobe j
 //
 // Buffers as above; local size MULTUM_TEAM, global size MULTUM_TEAM * slot_count. Bound by the chain of additions in
-// each sum, which takes four clocks per sample; a single work-item needs some hundred.
+// each sum, which takes four clocks per sample. A single work-item would need about a hundred clocks per sample.
 #define TEAM_ROW (MULTUM_TEAM + 1)  // puts lobes into different memory banks
 
-// Returns the factors that sum k of lobe j multiplies responsibilities by, for member 5 j + k: 1, x, y, z or the gap u.
+// For member 5 j + k, returns the factors by which responsibilities are multiplied in sum k of lobe j: 1, x, y, z or
+// the gap u.
 static __local const float* factors_of_sum(__local const float* one, __local const float* directions,
                                            __local const float* gaps, int lobe, int sum) {
   return sum == 0 ? one : sum < 4 ? directions + (sum - 1) * TEAM_ROW : gaps + lobe * TEAM_ROW;

@@ -2,8 +2,9 @@
 // Assigns the normals of the finest level, one per texel, to the parent's nearest lobe. Each normal belongs wholly to
 // one lobe. The result is exact, and aligned with the parent for trilinear filtering (Han et al. 2007, section 7.2).
 // The paper does not say whether to assign a normal to one lobe or to divide it among all. Assigning it to one lobe
-// lowers the error midway between texels by a fifth, and only the lobe's index must be stored. A normal that a BRDF's
-// width has shortened goes to the lobe with the nearest mean vector, in direction and width.
+// lowers the error midway between texels by a fifth, and only the lobe's index must be stored. If normals were
+// shortened to include a BRDF's width, each normal goes to the lobe whose mean vector is nearest in direction and
+// width.
 
 #include "device/level_window.clh"
 #include "device/planar_sample.clh"
@@ -16,7 +17,7 @@
 #define MULTUM_PLANAR 0
 #endif
 
-// One work-item = one texel of some rows, first_row the first; global size row_count * map_width.
+// One work-item = one texel of the rows from first_row on; global size row_count * map_width.
 //   normal_x, normal_y, normal_z [rows * map_width]  from row normals_row on
 //   parent  [lobe][fit.window_rows * fit.width]      the window of level 1; if has_parent is 0 (a map of one texel, or
 //                                                    lobes that are not aligned), lobe 0 takes all normals

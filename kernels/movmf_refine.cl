@@ -1,27 +1,28 @@
 // SPDX-License-Identifier: Apache-2.0
-// Refines the lobes that EM found, to lower the error of highlights: fits them by least squares to the texel's normals
-// blurred by highlights.
+// Refines the lobes that EM found, to lower the error of highlights. The highlights of the lobes are fitted by least
+// squares to the exact highlights of the texel's normals:
 //
 //   minimise  sum_s w_s integral (sum_j a_j gamma_js(h) - 1/N sum_i f_s(h . n_i))^2 dh,   f_s = Blinn-Phong of s
 //
-// This is the energy at the texel's centre. A weighted term keeps the mean normal. Pictures also show places between
-// centres, so one more term is added for each of the four adjacent texels. In this term, the lobes of both texels,
-// pooled as the hardware pools them, should equal the mean of the EM lobes of both texels. A texel reads EM's lobes of
-// its neighbours and never the output of this kernel, so texels are independent of one another.
+// This is the energy at the texel's centre. Another weighted term keeps the mean normal close to the exact one.
+// Pictures also show places between centres, so one more term is added for each of the four adjacent texels. This term
+// averages the texel's refined lobes with the neighbour's EM lobes, as a texture filter does. The highlights of these
+// averages should equal the mean of the highlights of both texels' EM lobes. A texel reads EM's lobes of its neighbours
+// and never the output of this kernel, so texels are independent of one another.
 //
-// gamma_js is lobe j convolved with f_s. Inner products need no sampled directions h. The product of a lobe and a
-// sample is the lobe, convolved with f_s twice, at the sample. The mean cosine of a convolution is the product of the
-// mean cosines (docs/contributing/ALGORITHMS.md, "Shading a filtered lobe"), so this product is the vMF with A = |r_j|
-// c_s^2. The product of two lobes has A = |r_j| |r_k| c_s^2. This refinement is not from a paper; neither paper fits
-// lobes to highlights.
+// gamma_js is lobe j convolved with f_s. Inner products need no sampled directions h. The inner product of a lobe and a
+// sample is the value, at the sample, of the lobe convolved twice with f_s. The mean cosine of a convolution is the
+// product of the mean cosines (docs/contributing/ALGORITHMS.md, "Shading a filtered lobe"), so this product is the vMF
+// with A = |r_j| c_s^2. The product of two lobes has A = |r_j| |r_k| c_s^2. This refinement is not from a paper;
+// neither paper fits lobes to highlights.
 //
 // A step is damped Gauss-Newton (Levenberg 1944) in (a, two angles, log(1 - |r|)) per lobe. A step that does not lower
-// the energy is undone, and a quarter of it is tried. In the matrix only, 1/kappa replaces the sum of the spreads; both
-// are equal for sharp lobes. This replacement affects the steps, but not the minimum.
+// the energy is undone, and a quarter of it is tried. Only the matrix is approximate: 1/kappa replaces the sum of the
+// spreads, which is the same for sharp lobes. This approximation affects the steps, but not the minimum.
 //
 // Squared errors give most weight to directions with many normals and little weight to dim ones. Therefore the texel's
 // highlights are compared at the end. EM's lobes are kept if their relative L1 error over some half vectors is clearly
-// lower.
+// lower than the error of the refined lobes.
 //
 // One work-item = MULTUM_VECTOR_WIDTH texels, local size 1 or 2 on a CPU; global size slot_count / MULTUM_VECTOR_WIDTH.
 //   samples, sample_counts, texel_list   as in movmf_em_texels.cl
@@ -59,10 +60,10 @@ __constant float brdf_spreads[MULTUM_REFINE_BRDFS] = MULTUM_REFINE_SPREADS;
 typedef struct RefinedLobe {
   real_v amplitude, x, y, z, spread;  // direction of unit length; spread 1 - |r|
   real_v ex, ey, ez, fx, fy, fz;      // two unit tangents
-  real_v widening;                    // derivative of the spread by the fourth parameter
+  real_v widening;                    // derivative of the spread with respect to the fourth parameter
 } RefinedLobe;
 
-// A vMF of mean cosine A, `peak * exp(-kappa * u)` without the common 1/(2 pi), and the terms of its derivatives.
+// A vMF with mean cosine A, `peak * exp(-kappa * u)` without the common 1/(2 pi), and the terms of its derivatives.
 typedef struct Blurred {
   real_v kappa, peak;
   real_v peak_slope;   // d log(peak) / d kappa
@@ -251,8 +252,8 @@ static real_v add_pairs(const RefinedLobe* lobes, real_v* matrix, real_v* gradie
   return energy;
 }
 
-// Adds the gradient for the target lobes `shown`, each with `share` of its amplitude, to one lobe's gradient. Returns
-// their part of the energy.
+// Adds the part of one lobe's gradient that comes from the target lobes `shown`, whose amplitudes are multiplied by
+// `share`. Returns the part of the energy that comes from them.
 static real_v subtract_lobes(const RefinedLobe* lobe, const RefinedLobe* shown, float share, real_v* gradient) {
   real_v energy = (real_v)(0.0f);
   ROLLED for (int k = 0; k < MULTUM_LOBES; ++k) {
@@ -278,9 +279,9 @@ static real_v subtract_lobes(const RefinedLobe* lobe, const RefinedLobe* shown, 
   return energy;
 }
 
-// Pools half of one lobe and half of another, as texture filters do. by_one[row][column] is the derivative of the
-// pooled lobe's parameters by those of the first lobe. The pooled lobe's fourth parameter is its spread, which may be
-// 0.
+// Averages two lobes as texture filters do. by_one[row][column] is the derivative of parameter `row` of the averaged
+// lobe with respect to parameter `column` of lobe `one`. The averaged lobe's fourth parameter is its spread, which may
+// be 0.
 static void pool(const RefinedLobe* one, const RefinedLobe* other, RefinedLobe* lobe, real_v* by_one) {
   const real_v amplitude = 0.5f * (one->amplitude + other->amplitude), inverse = 1.0f / amplitude;
   const real_v length_one = 1.0f - one->spread;
@@ -290,8 +291,8 @@ static void pool(const RefinedLobe* one, const RefinedLobe* other, RefinedLobe* 
            fma(share_one, one->z, share_other * other->z), amplitude);
   lobe->widening = (real_v)(1.0f);
   const real_v length = 1.0f - lobe->spread, turn_inverse = 1.0f / MAX_V(length, (real_v)(MULTUM_REFINE_LENGTH_MIN));
-  // Half of the derivatives of `a * r`, divided by the pooled amplitude. The effect of a larger amplitude on r is
-  // subtracted.
+  // Half of the derivatives of `a * r`, divided by the amplitude of the averaged lobe. The effect of a larger amplitude
+  // on r is subtracted.
   const real_v turned = 0.5f * one->amplitude * inverse * length_one;
   const real_v shortened = -0.5f * one->amplitude * inverse * one->widening, grown = 0.5f * inverse;
   const real_v moved[12] = {grown * fma(length_one, one->x, -length * lobe->x),
@@ -366,8 +367,8 @@ static void set_moment_rows(const RefinedLobe* lobe, real_v* rows) {
   for (int i = 0; i < 16; ++i) rows[i] = values[i];
 }
 
-// Adds the term for the moments. This term is added after the diagonal is raised, because damping by moments would keep
-// lobes from moving. Returns the energy.
+// Adds the term for the moments. This term is added after the diagonal is raised; otherwise the damping would grow with
+// this term and keep lobes from moving. Returns the energy.
 static real_v add_moments(const RefinedLobe* lobes, const real_v* mean, real_v* matrix, real_v* gradient) {
   real_v rows[PARAMETERS * 4], off[4];
   for (int i = 0; i < 3; ++i) off[i] = -mean[i];
@@ -512,8 +513,8 @@ static void see_lobes(const RefinedLobe* lobes, const float* h, real_v* seen) {
   }
 }
 
-// Returns whether the error of `best` is at most `slack` times the error of `start`, by the sum of the relative L1
-// errors of their highlights.
+// Returns whether the error of `best` is at most `slack` times the error of `start`. The error is the sum of the
+// relative L1 errors of all highlights.
 static int_v looks_as_good(const RefinedLobe* best, const RefinedLobe* start, float slack,
                            __global const float* samples, int sample_count, float weight_inverse) {
   real_v whole[MULTUM_REFINE_BRDFS], gain[MULTUM_REFINE_BRDFS], total = (real_v)(0.0f);

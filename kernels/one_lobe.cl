@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Fits one GGX lobe to everything that a texel covers, by maximum likelihood. The data are the slopes of facets. Around
-// every covered normal, there are the facets of the base roughness.
+// Fits one GGX lobe to all normals that a texel covers, by maximum likelihood. The data are the slopes of microfacets.
+// About each of these normals, the facets have the GGX distribution of the base roughness.
 //
 // The slopes x of GGX facets, seen along the normal, have the density 1 / (pi alpha^2 (1 + |x|^2 / alpha^2)^2) (Walter
 // et al. 2007, eq. 33, over the projected facet). This density is a bivariate Student t distribution with two degrees
@@ -9,9 +9,9 @@
 //
 //     w = 4 / (2 + (x - m)' S^-1 (x - m))      m = sum(w x) / sum(w)      S = sum(w (x - m) (x - m)') / sum(w)
 //
-// Dividing by the sum of the weights instead of by their number halves the number of steps; both are equal at
-// convergence (Kent, Tyler and Vardi 1994; as PX-EM: Liu, Rubin and Wu 1998, section 4.1). A facet with a large slope
-// has little weight. In a covariance it would dominate, but GGX has no finite covariance. The fit begins with the
+// Dividing by the sum of the weights instead of by their number halves the number of steps; at convergence, the sum
+// equals the number (Kent, Tyler and Vardi 1994; as PX-EM: Liu, Rubin and Wu 1998, section 4.1). A facet with a large
+// slope has little weight. In a covariance it would dominate, but GGX has no finite covariance. The fit begins with the
 // closed form: m = 0 in the frame of the mean normal, and alpha_i^2 = alpha_0^2 + 1.75 lambda_i, where lambda_i are the
 // eigenvalues of E[n n'] in the tangent plane. A Gaussian would have the factor 2; on real maps, 1.75 has the least
 // error.
@@ -110,7 +110,7 @@ typedef struct SampledTexels {
 //   base       [slot][map_width]         alpha^2 of the same texels, if piece.has_base_map
 //   row_slots  [row_count][grid]         the slot of each row of samples
 //   columns    [width][grid]             the column of each column of samples
-//   facets     [grid * grid]             slopes of facets of alpha 1
+//   facets     [grid * grid]             slopes of facets with alpha = 1
 //   averages   [plane][stride]           MULTUM_ONE_LOBE_AVERAGES planes; only the normals are used
 //   slopes     [texel / block][sample][2][block]   written: of half vectors, in the frame of the mean normal
 // Bound by gathered reads, roots and divisions. Samples in the same finest texel share the texel's frame.
@@ -174,7 +174,7 @@ typedef struct LobeScale {
   real_v xx, xy, yy;
 } LobeScale;
 
-// Returns S of alpha_i^2 = alpha_0^2 + 1.75 lambda_i.
+// Returns S for alpha_i^2 = alpha_0^2 + 1.75 lambda_i, the closed form.
 static inline LobeScale closed_form(__global const float* averages, int stride, LobeFrame f) {
   const real_v xx = LOAD_V(averages + MULTUM_ONE_LOBE_XX * stride), yy = LOAD_V(averages + MULTUM_ONE_LOBE_YY * stride);
   const real_v xy = LOAD_V(averages + MULTUM_ONE_LOBE_XY * stride), xz = LOAD_V(averages + MULTUM_ONE_LOBE_XZ * stride);
@@ -191,8 +191,8 @@ static inline LobeScale closed_form(__global const float* averages, int stride, 
   return s;
 }
 
-// Makes S invertible: limits its diagonal from below, and keeps its correlation below 1. An isotropic S gets the mean
-// over all directions.
+// Makes S invertible: limits its diagonal from below, and keeps its correlation below 1. If S must be isotropic, it
+// becomes its mean over all directions.
 static inline LobeScale bounded(LobeScale s, int is_anisotropic) {
   s.xx = MAX_V(s.xx, (real_v)(SCALE_MIN));
   s.yy = MAX_V(s.yy, (real_v)(SCALE_MIN));

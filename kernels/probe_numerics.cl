@@ -15,12 +15,12 @@
 
 #define PROBE_EXP2 0
 #define PROBE_LOG2 1
-#define PROBE_KAPPA 2          // kappa of a mean vector's length, given as its spread
+#define PROBE_KAPPA 2          // kappa for a mean vector of length 1 - x
 #define PROBE_ISNAN 3          // 1 if isnan() detects a NaN; 0 under relaxed mathematics
-#define PROBE_LOG_PEAK 4       // log2 peak of amplitude 1, at kappa
+#define PROBE_LOG_PEAK 4       // log2 of the peak of a lobe with kappa x
 #define PROBE_ONE_MINUS_LOG 5  // log2(1 - e)
-#define PROBE_SHADING_KAPPA 6  // kappa for shading of q = 1 - A
-#define PROBE_VMF_PEAK 7       // vMF density at its mean, at kappa
+#define PROBE_SHADING_KAPPA 6  // kappa for q = 1 - A, by shading's formula
+#define PROBE_VMF_PEAK 7       // peak of the vMF density with kappa x
 #define PROBE_VMF_SPREAD 8     // 1 - A(kappa)
 
 static float probed(float x, int function) {

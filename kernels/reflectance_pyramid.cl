@@ -4,10 +4,10 @@
 //
 //   radiance(n) = sum over lights E ( k_d / pi + k_s (s + 1) / (2 pi) max(n.h, 0)^s ) max(n.l, 0)
 //
-// runtime_gl/shaders/scene.frag has the same formula. Williams paints the lights of his map by hand; here they are
-// computed by Blinn-Phong. A texel is the mean over sample_side^2 normals, which are evenly spread over it in the map's
-// equal-area projection (host/formats/asset/pyramid/reflectance_mapping.h). A highlight narrower than a texel thus
-// keeps its energy.
+// runtime_gl/shaders/scene.frag has the same formula. Williams paints the reflected lights of his map by hand; here
+// they are computed with Blinn-Phong. A texel is the mean over sample_side^2 normals, which are evenly spread over it
+// in the map's equal-area projection (host/formats/asset/pyramid/reflectance_mapping.h). A highlight narrower than a
+// texel thus keeps its energy.
 
 #include "device/vmf_shading.clh"
 #include "shared/mip_box.h"

@@ -43,12 +43,12 @@ static float cosine_of_half(__global const float* g, float share, float4 h, __gl
 //   points     [sample]
 //   steps      the recurrence's constants
 //   zonal      [highlight_count + 1][order + 1]   of each highlight, then of Lambert
-//   half_vectors [half_count]   unit vectors; w: 1 + the index of the light that multiplies its highlights by a
-//                               cosine, or 0 for none
+//   half_vectors [half_count]   unit vectors; w: 1 + the index of the light whose cosine multiplies the
+//                               highlights, or 0 for no cosine
 //   lights     [light_count]    unit vectors; w: the mean cosine for without_roughness()
 //   highlights [highlight_count]
 //   values     [sample][highlight_count * half_count + light_count]   written: highlights, then Lambert
-// Levels that come from the normal map are shaded as lobes are. Compute bound.
+// Levels that come from the normal map are shaded in the same way as lobes. Compute bound.
 __kernel void sh_shade(__global const float* coefficients, __global const MultumFilteredSh* points,
                        __global const float2* steps, __global const float* zonal, __global const float4* half_vectors,
                        __global const float4* lights, __global const MultumHighlight* highlights,

@@ -1,10 +1,9 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Finds shared code whose messages name an option literally, because a command without that option would also print
-them.
+"""Finds shared code whose messages name an option literally. A command without that option would also print these
+messages.
 
-advice() and option_text() of host/foundation/base/messages/option_words.h name
-options of the command that runs.
+advice() and option_text() of host/foundation/base/messages/option_words.h name options of the command that runs.
 
     tools/check_advice.py [--root DIR]     # exit code 1, and a line for each message
 

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Finds figures of generated pages that other pages repeat, because the copy is wrong when the page is generated again.
+"""Finds figures of generated pages that other pages repeat. A copy is wrong once the page is generated again.
 
     tools/check_copies.py [--root DIR]     # exit code 1, and a line for each copy
 
@@ -36,7 +36,8 @@ class Figures:
     """The numbers of a generated page, line by line."""
     def __init__(self, text):
         self.lines = [NUMBER.findall(line) for line in text.splitlines()]
-        self.rounded = {}  # all runs of neighbouring numbers, by the decimals of a copy
+        self.rounded = {}  # [decimals of each number of a copy]: all runs of neighbouring numbers, rounded to these
+                           # decimals
 
     def have(self, copy):
         """Returns whether the numbers are neighbours in a generated line that has as many decimals or more."""

@@ -104,7 +104,7 @@ class WordSlips:
 
 def built_patterns(root, files):
     """Returns a regular expression of the paths that any CMakeLists.txt names or globs. A name also matches in
-    subfolders, because the list of shaders gets its folder put before each name."""
+    subfolders, because CMake puts a folder before each name in the list of shaders."""
     patterns = []
     for file in (f for f in files if f.name == "CMakeLists.txt"):
         code = re.sub(r"#.*", "", file.read_text())
@@ -131,8 +131,8 @@ def folder_rows(root):
 
 
 def is_listed(folder, listed):
-    """Returns whether the folder has a row. A folder that has only subfolders (host/fields/inference) needs a row of
-    one of them."""
+    """Returns whether the folder has a row. A folder that has only subfolders, such as
+    host/fields/inference, counts as listed if one of its subfolders has a row."""
     return folder in listed or any(row.startswith(f"{folder}/") for row in listed)
 
 

@@ -8,7 +8,7 @@
 // The function f(n . h): Blinn-Phong, or a sum of term_count vMFs. Each vMF is a weight times a density of spread 1 -
 // A(kappa).
 typedef struct MultumHighlight {
-  float exponent;  // s of f if f is Blinn-Phong, otherwise s of an equally wide Blinn-Phong
+  float exponent;  // the exponent s of f if f is Blinn-Phong, otherwise that of an equally wide Blinn-Phong
   float total;     // the integral of f over the sphere; 1 for Blinn-Phong
   int term_count;  // 1..4; 0 means Blinn-Phong
   int unused;

@@ -24,7 +24,7 @@ typedef struct MultumTap {
   int unused;
 } MultumTap;
 
-// The texels of the next finer level that interpolate from a texel, in one direction: a range of entries.
+// The texels of the next finer level to whose interpolation a texel contributes, in one direction: a range of entries.
 typedef struct MultumGather {
   int begin;
   int count;

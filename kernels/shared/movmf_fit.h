@@ -8,7 +8,7 @@
 // Work-items that fit one texel together, on devices with enough of them (movmf_em_texels.cl, movmf_binning.cl).
 #define MULTUM_TEAM 64
 
-// Values of MovmfFit::order, which determines the neighbours that are done when a texel is fitted.
+// Values of MovmfFit::order, which determines the neighbours that are fitted before a texel ("done").
 #define MULTUM_ORDER_COLOUR 0    // four colours (x&1, y&1) in the order (0,0), (1,1), (1,0), (0,1)
 #define MULTUM_ORDER_AGAIN 2     // a further pass: all neighbours are done; EM starts from the texel's own lobes
 #define MULTUM_ORDER_SCANLINE 1  // rows from top to bottom, each from left to right: Han et al. 2007, section 7
@@ -40,7 +40,7 @@ typedef struct MultumMovmfFit {
   int parent_width;  // width of the next coarser level; 0 if there is none, and EM then starts from the level's own
                      // lobes
   int parent_height;
-  int sample_columns;  // most finest texels across a texel of the level (samples outside narrower texels weigh 0)
+  int sample_columns;  // width of the level's widest texel in finest texels (samples outside narrower texels weigh 0)
   int sample_rows;
   // Buffers hold windows of rows. Window row 0 is row `first_row` of the level. Rows wrap at the level's height, so a
   // map that repeats continues above its first row. Planes of lobes are width * window_rows apart. A texel's number in
@@ -50,13 +50,13 @@ typedef struct MultumMovmfFit {
   int parent_first_row;
   int parent_window_rows;
   int map_first_row;
-  int map_window_rows;  // sums use rows, or chunks that begin, in [map_first_row, map_first_row + map_window_rows)
+  int map_window_rows;  // rows of the window; sums use these rows, or the chunks that begin in them
   int slot_count;       // slots of this launch, a multiple of MULTUM_GROUP; texel_list holds -1 in unused ones
   int order;            // one of MULTUM_ORDER_*
   int periodic_x;       // if not 0, texels at opposite borders are neighbours
   int periodic_y;
   int iteration_count;
-  int sample_capacity;                  // most samples per texel (movmf_em_texels.cl), or cells of a binned texel
+  int sample_capacity;                  // largest number of samples (movmf_em_texels.cl), or of cells, per texel
   int cell_side;                        // cells along a side of a binned texel's grid; 0 means not binned
   int shortened;                        // if not 0, normals are mean vectors of a BRDF's lobes, at most 1 long
   float extra_copies;                   // facets that a sample represents in the E-step, in addition to 1

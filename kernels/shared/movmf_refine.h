@@ -3,10 +3,10 @@
 #ifndef MULTUM_KERNELS_SHARED_MOVMF_REFINE_H
 #define MULTUM_KERNELS_SHARED_MOVMF_REFINE_H
 
-// Lobes are refined for these highlights: Blinn-Phong of exponent s. Squared errors of a sharp highlight would outweigh
-// those of a broad one by the ratio of their exponents, so each highlight is weighted by 1/s. The broadest and the
-// sharpest highlights have even less weight: the broadest differs little between fits, and the sharpest mainly shows
-// single normals, which a few lobes cannot represent.
+// Lobes are refined for these highlights: Blinn-Phong with exponent s. Squared errors of a sharp highlight would
+// outweigh those of a broad one by the ratio of their exponents, so each highlight is weighted by 1/s. The broadest and
+// the sharpest highlights have even less weight: the broadest differs little between fits, and the sharpest mainly
+// shows single normals, which a few lobes cannot represent.
 #define MULTUM_REFINE_BRDFS 3
 #define MULTUM_REFINE_EXPONENTS \
   { 20.0f, 100.0f, 500.0f }
@@ -30,7 +30,8 @@
 // The weight, relative to highlights, of the mean normal, on which diffuse light depends, and of the sum of amplitudes.
 // If the mean normal were kept exactly, highlights would lose more than half of what the refinement gains at centres.
 #define MULTUM_REFINE_MOMENT_WEIGHT 1.5f
-// Pooled lobes that are shorter than this turn as if they had this length.
+// The derivatives of the direction of an averaged lobe are divided by the length of its mean vector, but at least by
+// this length.
 #define MULTUM_REFINE_LENGTH_MIN 0.02f
 // The least diagonal entry. Lobes without weight would otherwise have 0.
 #define MULTUM_REFINE_DIAGONAL_MIN 1e-6f
@@ -56,9 +57,9 @@
     }                                                                                                            \
   }
 // Refined lobes are kept if their error is at most this factor times the error of EM's lobes. The factor is above 1,
-// because EM's lobes mix less well with refined neighbours. With a factor of 1, the error would be 9.8 % (four-quarter
-// map of 1024, 4 lobes, s = 100, midway in x at level 3). If a level has only one texel, there are no neighbours and
-// the factor is 1.
+// because EM's lobes mix less well with refined neighbours. With a factor of 1, the error would rise to 9.8 % (a map of
+// four quarters, 1024 texels wide, 4 lobes, s = 100, midway in x at level 3). If a level has only one texel, there are
+// no neighbours and the factor is 1.
 #define MULTUM_REFINE_LOOK_SLACK 1.1f
 // The least brightness by which the errors of highlights are divided. Darker highlights are invisible in every
 // direction.

@@ -10,7 +10,7 @@
 namespace multum::gl {
 namespace {
 
-constexpr std::size_t kTexelBytes = 8;  // bytes of four half floats
+constexpr std::size_t kTexelBytes = 8;  // size of four 16-bit floats
 constexpr std::size_t kUploadLeast = std::size_t{1} << 16;
 
 PlayerSettings with_kind(PlayerSettings settings) {

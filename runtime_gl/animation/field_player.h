@@ -22,7 +22,7 @@
 namespace multum::gl {
 
 struct PlayerSettings {
-  PlaybackSettings playback;                       // FieldPlayer sets kind
+  PlaybackSettings playback;                       // FieldPlayer sets playback.kind
   std::size_t upload_max = std::size_t{16} << 20;  // bytes uploaded per frame, at least 2^16
   bool is_linear = false;  // mixes gamma-coded samples linearly along each parameter; if false, uses the nearest sample
   bool waits = false;      // waits for all images of a frame; if false, only for each texture's coarsest image
@@ -50,9 +50,9 @@ class FieldPlayer {
 
   const FieldDescription& description() const { return playback_.description(); }
 
-  /// Makes the textures of a point (an index along each parameter, clamped to the grid). `ahead` has the expected
-  /// points of the next frames, as far as known, the nearest frame first. Throws Error(kEnvironment) if the images that
-  /// the player waits for do not fit into memory.
+  /// Makes the textures of a point (an index along each parameter, clamped to the grid). `ahead` lists the expected
+  /// points of the next frames, as far as they are known, in the order of the frames. Throws Error(kEnvironment) if the
+  /// images that the player waits for do not fit into memory.
   const FrameReport& prepare(const std::vector<double>& point, const std::vector<std::vector<double>>& ahead);
 
   /// Forgets all decoded images, so that the next frame measures the cost of a jump to any point.

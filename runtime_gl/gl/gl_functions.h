@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lists exactly the OpenGL functions that this runtime calls. A back-end's GetProcAddress loads them. This table
-// replaces loader libraries for tested reasons: libepoxy crashes under OSMesa 22.3.6, and GLEW does not find OSMesa's
-// functions. GetProcAddress returns an address even for names that do not exist, so the version is checked first.
+// Lists exactly the OpenGL functions that this runtime calls. A back-end's GetProcAddress loads them. Loader libraries
+// were tested and do not work: libepoxy crashes under OSMesa 22.3.6, and GLEW does not find OSMesa's functions.
+// GetProcAddress returns an address even for names that do not exist, so the version is checked first.
 #pragma once
 
 #include <GL/glcorearb.h>
@@ -10,8 +10,8 @@
 
 namespace multum::gl {
 
-// X(type, name) stands for the function gl`name`, which becomes member `name`. Entries are sorted by the part of OpenGL
-// that defines the function.
+// X(type, name) declares the function gl`name` as member `name`. Entries are sorted by the part of OpenGL that defines
+// the function.
 #define MULTUM_GL_FUNCTIONS(X)                                           \
   X(PFNGLGETSTRINGPROC, GetString)                                       \
   X(PFNGLGETSTRINGIPROC, GetStringi)                                     \

@@ -45,10 +45,11 @@ class Texture {
   Texture& operator=(const Texture&) = delete;
 
   /// `rgba` has 4 floats per texel, row 0 first; row 0 is at texture coordinate t = 0. Rounds to the nearest value of
-  /// the format: multiples of 1/32767 clamped to [-1, 1], or halfs with ties to even. Floats are not rounded.
+  /// the format: multiples of 1/32767 clamped to [-1, 1], or 16-bit floats with ties to even. 32-bit floats are not
+  /// rounded.
   void upload_level(int level, const float* rgba);
-  /// Uploads whole rows of a level unchanged, from 4 halves per texel. The format must be kRgba16f, and the texture
-  /// must not be an array.
+  /// Uploads whole rows of a level unchanged, from four 16-bit floats per texel. The format must be kRgba16f, and the
+  /// texture must not be an array.
   void upload_rows(int level, int first_row, int row_count, const std::uint16_t* halves);
   /// Uploads one whole layer of an array.
   void upload_layer(int level, int layer, const float* rgba);

@@ -28,15 +28,14 @@ class Material {
   /// Binds textures to units from 0 on, assigns these units to the shader's samplers, and sets the material's uniforms.
   /// Returns the first free unit.
   virtual int bind(const ShaderProgram& shader) const = 0;
-  /// Returns the order to which the surface uses the BRDF's zonal coefficients (u_zonal), or -1 if it does not use
-  /// them.
+  /// Returns the highest order of the BRDF's zonal coefficients (u_zonal) that the surface uses, or -1 if it uses none.
   virtual int zonal_order() const { return -1; }
   /// Returns the number of the material's blend weights of basis BRDFs, 0 to 4.
   virtual int weight_count() const { return 0; }
   /// From now on, draws only the basis BRDF with this number, times its weight. If unset, ignores the weights.
   void set_basis(std::optional<int> number) { basis_ = number; }
-  /// Returns the number of lobes on which a pixel's evaluations can be spent, instead of on points
-  /// (shaders/common/evaluations.glsl), or 0 if there are none.
+  /// Returns the number of lobes among which a pixel's evaluations can be divided (shaders/common/evaluations.glsl), or
+  /// 0 if they can only be divided among points.
   virtual int budgeted_lobes() const { return 0; }
   /// Returns whether each sample has one normal, around which an environment is sampled by brute force.
   virtual bool samples_light() const { return false; }

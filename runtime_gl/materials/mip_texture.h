@@ -18,8 +18,9 @@ struct TexelPlane {
   std::vector<glm::vec4> texels;
 };
 
-/// Uploads an RGBA32F texture with levels 0 to `level_count` - 1. Each level is the box-filtered previous one, as in
-/// usual mip generators. For sizes that are not powers of two, the result differs from an average of the finest texels.
+/// Uploads an RGBA32F texture with levels 0 to `level_count` - 1. Each level is made from the previous level by a box
+/// filter, as in usual mip generators. For sizes that are not powers of two, the result differs from an average of the
+/// finest texels.
 Texture upload_mips(const GlFunctions& gl, const char* name, TexelPlane plane, int level_count,
                     const SamplerSettings& sampler);
 

@@ -38,7 +38,7 @@ class MovmfMaterial : public Material {
   MovmfMaterial(const GlFunctions& gl, const MovmfMipmap& mipmap, float anisotropy,
                 const NormalImage* source = nullptr);
 
-  /// Replaces the lobe textures by `texture`, the GPU format that `mipmap` was unpacked from.
+  /// Replaces the lobe textures by `texture`, the data in a GPU format from which `mipmap` was unpacked.
   void set_layers(const GlFunctions& gl, const LobeTexture& texture, float anisotropy);
 
   void set_formula(LobeFormula formula) { formula_ = formula; }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Defines the finest normals as textures, for reference pictures and for the methods that users have today: averaged
+// Makes textures of the finest normals, for reference pictures and for the methods that users have today: averaged
 // normals (with Toksvig's rule) and slope moments (LEAN, Olano and Baker 2010). All textures are RGBA32F, so that a
 // baseline's errors come from its method and not from storage.
 #pragma once
@@ -17,7 +17,7 @@
 
 namespace multum::gl {
 
-/// The finest level, which the caller passes. The first row is at the image's top.
+/// The finest level, as the caller provides it. The first row is at the image's top.
 struct NormalImage {
   int width = 0;
   int height = 0;
@@ -42,11 +42,11 @@ enum class Baseline { kMip, kToksvig, kLean, kLeanJacobian };
 
 class NormalMaterial : public Material {
  public:
-  /// The references differ in the normal that a sample uses. kNearest uses only level 0, with its texels as facets.
-  /// kBlended chooses one of the four surrounding texels at random, with their bilinear weights at level 0 as
-  /// probabilities. kInterpolated uses the normal interpolated between the four texels. kFootprint chooses at random
-  /// one of the texels that the scene's TextureFilter averages (exact distributions, common/footprint.glsl). Baselines:
-  /// kMipmapped uses box-filtered mips.
+  /// The references differ in the normal that a sample uses. kNearest uses the nearest texel of level 0. kBlended
+  /// chooses one of the four surrounding texels at random, with their bilinear weights at level 0 as probabilities.
+  /// kInterpolated uses the normal interpolated between the four texels. kFootprint chooses at random one of the texels
+  /// that the scene's TextureFilter averages (exact distributions, common/footprint.glsl). Baselines: kMipmapped uses
+  /// box-filtered mips.
   enum class Sampling { kNearest, kBlended, kInterpolated, kFootprint, kMipmapped };
   NormalMaterial(const GlFunctions& gl, const NormalImage& image, Sampling sampling, float anisotropy);
 
@@ -67,8 +67,8 @@ class NormalMaterial : public Material {
   std::optional<Texture> weights_;
   int weight_count_ = 0;
   bool has_roughness_ = false;
-  // Only for kMipmapped: sets (perceptual roughness, 0, 0, 1), averaged as engines average a roughness map. The
-  // roughness is used with unit normals.
+  // Sets a texture of perceptual roughness, (roughness, 0, 0, 1), whose levels are averaged in the same way as an
+  // engine's roughness map. Used with unit normals, and only by kMipmapped.
   std::optional<Texture> roughness_;
   Baseline baseline_ = Baseline::kMip;
   Sampling sampling_;

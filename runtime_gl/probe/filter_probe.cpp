@@ -30,8 +30,8 @@ struct Entry {
   float weight;
 };
 
-// Returns the number of texels of a level that a footprint is first assumed to reach. A footprint of anisotropy a
-// reaches along a line of a texels, and bilinear filtering adds one texel.
+// Returns the number of texels of a level that a footprint is first assumed to reach. A footprint with anisotropy a is
+// a texels long, and bilinear filtering adds one texel.
 int first_span(const ProbeSampler& sampler) {
   return sampler.anisotropy > 1.0f ? static_cast<int>(std::ceil(sampler.anisotropy)) + 3 : 2;
 }

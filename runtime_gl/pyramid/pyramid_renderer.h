@@ -22,8 +22,9 @@
 namespace multum::gl {
 
 /// Williams makes the texel width proportional to a pixel's width w and does not give the factor. A trilinear lookup at
-/// a level with texels of width w blurs with a variance of w^2 / 4: w^2 / 12 from the texel's box and w^2 / 6 from the
-/// tent between texels. A pixel's own box has w^2 / 12. With texels of width w / sqrt(3), both variances are equal.
+/// a level whose texels are as wide as the pixel blurs with a variance of w^2 / 4: w^2 / 12 from the texel's box and
+/// w^2 / 6 from the tent between texels. The pixel's own box has a variance of w^2 / 12. With texels of width w /
+/// sqrt(3), the lookup has this variance too.
 constexpr float kEqualVarianceBias = -0.79248125f;  // -log2(sqrt(3))
 
 /// Lookup methods of a map.

@@ -20,7 +20,8 @@
 namespace multum::gl {
 namespace {
 
-// A grid over the picture. L' is computed for the view directions of its nodes.
+// A grid over the picture. The light L' (light/environment_sh.glsl) is computed for the view directions of the grid's
+// nodes.
 constexpr int kGridColumns = 9, kGridRows = 7;
 constexpr SamplerSettings kClamped{WrapMode::kClamp, WrapMode::kClamp, true, 1.0f};
 

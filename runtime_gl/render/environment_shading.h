@@ -22,7 +22,7 @@ constexpr int kEnvironmentSampleCount = 32;
 /// then rotates all axes.
 std::array<glm::vec3, 3> environment_axes(const RenderScene& scene);
 
-/// `samples_light` is Material::samples_light(). Returns nothing without an environment.
+/// `samples_light` is Material::samples_light(). Returns an empty ShaderParts if there is no environment.
 ShaderParts environment_shader_parts(const RenderScene& scene, bool samples_light);
 
 class EnvironmentShading {

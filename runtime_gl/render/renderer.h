@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Draws a mesh as a camera sees it into a linear float picture: the baked map, the reference, or a baseline.
+// Draws a mesh with the baked map, the reference or a baseline, as a camera sees it, into a linear float picture.
 // Deterministic: the same input gives the same bytes on one device.
 #pragma once
 
@@ -22,10 +22,11 @@ namespace multum::gl {
 
 struct Picture {
   FloatImage image;
-  // The time from glFinish to glFinish of one frame: the median of 3 frames, or a single frame that took longer than
-  // kLongFrameMs. For a reference, the time of all samples.
+  // The time of one frame, measured from one glFinish to the next. It is the median of 3 frames, or the time of the
+  // first frame if this took longer than kLongFrameMs. For a reference, it is the time of all samples.
   double frame_time_ms;
-  double processor_time_ms = 0.0;  // lowest of these frames, in all threads of this process; 0 for a reference
+  double processor_time_ms = 0.0;  // lowest processor time of these frames, over all threads of this process; 0 for a
+                                   // reference
   double draw_time_ms = 0.0;       // drawing time by the driver's own timer (GL_TIME_ELAPSED); 0 for a reference
   int sample_count = 0;            // samples per pixel of a reference
   double noise = 0.0;              // noise of a reference (ReferenceSum::noise)

@@ -46,9 +46,11 @@ struct TextureFilter {
 };
 
 constexpr int kEvaluationsMax = 16;
-constexpr int kEvaluationsOfLobes = -1;  // means evaluations_of_lobes(Material::budgeted_lobes()), or 0 below two lobes
+constexpr int kEvaluationsOfLobes = -1;  // means evaluations_of_lobes(Material::budgeted_lobes()), or 0 for fewer than
+                                         // two lobes
 
-/// Returns the evaluations for lobes that are evaluated once each: the next power of two, at most kEvaluationsMax.
+/// Returns the number of evaluations per pixel if each lobe is evaluated once: the next power of two, at most
+/// kEvaluationsMax.
 int evaluations_of_lobes(int lobe_count);
 
 /// Perceptual roughness, 0 to 1, over the same coordinates as the map; row 0 at the top.

@@ -8,7 +8,8 @@
 
 namespace multum::gl {
 
-/// Returns the texts of brdf/, keyed by file, such as "ggx.glsl". A 0 byte follows each text after the end of its view.
+/// Returns the texts of brdf/, keyed by file, such as "ggx.glsl". Each text is followed by a 0 byte, which is not part
+/// of its view.
 const std::map<std::string, std::string_view>& brdf_shaders();
 /// Returns the text of a file that must exist.
 inline const char* brdf_shader_text(std::string_view file) { return brdf_shaders().at(std::string(file)).data(); }

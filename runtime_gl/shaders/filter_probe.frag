@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Makes one draw of the filter probe (runtime_gl/probe/filter_probe.h): the sampler's results for eight classes of
 // texels.
-//   u_probes[0..1]  1 in the channel of a texel's class: filtered, the weight of that class's texel
-//   u_probes[2..3]  low digit of the texel's number: filtered, weight * digit
+//   u_probes[0..1]  1 in the channel of a texel's class; the filtered value is the weight of that class's texel
+//   u_probes[2..3]  low digit of the texel's number; the filtered value is weight * digit
 //   u_probes[4..5]  high digit
 //   MULTUM_OCCLUDER another object, which hides the first one and writes zeros
 in vec2 v_st;

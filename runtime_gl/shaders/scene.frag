@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Computes the light that a normal-mapped surface sends to the eye: its normals by one of surface/, its BRDF by one of
-// brdf/, its lights by light/ (common/reflection.glsl describes their interface). All vectors are converted to tangent
-// space, the space of the map's normals.
+// Computes the light that a normal-mapped surface sends to the eye. A file of surface/ provides its normals, a file of
+// brdf/ its BRDF, and light/ its lights (common/reflection.glsl describes the interface of these files). All vectors
+// are converted to tangent space, the space of the map's normals.
 //
 // The outgoing radiance is the sum over lights of the BRDF times max(n.l, 0), averaged over n. MULTUM_REFERENCE
 // averages over samples. The models of the other variants include the average, with cosines per lobe or of the
@@ -19,7 +19,7 @@ uniform vec3 u_eye;
 layout(location = 0) out vec4 o_colour;
 
 #ifdef MULTUM_TURNED
-// Sets the turn variance over one of `count` parts of the pixel. Takes derivatives.
+// Sets multum_turn_variance for one of `count` parts of the pixel. Takes derivatives.
 void multum_take_turn(float count) {
   vec3 normal = normalize(v_normal);
   multum_turn_variance = multum_geometry_variance(dFdx(normal), dFdy(normal), count);
@@ -81,7 +81,7 @@ vec3 multum_evaluated() {
   // One octave finer, the normal map replaces the lobes, so there are no lobes to evaluate.
   if (multum_normal_map_share(level - 1.0) > 0.0) pays = false;
 #elif !defined(MULTUM_MAGNIFIED)
-  // Between texels, the filter mixes the light of the surrounding texels, which are lobes.
+  // Between texels, the filter mixes the light of the surrounding texels, which act as separate lobes.
   if (level < 1.0) pays = true;
 #endif
   if (pays) points = lobe_points;

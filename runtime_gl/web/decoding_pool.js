@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Decodes textures in workers, the most urgent first. Textures that are no longer needed are not started, and the
-// download of their bytes stops. A worker has one request at a time, so that a new request waits for at most one
+// Decodes textures in workers, the most urgent first. If a waiting texture becomes unnecessary, it is not decoded, and
+// the download of its bytes stops. A worker has one request at a time, so that a new request waits for at most one
 // texture. All textures of a chunk go to one worker, which keeps the decoded chunk.
 
 import { errorText } from "./error_text.js";
@@ -77,7 +77,7 @@ export class DecodingPool {
     this.work();
   }
 
-  /** Ends all wishes for textures of the wish's chunk. */
+  /** Ends all requests for textures of the same chunk as this request. */
   drop(wish, error) {
     this.wishes = this.wishes.filter((one) => one.chunk !== wish.chunk);
     this.fail(wish, error);

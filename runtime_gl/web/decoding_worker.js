@@ -6,7 +6,7 @@
 //   gets { wasm }                                                 bytes of packed_field.wasm, once
 //   gets { id, chunk, bytes, texture, textures, width, height }   bytes is null if the worker should still have the
 //   chunk
-//   answers { id, levels, memory } | { id, isGone, memory } | { id, problem, memory }   levels: halves, all mip levels
+//   answers { id, levels, memory } | { id, isGone, memory } | { id, problem, memory }   levels: 16-bit floats, all mips
 import { loadDecoder } from "./packed_field.js";
 import { chunkHead } from "./chunk_head.js";
 import { errorText } from "./error_text.js";

@@ -274,7 +274,7 @@ export class FieldPlayer {
     return mesh;
   }
 
-  /** Adds a layer's present textures to `drawn`. Returns false if one that should be present is missing. */
+  /** Adds the loaded textures of a layer to `drawn`. Returns false if a texture that should be loaded is missing. */
   addLayer(layer, corners, mapping, drawn) {
     const { mappingOfSample } = layer.object;
     const shares = new Map(); // weights by key

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Reads triangles by object from a binary glTF: positions, one set of texture coordinates, names of nodes and their
-// places. Each triangle has its own three corners, because a texture's cut may give a vertex two coordinates. Rejects
-// sparse accessors, compression and external files with an error that names them.
+// places. Each triangle has its own three corners, because a vertex on a cut of the texture may have two texture
+// coordinates. Rejects sparse accessors, compression and external files with an error that names them.
 import { FieldError } from "./byte_source.js";
 import { identity, multiplied } from "./matrices.js";
 
@@ -169,8 +169,8 @@ export function mappedCorners(uvs, mapping) {
   const { linear: [a, b, c, d], offset, hasCut, cut } = mapping;
   const corners = new Float32Array(uvs.length);
   for (let t = 0; t < uvs.length; t += 6) {
-    // Shifts the triangle by whole periods to its side of a cut. If the triangle straddles a cut, its middle determines
-    // the side.
+    // Shifts the triangle by whole periods, so that it is on the right side of a cut. If the triangle straddles a cut,
+    // its middle determines the side.
     const shift = [0, 1].map((axis) => {
       if (!hasCut[axis]) return 0;
       const values = [uvs[t + axis], uvs[t + 2 + axis], uvs[t + 4 + axis]];

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Computes with 4 x 4 matrices, sixteen numbers column by column. Interpolates cameras and places between samples.
+// Computes with 4 x 4 matrices, which are stored column by column as sixteen numbers. Interpolates cameras and places
+// between samples.
 
 export function identity() {
   const matrix = new Float64Array(16);
@@ -68,7 +69,7 @@ export function cameraParts(worldToClip) {
   if (!(Math.abs(fx) > 1e-12)) return null;
   const skew = dot(rows[0], up);
   const [cx, cy, depth] = [dot(rows[0], back), dot(rows[1], back), dot(rows[2], back)];
-  // Translation in camera space, from the eye's view of the world's origin.
+  // Position of the world's origin in camera space, from which the eye's position follows.
   const tz = ends[3] / -scale;
   const ty = (ends[1] - cy * tz) / fy;
   const tx = (ends[0] - cx * tz - skew * ty) / fx;

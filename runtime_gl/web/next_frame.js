@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Draws on time even in hidden pages, because a background tab gets no frames.
+// Draws after a short time even in background tabs, in which browsers draw no frames.
 
 // Time to wait for a frame. A visible page gets its frame, perhaps late on a slow device; drawing earlier would only
 // fill the queue.

@@ -4,7 +4,7 @@
 import { cameraParts, isEqual } from "./matrices.js";
 
 const STEP = 0.05; // step of a slider's arrow keys, as a share of the distance between samples
-const TURN_SHARE = 0.75; // share of the parameter for a drag across the whole picture
+const TURN_SHARE = 0.75; // share of the parameter's range that a drag across the whole picture covers
 
 const node = (name, attributes = {}, ...children) => {
   const element = document.createElement(name);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Runs the page of the player. Opens a field that its configuration or `?file=` in its address names, or that the user
-// chooses. Connects controls, path and statistics to the player of the field.
+// Runs the page of the player. Opens the field that the page's configuration names, the field that `?file=` in its
+// address names, or one that the user chooses. Connects controls, path and statistics to the player of the field.
 //
 // The configuration, a block of JSON in the page: { "file": URL, "geometry": URL, "title": text }. A self-contained
 // page has further blocks: data-field, data-geometry, data-wasm (base64) and worker-source (text).
@@ -165,8 +165,8 @@ function start({ file, description, objects, startWorkers, title }) {
   document.title = title;
   byId("about").textContent = `${description.sizes.join(" \u00d7 ")} samples of ` +
     `${description.parameters.join(", ")}; ${description.width} \u00d7 ${description.height} pixels`;
-  const stage = byId("stage"); // replaces the stage, because a canvas keeps its context forever, and old controls must
-                               // go
+  const stage = byId("stage"); // replaces the stage, because a canvas keeps its context forever, and to remove old
+                               // controls
   const freshStage = stage.cloneNode(false);
   const canvas = Object.assign(document.createElement("canvas"), { id: "canvas" });
   canvas.style.aspectRatio = `${description.width} / ${description.height}`;
@@ -286,7 +286,7 @@ function showStatistics() {
   byId("statistics-list").replaceChildren(...rows);
 }
 
-// ---- Joined
+// ---- Events
 
 byId("play").addEventListener("click", togglePlaying);
 byId("record").addEventListener("click", toggleRecording);

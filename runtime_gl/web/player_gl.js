@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Draws textured objects with WebGL 2, in the same way as runtime_gl/animation with desktop GL
-// (runtime_gl/shaders/textured.vert and .frag). Looks up radiance in textures of halves with mip levels, adds it up,
-// and computes no lighting. Averages supersampling^2 sub-pixels per pixel in linear light, and encodes the result as
-// sRGB.
+// (runtime_gl/shaders/textured.vert and .frag). Looks up radiance in textures of 16-bit floats with mip levels, adds it
+// up, and computes no lighting. Averages supersampling^2 sub-pixels per pixel in linear light, and encodes the result
+// as sRGB.
 
-const BYTES_PER_TEXEL = 8; // three halves, padded to four by most drivers
+const BYTES_PER_TEXEL = 8; // three 16-bit floats, padded to four by most drivers
 const SUB_PIXELS_MAX = 1 << 24; // limit for the framebuffer; each has 8 bytes of colour and 4 of depth
 const POSITION = 0;
 const UV = 1;
@@ -114,7 +114,7 @@ export class PlayerGl {
     return this.programs.get(count);
   }
 
-  /** `levels` has the halves of all mip levels, the finest first, [texels][3]. */
+  /** `levels` has 16-bit floats for all mip levels, the finest first, [texels][3]. */
   makeTexture(levels, { width, height, wrapS, wrapT }, anisotropy) {
     const { gl } = this;
     const texture = gl.createTexture();

@@ -32,7 +32,8 @@ export class RecordedPath {
   }
 
   /**
-   * Returns a closed curve through all parameters, for use without a recorded path. `sizes` has the samples along each.
+   * Returns a closed curve through all parameters, to play without a recorded path. `sizes` has the number of samples
+   * along each parameter.
    */
   static tour(parameters, sizes) {
     const seconds = 24;

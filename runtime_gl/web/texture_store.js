@@ -22,7 +22,7 @@ export class TextureStore {
   }
 
   /**
-   * Makes room for this many bytes, but keeps entries whose key `isNeeded`. Returns false if there is not enough room.
+   * Makes room for this many bytes, but keeps entries if `isNeeded(key)` is true. Returns false if that is not enough.
    */
   makeRoom(bytes, isNeeded) {
     if (bytes > this.budget) return false;

@@ -93,9 +93,9 @@ double exact_value(const glm::dvec4& lobe, double s, const glm::dvec3& w) {
 
 // Returns the allowed error of floats. It is the change of the exact value when each number of the lobe and of the
 // direction changes by kRoundings float roundings, because every operation rounds once. The variance is a difference of
-// numbers up to a, so its rounding error is relative to a. The z of the Lambert term is the root of such a difference.
-// The exponential adds 1e-5 of the value; results that underflow are negligible compared with a peak. The measured
-// error is a tenth of the error that kRoundings = 8 allows.
+// numbers up to the amplitude a, so its rounding error is relative to a. The z of the Lambert term is the root of such
+// a difference. The exponential adds 1e-5 of the value; results that underflow are negligible compared with a peak. The
+// measured error is a tenth of the error that kRoundings = 8 allows.
 double tolerance(const glm::dvec4& lobe, double s, const glm::dvec3& w) {
   constexpr double kRoundings = 8.0, kStep = kRoundings * 0x1p-24;
   const double value = exact_value(lobe, s, w);

@@ -48,7 +48,7 @@ std::vector<MultumFilteredMoments> test_moments(unsigned seed) {
   for (const double length : {1e-6, 0.1, 0.5, 0.9999, 1.0, 1.0005})
     all.push_back(moments(0.4, 0.2, 0.1, 0.1, 0.0, length));
   MultumFilteredMoments rounded = moments(0.7, -0.7, 0.0, 0.0, 0.0, 1.0);
-  rounded.ss *= 0.9995f;  // rounding to halfs may leave a second moment below the square of the mean
+  rounded.ss *= 0.9995f;  // rounding to 16-bit floats may leave a second moment below the square of the mean
   rounded.st *= 1.0005f;
   all.push_back(rounded);
   std::mt19937 random(seed);
@@ -70,7 +70,7 @@ std::vector<glm::vec3> test_half_vectors(unsigned seed) {
   return all;
 }
 
-// by [moments][half vector]
+// values by [moments][half vector]
 std::vector<float> shade_moments_opencl(const std::vector<MultumFilteredMoments>& set,
                                         const std::vector<glm::vec3>& half_vectors, float exponent, int shading) {
   static Device device = Device::open("");

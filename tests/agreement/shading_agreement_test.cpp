@@ -255,7 +255,8 @@ std::vector<float> highlight_cosines_opencl(const Highlights& set) {
   return values;
 }
 
-// The mean direction is turned by the spread, whose rounding error of 6e-8 is 1e-4 of the sharpest lobe's spread.
+// The mean direction is turned by an amount that depends on the spread. The spread has a rounding error of 6e-8, which
+// is 1e-4 of the sharpest lobe's spread.
 TEST(HighlightCosineAgreementTest, OpenclEqualsGlsl) {
   std::mt19937 random(47);
   const auto context = gl::make_headless_context(gl::ContextBackend::kOsmesa);
@@ -280,7 +281,7 @@ TEST(HighlightCosineAgreementTest, OpenclEqualsGlsl) {
   for (std::size_t i = 0; i < opencl.size(); ++i) ASSERT_NEAR(opencl[i], glsl[i].x, 2e-4f) << i;
 }
 
-// Returns the relative L1 error of the highlight with its cosine, over light, eye and lobe.
+// Returns the relative L1 error of the highlight, including its cosine, over lights, eyes and lobes.
 // docs/contributing/ALGORITHMS.md states the bounds. The convolution is exact here, because another test checks the
 // bounds of the approximate one.
 double highlight_error(const std::function<double(double)>& f, double facet_kappa, double kappa) {

@@ -11,7 +11,7 @@ import subprocess
 import sys
 
 bench, output = sys.argv[1], sys.argv[2]
-# Reuses the kernels that PoCL compiled for other tests, but not multum's own cache, as in tests/cli/program.h.
+# Reuses the kernels that PoCL compiled for other tests, but not multum's own cache; so does tests/cli/program.h.
 cache = os.environ.get("XDG_CACHE_HOME") or pathlib.Path.home() / ".cache"
 environment = {"POCL_CACHE_DIR": f"{cache}/pocl/kcache", **os.environ, "MULTUM_CACHE_DIR": ""}
 
@@ -51,7 +51,7 @@ pathlib.Path(output + ".md").unlink()
 run("--from", output + ".json", "--output", output, expected=0)
 assert read()[1] == page
 
-# With too little time, steps are left out and named.
+# If there is too little time, steps are left out, and the output names them.
 run("--small", "--any-device", "--minutes", "0.1", "--output", output, expected=0)
 result, page = read()
 assert all(step["status"] in ("done", "left out", "failed") for step in result["steps"])

@@ -243,7 +243,7 @@ TEST_F(BakeCommandTest, TheReportHasTimesCountsAndErrors) {
 
 TEST_F(BakeCommandTest, RepairsAreShown) {
   TestImage image = normal_image(64, 64);
-  for (int c = 0; c < 3; ++c) image.at(9, 9, c) = 128.0f / 255.0f;  // of zero length
+  for (int c = 0; c < 3; ++c) image.at(9, 9, c) = 128.0f / 255.0f;  // a normal of length 0
   for (int i = 0; i < 128; ++i)
     for (int c = 0; c < 3; ++c) image.at(i % 64, 20 + i / 64, c) = 0.0f;
   write_test_image(path("holes.png"), image);
@@ -596,7 +596,7 @@ double highlight_peak(const std::vector<glm::dvec4>& lobes, double exponent) {
 }
 
 TEST_F(BakeCommandTest, AFileKeepsTheHighlightOfGlossyTiltedFlats) {
-  constexpr double kAlpha = 0.01;  // of roughness 0.1
+  constexpr double kAlpha = 0.01;  // alpha of roughness 0.1
   constexpr double kExponent = 2.0 / (kAlpha * kAlpha) - 2.0;
   const double exact = highlight_peak({{0.0, 0.0, 1.0, 1.0}}, kExponent);
   double worst = 0.0;

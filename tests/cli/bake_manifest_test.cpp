@@ -65,7 +65,7 @@ class BakeManifestCommandTest : public CliTest {
     for (std::size_t at = middle; at < middle + 64; ++at) bytes[at] = static_cast<char>(bytes[at] ^ 0x10);
     write_bytes(path(name), bytes);
   }
-  // Replaces a source by other noise of the same size.
+  // Replaces a source with other noise of the same size.
   void edit_source(const std::string& name, int size) const {
     const ProgramResult made = multum({"testmap", path(name), "--size", std::to_string(size), "--seed", "8"});
     ASSERT_EQ(made.exit_code, 0) << made.err;
@@ -257,7 +257,7 @@ TEST_F(BakeManifestCommandTest, WhatCannotBeBakedSaysWhyItIsMissing) {
   fs::remove(path("out/a.ndf.exr"));
   fs::copy_file(path("b_normal.png"), path("small.png"));
   struct Refused {
-    std::string keys;  // keys of a map of a_normal.png, which has no output yet
+    std::string keys;  // keys of a map that reads a_normal.png and has no output yet
     std::vector<std::string> why;
   };
   for (const Refused& c : {Refused{"albedo = \"small.png\"\n", {"small.png", "16 x 16", "32 x 32"}},

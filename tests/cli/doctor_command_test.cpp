@@ -15,7 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Holds texts by area, one per finding, with its state, what was found and the advice.
+// Holds the findings of each area. The text of a finding has its state, what was found and the advice.
 using Findings = std::map<std::string, std::vector<std::string>>;
 
 Findings findings_of(const std::string& out) {

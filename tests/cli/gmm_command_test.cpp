@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests multum bake --ndf gmm: its file, its figures, its similarities with lobes, and its refusals.
+// Tests multum bake --ndf gmm: its file, its figures, what it has in common with bakes of lobes, and its refusals.
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>

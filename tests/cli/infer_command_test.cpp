@@ -202,7 +202,7 @@ TEST_F(InferCommandTest, AKilledRunLeavesNothingHalfWrittenAndIsGoneOnWith) {
 // Ctrl-C on a terminal also reaches multum-view. If multum-view then ends, this is not a failure.
 TEST_F(InferCommandTest, CancelledWhileTheViewerRunsIsCancelled) {
   write_scene({});
-  // This viewer ends as if by Ctrl-C, and signals multum as the terminal would.
+  // This viewer exits as after Ctrl-C, and sends multum the signal that the terminal would send.
   fs::create_directory(path("bin"));
   for (const char* program : {"multum", "multum-decode"})
     fs::copy_file(std::string(MULTUM_BIN_DIR) + "/" + program, path("bin/") + program);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Runs every command under small limits of the shell (ulimit -f, -v, -n). The command succeeds, or says what is missing
-// and exits with the code for faults of the machine. No signal ends it, and no half-written file is left.
+// and exits with the code for faults of the machine. No signal terminates the command, and no half-written file is
+// left.
 
 #include "host/foundation/base/processes/sanitizers.h"
 #include "tests/cli/program.h"
@@ -94,7 +95,8 @@ TEST_F(LimitSweepTest, OpenFiles) { sweep({"-n 8", "-n 14", "-n 22"}); }
 #ifndef MULTUM_SHADOW_MEMORY
 TEST_F(LimitSweepTest, Memory) { sweep({"-v 250000", "-v 450000", "-v 700000"}); }
 
-// OpenGL drivers end a program by a signal when memory runs out. Their memory use differs between machines.
+// OpenGL drivers terminate a program with a signal when memory runs out. The drivers' memory use differs between
+// machines.
 TEST_F(LimitSweepTest, MemoryOfDrivers) {
   if (!fs::exists(program("multum-view"))) GTEST_SKIP() << "without multum-view";
   for (int limit = 200000; limit < 480000; limit += 12000)

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests commands that run out of a resource: disk space during a bake, memory, open files, a writable folder, name
-// length. The error is clear and has an exit code; no signal ends the program, and no half-written file is left.
+// Tests commands for which a resource is too small or missing: disk space during a bake, memory, open files, a writable
+// folder, or the length of names. The error is clear and has an exit code. No signal terminates the program, and no
+// half-written file is left.
 #include <sys/mount.h>
 
 #include "host/foundation/base/processes/sanitizers.h"

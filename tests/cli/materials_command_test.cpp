@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests multum bake --roughness and --weights: the contents of the file, and the recognition of changes in manifests
+// Tests multum bake --roughness and --weights: the contents of the file, and that changes are recognised in manifests
 // and for every representation.
 #include <algorithm>
 #include <cmath>
@@ -19,7 +19,7 @@ class MaterialsCommandTest : public CliTest {
  protected:
   void SetUp() override {
     make_map("map", 64);
-    // The first file has glTF's order of channels (occlusion, roughness, metalness), the second file the weights of
+    // The first file has glTF's order of channels (occlusion, roughness, metalness). The second file has the weights of
     // four BRDFs.
     write_waves("orm.png", 3, 0.5);
     write_waves("weights.png", 4, 1.0);
@@ -170,8 +170,8 @@ TEST_F(MaterialsCommandTest, WhatCannotBeIsRefusedBeforeAnythingIsFitted) {
   EXPECT_FALSE(std::filesystem::exists(path("a.ndf.exr")));
 }
 
-// Gloss is 1 - roughness, for the command line, manifests and reports. A bake with a gloss map does not count as a bake
-// with the same map as roughness.
+// Gloss is 1 - roughness, for the command line, manifests and reports. A bake that reads a map as gloss does not count
+// as a bake that reads the same map as roughness.
 TEST_F(MaterialsCommandTest, GlossIsRoughnessTheOtherWayRound) {
   TestImage rough{.width = 64, .height = 64, .channels = 1, .type = OIIO::TypeDesc::FLOAT}, gloss = rough;
   for (int i = 0; i < 64 * 64; ++i) {

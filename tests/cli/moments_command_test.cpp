@@ -64,7 +64,7 @@ TEST_F(MomentsCommandTest, BakesVerifiesAndSaysWhatItHolds) {
   const ProgramResult info = multum({"info", path("map.ndf.exr")});
   for (const char* line :
        {"representation  moments: mean normal, first and second moments of slopes, mean colour", "64 x 64, 7 levels",
-        "encoding        half; at a slope b, keeps slope deviations down to 0.0442 b",
+        "encoding        half; at a slope b, stores deviations of slopes down to 0.0442 b",
         "\"representation\":\"moments\""})
     EXPECT_TRUE(contains(info.out, line)) << line << " is not in\n" << info.out;
   const std::string table = result.out.substr(result.out.find("measured error"));
@@ -223,8 +223,8 @@ std::vector<std::vector<float>> read_first_part(const std::string& path, int cha
   return levels;
 }
 
-// The six channels equal maketx's in names, order and signs, for inputs that maketx handles well: signed, with sizes
-// that halve.
+// The six channels equal maketx's channels in names, order and signs. This holds for inputs that maketx handles well,
+// which are signed and have sizes that can be halved.
 TEST_F(MomentsCommandTest, TheFirstPartIsWhatMaketxWrites) {
   if (!program_works("maketx", "--help")) GTEST_SKIP() << "no maketx (Debian package openimageio-tools)";
   make_exr("map.exr", 64, 32);

@@ -3,8 +3,8 @@
 // buffers, data races, wrong calls. Whole bakes run in it, as a user would start them.
 //
 // The option --uninitialized is not used, because with it oclgrind 21.10 (Debian 12) stops at LLVM's freeze
-// instruction. Without optimisation, it also reports tens of thousands of values as uninitialised: buffers over the
-// program's own memory (CL_MEM_USE_HOST_PTR) and structs passed by value.
+// instruction. Without optimisation, the option also reports tens of thousands of values as uninitialised. They are in
+// buffers over the program's own memory (CL_MEM_USE_HOST_PTR) and in structs that are passed by value.
 #include <nlohmann/json.hpp>
 #include <regex>
 
@@ -57,7 +57,7 @@ class OclgrindTest : public CliTest {
     for (const auto& [kernel, count] : report["launches"].items()) launched_.insert(kernel);
   }
 
-  // Makes a pyramid by a command under oclgrind, and collects the launched kernels.
+  // Makes a pyramid with a command under oclgrind, and collects the launched kernels.
   void make_pyramid(std::vector<std::string> command) {
     command.insert(command.end(), {"--report", path("report.json"), "-o", path("pyramid.exr")});
     simulate(multum_command(command));
@@ -97,13 +97,15 @@ std::set<std::string> all_kernels() {
 }
 
 TEST_F(OclgrindTest, EveryKernelRunsWithoutComplaint) {
-  // The coarsest texel has few normals. A team bins it, or it is fitted in chunks, in 60 iterations.
+  // The maps are small, so their coarsest texel has few normals. It is either binned by a team of work-items or fitted
+  // in chunks, in 60 iterations.
   write_maps("odd", normal_image(35, 31));  // coarse texels cover fractions of finer ones
   write_maps("odd_of_few", few_normals(35, 31));
   write_maps("even_of_few", few_normals(64, 32));
   write_maps("even", normal_image(32, 16));
   write_maps("tiny", normal_image(7, 6));
-  // Measuring is slow here. The small even map and the tiny one are measured, also with colours and the scalar kernel.
+  // Measuring errors is slow here, so only the small even map and the tiny map are measured. Some of these bakes have
+  // colours or use the scalar kernel.
   bake({path("odd.png"), "--albedo", path("odd_albedo.png"), "--iterations", "1", "--lobes", "3", "--no-measure",
         "--no-start-search"});
   bake({path("odd_of_few.png"), "--albedo", path("odd_of_few_albedo.png"), "--iterations", "1", "--passes", "1",
@@ -130,7 +132,8 @@ TEST_F(OclgrindTest, EveryKernelRunsWithoutComplaint) {
 
   export_material({path("tiny.png"), "--roughness", path("tiny_albedo.png"), "--anisotropy"});
   export_material({path("tiny.png"), "--fast"});
-  // Inlined functions that return structs leave llvm.experimental.noalias.scope.decl, which oclgrind does not support.
+  // Inlined functions that return structs leave the intrinsic llvm.experimental.noalias.scope.decl, which oclgrind does
+  // not support.
   export_material({path("tiny.png"), "--roughness", path("tiny_albedo.png"), "--format", "ktx2", "--texels", "bc"},
                   {"--build-options", "-cl-opt-disable"});
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads files by independent programs: OpenImageIO's oiiotool, and the Python files of docs/reference.
+// Reads files with independent programs: OpenImageIO's oiiotool, and the Python files of docs/reference.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -102,9 +102,9 @@ std::string python_of_format_page() {
          "/docs/reference\")\nfrom read_baked import *\nfrom read_inferred import *\n";
 }
 
-// Reads each file of the command line, which is given with its output, its first level and its number of levels. Writes
-// amplitudes, mean vectors and colours of every level as 32-bit floats, and prints the result of asking for a finer
-// level.
+// The command line gives each file with its output, its first level and its number of levels. The script writes
+// amplitudes, mean vectors and colours of every level as 32-bit floats. It also asks for a finer level and prints the
+// result.
 constexpr char kDriver[] = R"(
 import sys
 for path, output, first_level, levels in zip(*[iter(sys.argv[1:])] * 4):
@@ -155,7 +155,7 @@ void expect_level(const MovmfLevel& level, const MovmfMipmap& header, FloatStrea
       glm::dvec3 mean = stored.w > 0.0 ? glm::dvec3(stored) / stored.w : glm::dvec3(0.0);
       if (planar) mean.z = static_cast<double>(gmm_variance(level.lobes[j][i]));
       else mean /= std::max(1.0, glm::length(mean));
-      // The page's code divides by at least 1e-20; a smaller share, which only floats can store, is invisible.
+      // The page's code divides by at least 1e-20. A smaller share is invisible, and only 32-bit floats can store it.
       for (int c = 0; c < 3; ++c) {
         const auto found = static_cast<double>(python.next());
         if (stored.w > 0.0 && stored.w <= 1e-20) continue;

@@ -127,7 +127,7 @@ ProgramResult run_on_terminal(const std::vector<std::string>& arguments) {
     return result;
   }
   std::array<char, 4096> buffer;
-  for (;;) {  // Linux ends the loop with EIO when the program has ended
+  for (;;) {  // Linux reports EIO when the program has ended, which ends this loop
     const ssize_t count = read(terminal, buffer.data(), buffer.size());
     if (count > 0) result.out.append(buffer.data(), static_cast<std::size_t>(count));
     else if (count == 0 || errno != EINTR) break;
@@ -196,7 +196,7 @@ void check_messages(const std::vector<std::string>& arguments, const std::string
     if (line.starts_with("multum: ") || line.starts_with("warning: ")) check_message(arguments, line);
 }
 
-[[maybe_unused]] const bool kHasJobs = (register_jobs(), true);  // before any command
+[[maybe_unused]] const bool kHasJobs = (register_jobs(), true);  // registers the jobs before any command runs
 
 }  // namespace
 

@@ -13,7 +13,7 @@
 namespace multum::testing {
 
 struct ProgramResult {
-  int exit_code = -1;  // -1 if a signal ended the program
+  int exit_code = -1;  // -1 if a signal terminated the program
   int signal = 0;      // 0 if the program exited
   std::string out, err;
 };

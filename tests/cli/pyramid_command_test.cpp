@@ -158,7 +158,8 @@ TEST_F(PyramidCommandTest, ReflectanceRemembersItsLights) {
   EXPECT_NE(multum(command).out.find("unchanged"), std::string::npos);
 }
 
-// Returns a model of two materials with normal maps. One map is embedded; the other is a separate file and scaled.
+// Returns a model of two materials with normal maps. One map is embedded. The other map is in a separate file and has a
+// scale.
 std::string model(const std::string& more) {
   return R"({"asset":{"version":"2.0"},"materials":[)"
          R"({"name":"steel","normalTexture":{"index":0,"scale":0.5},"pbrMetallicRoughness":{"metallicFactor":0.25}},)"

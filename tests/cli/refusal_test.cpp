@@ -240,7 +240,8 @@ TEST_F(RefusalTest, ABakedFileWithAnyByteFlippedNeverCrashesVerify) {
   }
 }
 
-// A key of 32,000 parts has 64 KB. The parser used a stack frame for each part, and a signal ended the program.
+// A key of 32,000 parts has 64 KB. The parser once used a stack frame for each part, and a signal terminated the
+// program.
 TEST_F(RefusalTest, TomlFilesBeyondTheLimits) {
   std::string key = "a";
   for (int i = 1; i < 32'000; ++i) key += ".a";

@@ -123,7 +123,7 @@ TEST_F(ResumeTest, DamagedRowsAreFittedAgain) {
   }
 }
 
-// A farm sends SIGTERM before it kills (docs/reference/exit_codes.md).
+// A farm sends SIGTERM before it kills a program (docs/reference/exit_codes.md).
 TEST_F(ResumeTest, ATerminatedBakeLeavesWhatResumeTakes) {
   make_map("map", 512);
   const auto bake = [&](const std::vector<std::string>& more) {
@@ -206,7 +206,7 @@ TEST_F(ResumeTest, ATerminatedSetGoesOn) {
             read_movmf_header(path("rock_1001.ndf.exr")).header.provenance.content_hash);
 }
 
-// In a map of this size, fitting the finest level takes less time than keeping its rows.
+// In a map of this size, fitting the finest level takes less time than storing its rows.
 TEST_F(ResumeTest, WhoDoesNotAskForItKeepsAllButTheFinestLevel) {
   make_map("map", 1024);
   ASSERT_EQ(run_program(command({})).exit_code, 0);
@@ -244,7 +244,7 @@ TEST_F(ResumeTest, WhatAnotherBakeLeftIsNotTaken) {
   EXPECT_FALSE(std::filesystem::exists(partial()));
 }
 
-// Both files are complete. The first bake has the folder of partial work to itself; the second does without one.
+// Both files are complete. Only the first bake uses the folder of partial work; the second bake works without it.
 TEST_F(ResumeTest, TwoBakesOfOneOutputAtOnceAreEachWhole) {
   make_map("map", 512);
   ASSERT_EQ(run_program(command({})).exit_code, 0);
@@ -266,7 +266,7 @@ class RegionTest : public CliTest {
   void SetUp() override {
     make_map("map", kSide);
     NormalMapSettings reading;
-    reading.green = GreenAxis::kUp;  // as the map is written, so that texels that are not edited stay unchanged
+    reading.green = GreenAxis::kUp;  // the convention on disk; unedited texels then stay unchanged
     NormalMap map = read_normal_map(path("map_normal.png"), reading, 1, nullptr);
     for (int y = 0; y < kSide; ++y)
       for (int x = 0; x < kSide; ++x) {
@@ -286,7 +286,7 @@ class RegionTest : public CliTest {
     arguments.insert(arguments.end(), more.begin(), more.end());
     return multum(arguments);
   }
-  // Returns errors over the whole map, as means over points and levels, by BRDF.
+  // Returns the errors of the whole map by BRDF. Each error is a mean over points and levels.
   std::map<std::string, double> errors(const std::string& output) const {
     std::ifstream in(path(output + ".json"));
     std::map<std::string, double> sums;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests multum plan and multum bake scene.toml. Compares the pictures of six scenes with those of the default bake, and
-// their launches and builds with the plan.
+// Tests multum plan and multum bake scene.toml. Compares the pictures of six scenes with the default bake's pictures,
+// and the launches and builds of kernels with the plan's numbers.
 #include <fmt/format.h>
 
 #include <OpenImageIO/imageio.h>
@@ -144,8 +144,8 @@ class SceneCommandTest : public CliTest {
     EXPECT_EQ(held.find("normal_map"), std::string::npos);
   }
 
-  // Compares a picture by the measured errors of both bakes, by the plan's estimates, and by the scene's known
-  // difference.
+  // Expects a picture whose difference from the expected one is at most what the bakes and the plan state, and at most
+  // the scene's known difference.
   void hold_picture(const SceneCase& c, const std::string& from, const std::vector<float>& picture,
                     const std::vector<float>& expected, double stated, double planned) const {
     double off = 0.0, all = 0.0;
@@ -366,8 +366,8 @@ TEST_F(SceneCommandTest, ABudgetOfTimeIsKeptOrRefused) {
   EXPECT_FALSE(fs::exists(path("none/plan.json")));
 }
 
-// Estimates are close. Plan and report state the settings that the trials chose, both after the trials and in a later
-// run that has no work left.
+// The estimates are close to the measured errors. Plan and report state the settings that the trials chose, both after
+// the trials and in a later run that has no work left.
 TEST_F(SceneCommandTest, ATargetIsReachedByTrialsThatAreReported) {
   SceneCase scene{.name = "target"};
   scene.material = "brdf = \"blinn-phong\"\nexponent = 100\n[budget]\ntarget_error = 0.25\n";

@@ -35,7 +35,7 @@ TEST_F(TargetCommandTest, MeetsAnErrorAndSaysHow) {
     found = found || one["relative_l1"].get<double>() + one["confidence_95"].get<double>() <= 0.3;
   }
   EXPECT_TRUE(found) << report["error"];
-  // The report lists errors at footprints that had no part in the choice, and the worst of these errors.
+  // The report lists errors at footprints that were not used for the choice, and the worst of these errors.
   std::smatch judged;
   ASSERT_TRUE(std::regex_search(
       met.out, judged,

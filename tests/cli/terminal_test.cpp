@@ -8,7 +8,8 @@
 namespace multum::testing {
 namespace {
 
-// The name has ESC, and a C1 character as UTF-8 and as one byte; 8-bit terminals read this character as ESC [.
+// The name contains ESC, and a C1 control character twice: once as UTF-8 and once as a single byte. 8-bit terminals
+// read this character as ESC [.
 const std::string kName =
     "q\x1b[31m\xc2\x9b"
     "2J\x9b"

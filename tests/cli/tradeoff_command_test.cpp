@@ -163,8 +163,8 @@ TEST_F(TradeoffCommandTest, MarksWhatKeepsToBudgets) {
   EXPECT_GT(warned, 0u) << "they are in the report";
 }
 
-// Settings are ranked by the measured error of pixels; a difference below both intervals does not count. With a
-// roughness map, pictures are drawn with it, and errors are those of "roughness".
+// Settings are ranked by the measured error of pixels; a difference that is smaller than both intervals does not count.
+// If there is a roughness map, pictures are drawn with it, and the errors are those of the BRDF "roughness".
 using TradeoffPictureTest = TradeoffCommandTest;  // slow: two pictures per setting
 
 TEST_F(TradeoffPictureTest, RanksByErrorsBeyondTheirIntervalsWithRoughnessToo) {

@@ -37,7 +37,8 @@ PORT = re.compile(r"(?:127\.0\.0\.1:|localhost:|http\.server )(\d{4,5})\b")
 
 
 def parse(text):
-    """[kind, text, expected]: commands with the lines that they must print, pages to open, and programs needed."""
+    """Returns [kind, text, expected] for each step: commands with the lines that they must print, pages to open, and
+    programs needed."""
     steps, last_end = [], None
     for found in BLOCK.finditer(text):
         kind, body = found[1] or found[3], found[2] if found[2] is not None else found[4]

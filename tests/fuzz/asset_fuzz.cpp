@@ -88,7 +88,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         const std::string path = fuzz::input_file("input.fmx", text);
         fuzz::may_refuse([&] { filter_matrix_key(path); });
         const FilterMatrix matrix = read_filter_matrix(path);
-        // Checks properties that users of a matrix rely on without a check.
+        // Checks properties of a matrix that its users assume without checking them.
         MULTUM_CHECK(matrix.row_begin.size() == matrix.row_count() + 1 &&
                      matrix.row_begin.back() == matrix.columns.size());
         for (const std::uint32_t column : matrix.columns)

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Fuzzes the decoder of compressed animations: indexes of packed fields and texture chunks, which it refuses with a
-// reason and without exceptions. Also fuzzes descriptions, which need more libraries and are refused by Error.
+// Fuzzes the decoder of compressed animations: indexes of packed fields, and texture chunks. The decoder refuses
+// invalid ones with a reason and without exceptions. Also fuzzes descriptions, which need more libraries; invalid
+// descriptions are refused with an Error.
 #include <zlib.h>
 
 #include "host/fields/codec/byte_writer.h"

@@ -26,7 +26,7 @@ class MadFile : public ImageFile {
  public:
   MadFile(std::string_view answer, std::string_view pixels) : pixels_(pixels) {
     description_ = parse_answer(kAsked, answer, parse_open_answer);
-    // Only small pictures: large ones would take time and are tested elsewhere.
+    // Allows only small pictures, because large ones take time and are tested elsewhere.
     for (const ImagePart& part : description_.parts)
       if (part.width > 512 || part.height > 512 || part.channel_count() > 80)
         check_described(kAsked.path, description_, 1);

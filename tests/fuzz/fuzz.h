@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Shared parts of all fuzzers. A fuzzer is a file NAME_fuzz.cpp with the two functions below. The first is the entry
 // point of libFuzzer; fuzz_driver.cpp also calls it, in a short deterministic run for the tests. If there are several
-// readers, the first byte of an input chooses one. A reader may refuse by Error; any other exception is a finding.
+// readers, the first byte of an input chooses one. A reader may refuse its input with an Error; any other exception is
+// a finding.
 #pragma once
 
 #include <cstddef>

@@ -50,7 +50,7 @@ std::string glb() {
 
 void read_materials(const std::string& path) { read_gltf_materials(path); }
 
-// Reads an answer, and the arrays after it as far as there are bytes; the rest is zero.
+// Reads an answer and the arrays that follow it. If the bytes end early, the rest of the arrays is zero.
 template <typename Meshes>
 void take(std::string_view bytes) {
   const AskedFile asked = {"fuzz.glb", "assimp", 1u << 20};

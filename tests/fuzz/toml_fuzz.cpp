@@ -138,7 +138,7 @@ constexpr char kMeasured[] = "[[material]]\nname = \"metal\"\nbrdf = \"measured\
 }  // namespace
 
 std::vector<std::string> fuzz::seeds() {
-  std::string deep_key = "a", deep_array = "a = ";  // a key of 32,000 parts once ended the program
+  std::string deep_key = "a", deep_array = "a = ";  // a key of 32,000 parts once crashed the program
   for (int i = 1; i < 32'000; ++i) deep_key += ".a";
   for (int i = 0; i < 300; ++i) deep_array += i % 2 == 0 ? "[" : "{b.c = ";
   return {std::string(1, '\0') + kManifest,

@@ -48,8 +48,8 @@ void add_angles(double spread, double theta_max, int count, ShaderHarnessInput& 
   }
 }
 
-/// Returns the relative L1 error in per cent over the hemisphere, weighted by solid angle; add_angles() made the
-/// angles.
+/// Returns the relative L1 error in per cent over the hemisphere, weighted by solid angle. The angles must come from
+/// add_angles().
 double relative_l1(const std::vector<double>& angles, const std::vector<double>& values,
                    const std::vector<double>& exact) {
   double off = 0.0, total = 0.0;

@@ -168,9 +168,9 @@ TEST_F(CharlieTest, HardCasesAreFinite) {
   }
 }
 
-// Tests the sum of four vMFs, which error measurements use, over a lobe, by the relative L1 error over the hemisphere
-// of h. docs/contributing/ALGORITHMS.md states the error by roughness, as a maximum over all lobes and under sharp
-// lobes.
+// Tests the sum of four vMFs that error measurements use instead of the density. Measures the relative L1 error of this
+// sum over a lobe, for all h of the hemisphere. docs/contributing/ALGORITHMS.md states the error by roughness: the
+// maximum over all lobes, and the maximum over sharp lobes.
 TEST(CharlieTerms, AreAsFarOffAsStated) {
   struct Bounds {
     double any, sharp;

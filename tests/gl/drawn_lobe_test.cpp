@@ -48,8 +48,8 @@ class DrawnLobeTest : public testing::Test {
   std::unique_ptr<Renderer> renderer_;
 };
 
-// Two tilts average to a broad mean: Toksvig's single lobe has a large error, but one drawn frame is only noise around
-// the sum.
+// Averaging two tilts gives one broad lobe. Toksvig's rule shades only this lobe, so its error is large. A frame of
+// drawn normals has no such error, only noise around the sum over the lobes.
 TEST_F(DrawnLobeTest, TheMeanOfFramesIsTheSum) {
   const TestMap map = make_two_tilt_map(64, 20.0, StorageEncoding::kFloat, false);
   RenderScene scene = one_normal_scene();
@@ -91,8 +91,8 @@ TEST_F(DrawnLobeTest, BlueNoiseIsNearerOnceBlurred) {
   struct Map {
     const char* name;
     TestMap map;
-    double of_one, of_sixteen;  // blurred: largest error relative to that of a hash
-    double sixteen;             // relative L1 of the mean of 16 frames, not blurred
+    double of_one, of_sixteen;  // largest error of a blurred picture, relative to the error with a hash
+    double sixteen;             // relative L1 error of the mean of 16 frames, not blurred
   };
   const Map maps[] = {{"two tilts", make_two_tilt_map(64, 20.0, StorageEncoding::kFloat, false), 0.3, 0.4, 0.06},
                       {"broad lobes", make_noise_map(64, 0.5f, WrapMode::kPeriodic), 0.65, 0.7, 0.18}};
@@ -119,7 +119,7 @@ TEST_F(DrawnLobeTest, BlueNoiseIsNearerOnceBlurred) {
   }
 }
 
-// Normals are drawn from the inside of broad lobes.
+// If lobes are broad, normals must be drawn from all of a lobe, not only from its mean direction.
 TEST_F(DrawnLobeTest, TheMeanOfBroadLobesIsTheSum) {
   const TestMap map = make_noise_map(64, 0.5f, WrapMode::kPeriodic);
   RenderScene scene = one_normal_scene();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests light from an environment: brute force against a sum over the environment's texels in double precision, and
-// both ways of filtering against brute force.
+// Tests light from an environment. Compares brute force with a sum over the environment's texels in double precision,
+// and both ways of filtering with brute force.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -85,7 +85,7 @@ glm::dvec3 exact_radiance(const EnvironmentMap& map, const RenderScene& scene, c
   for (int y = 0; y < map.height; ++y)
     for (int x = 0; x < map.width; ++x) {
       const glm::dvec3 d = environment_direction((x + 0.5) / map.width, (y + 0.5) / map.height);
-      const glm::dvec3 l(d.x, -d.z, d.y);  // with +Z up, the map's middle along +Y
+      const glm::dvec3 l(d.x, -d.z, d.y);  // +Z is up, and the map's middle is along +Y
       if (l.z <= 0.0) continue;
       const glm::dvec3 h = glm::normalize(l + v);
       const double v_h = glm::dot(v, h), alpha = static_cast<double>(ggx_alpha(scene.brdf));
@@ -261,7 +261,8 @@ TEST_P(EnvironmentTest, AMirrorShowsTheMap) {
             0.03);  // measured: 2.0 %
 }
 
-// A highlight spread wide by the normals takes 3 x 3 lookups: the error is 8.2 %, or 13.6 % with lookups too close.
+// A highlight that the normals spread widely takes 3 x 3 lookups. Its error is 8.2 %, or 13.6 % if the lookups are too
+// close together.
 TEST_P(EnvironmentTest, WideHighlightsAreFollowed) {
   if (GetParam() != test_backend()) GTEST_SKIP() << "one context is enough: the pictures are equal";
   make_glossy(40.0f);

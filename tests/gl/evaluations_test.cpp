@@ -124,8 +124,8 @@ TEST_P(EvaluationsTest, NormalsThatScatterAreShadedAsLobes) {
   const FloatImage usual = drawn(lobes, scene, filter_of(0));
   EXPECT_LT(error_of(drawn(lobes, scene, filter_of(2)), usual), 1e-3);
   EXPECT_GT(error_of(drawn(lobes, scene, filter_of(1)), usual), 0.05);
-  // Tilts of half a degree are alike: 1 - |r| is 4e-5. If evaluations are spent on points, each point has one lobe, and
-  // the picture hardly changes.
+  // Two tilts of half a degree are nearly the same: 1 - |r| is 4e-5. If evaluations are spent on points, each point has
+  // one lobe, and the picture hardly changes.
   const TestMap alike = make_two_tilt_map(16, 0.5, StorageEncoding::kFloat, false);
   const MovmfMaterial narrow(context_->functions(), alike.mipmap, 1.0f);
   EXPECT_LT(error_of(drawn(narrow, scene, filter_of(2)), drawn(narrow, scene, filter_of(0))), 0.01);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Tests the player's textures: they equal the textures of the decoder at every sample and do not depend on the number
-// of threads. While images are missing there are no holes and no other object's texels. Uploads stay within a frame's
-// bytes, memory within its limit.
+// of threads. While images are missing there are no holes and no other object's texels. Uploads stay within the bytes
+// allowed per frame, and memory stays within its limit.
 #include "runtime_gl/animation/field_player.h"
 
 #include <gtest/gtest.h>
@@ -82,8 +82,8 @@ TEST_P(FieldPlayerTest, TexturesAreThoseOfUnpacking) {
           continue;
         }
         ASSERT_EQ(found[t].size(), expected[t].size());
-        // Half floats change each image by at most 1/16, where the full range is 255. They change radiance by 2.2 times
-        // that share.
+        // Half floats change each image by at most 1/16, where the full range is 255. The relative change of the
+        // radiance is 2.2 times as large.
         for (std::size_t i = 0; i < found[t].size(); ++i)
           ASSERT_NEAR(found[t][i], expected[t][i], 2e-3f * expected[t][i] + 2e-4f);
       }

@@ -21,7 +21,7 @@ struct Sampling {
   int supersampling;
 };
 
-// Holds a context and the waves, object 0, partly hidden by a board.
+// Holds a context, and the waves (object 0), which a board partly hides.
 class Waves {
  public:
   explicit Waves(float repeats)

@@ -179,8 +179,8 @@ TEST_F(GgxLobeTest, TheHighlightInDoubleIsTheShaders) {
       const glm::dvec3 light(input.b[i]);
       const double exact = GgxOverLobe(glm::dvec4(input.a[i]), static_cast<double>(alpha))
                                .specular(light, view, glm::normalize(light + view));
-      // The tolerance covers the filter's eight bits again, and the rounding of |r| to floats: 1e-7 is one thousandth
-      // of the smallest spread here.
+      // The tolerance covers the filter's eight bits again, and the rounding of |r| to floats. This rounding error of
+      // 1e-7 is one thousandth of the smallest spread here.
       ASSERT_NEAR(values[i], exact, 0.03 * exact + 1e-5) << i << ", roughness " << roughness;
     }
   }
@@ -239,8 +239,8 @@ glm::dvec3 beside(const glm::dvec3& n, double e, double phi) {
   return (1.0 - e) * n + across * (std::cos(phi) * s + std::sin(phi) * t);
 }
 
-// Estimates integral GGX(n . h) V(n . l, n . v) max(n . l, 0) vMF(n) dn. Half of the normals follow the facets and half
-// the lobe (Veach and Guibas 1995, the balance heuristic), at the points of Roberts' sequence.
+// Estimates integral GGX(n . h) V(n . l, n . v) max(n . l, 0) vMF(n) dn. Half of the normals follow the facets, and the
+// other half follow the lobe (Veach and Guibas 1995, the balance heuristic), at the points of Roberts' sequence.
 double sampled_highlight(double alpha, double kappa, const glm::dvec3& mu, const glm::dvec3& h, const glm::dvec3& l,
                          const glm::dvec3& v) {
   constexpr int kSamples = 2048;

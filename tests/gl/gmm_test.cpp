@@ -91,7 +91,7 @@ TEST_P(GmmTest, OtherBrdfsAreNearLobesAndTheReference) {
   EXPECT_LT(picture_error(gaussians(map, scene), reference(map, scene, 512)).relative_l1, 0.06);
 }
 
-// Levels before the first stored one come from the normal map; from the first stored level on nothing changes.
+// Levels finer than the first stored level come from the normal map. The other levels do not change.
 TEST_P(GmmTest, FilesThatBeginAtACoarserLevel) {
   const TestMap map = make_two_tilt_map(64, 20.0, StorageEncoding::kFloat, true);
   RenderScene far = distant_scene();

@@ -22,15 +22,15 @@ struct ProbeCase {
   ProbeSampler sampler;
 };
 
-/// Draws the object with these texels (RGBA, MipLayout's order); alpha = 1 where the object is seen.
+/// Draws the object with these texels (RGBA, MipLayout's order). Alpha is 1 where the object is seen.
 FloatImage draw_texels(const ProbeCase& probe, int supersampling, const std::vector<float>& texels);
 
 /// Measures by setting one texel at a time (section 3.2, "A simple but impractical algorithm").
 ProbeRows probe_texel_by_texel(const ProbeCase& probe);
 
-/// Measures by the paper's parallel method: every 6th texel of every 3rd level at once (8th where a direction is
-/// periodic). The other channels hold the texel's identifier all over its filter neighbourhood (fig. 4). Sides are
-/// powers of two.
+/// Measures with the paper's parallel method. Sets every 6th texel of every 3rd level at once, or every 8th texel along
+/// a periodic direction. The other channels hold the texel's identifier all over its filter neighbourhood (fig. 4).
+/// Sides are powers of two.
 ProbeRows probe_in_parallel(const ProbeCase& probe);
 
 /// Computes weights from the texture coordinate and textureQueryLod, by the trilinear filtering of GL 4.5 section 8.14.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Draws maps whose mixtures are exact: on both back-ends, the baked map's picture must equal the reference picture.
+// Draws maps whose mixtures are exact. On both back-ends, the baked map's picture must equal the reference picture.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -167,8 +167,8 @@ TEST_P(RenderTest, TheReferenceOfTexelsIsWhatTheFilterAverages) {
   }
 }
 
-// The filter mixes up lobes that are not aligned, but shading before filtering does not; aligned lobes give the same
-// picture both ways.
+// If lobes are not aligned, the filter mixes different lobes with one another, unless they are shaded before filtering.
+// Aligned lobes give the same picture both ways.
 TEST_P(RenderTest, ShadingFirstNeedsNoAlignment) {
   TestMap map = make_two_tilt_map(64, 25.0, StorageEncoding::kFloat, false);
   const RenderScene scene = distant_scene();
@@ -224,8 +224,8 @@ TEST_P(RenderTest, FirstRowOfTheMapIsItsTop) {
   }
 }
 
-// A file of moments draws what the baselines draw from the finest map. Both contexts are llvmpipe on most machines, and
-// compiling takes seconds, so one context draws only what the other draws too.
+// A picture drawn from a file of moments equals the picture that a baseline draws from the finest map. Both contexts
+// are llvmpipe on most machines, and compiling takes seconds, so one context draws only some of the cases.
 TEST_P(RenderTest, MomentsEqualTheBaselines) {
   const std::pair<MomentShading, Baseline> kWays[] = {{MomentShading::kToksvig, Baseline::kToksvig},
                                                       {MomentShading::kLean, Baseline::kLean},
@@ -268,8 +268,8 @@ RenderScene plain_scene() {
   return scene;
 }
 
-// Levels left to the normal map are shaded by Toksvig's rule, whatever rule shades the moments. On these levels, pixels
-// show the normals between texels. From the first stored level on nothing is lost.
+// Levels that the file leaves to the normal map are shaded by Toksvig's rule, whatever rule shades the moments. On
+// these levels, pixels show the normals between texels. The stored levels are drawn exactly as from a complete file.
 TEST_P(RenderTest, MomentsThatBeginAtACoarserLevel) {
   TestMap map = make_noise_map(64, 0.8f, WrapMode::kPeriodic);
   const MomentMipmap whole = make_moments(map.image, StorageEncoding::kFloat);
@@ -414,7 +414,8 @@ TEST_P(RenderTest, EveryVariantCompilesAndDraws) {
   }
 }
 
-// Both contexts are llvmpipe on most machines, which takes half a second per count: one of them draws all counts.
+// Both contexts are llvmpipe on most machines, which takes half a second per number of lobes, so only one context draws
+// all numbers.
 TEST_P(RenderTest, EveryLobeCountDraws) {
   for (std::size_t lobes = 1; lobes <= kLobeCountMax; ++lobes) {
     if (GetParam() == ContextBackend::kEgl && lobes != 1 && lobes != 3 && lobes != kLobeCountMax) continue;
@@ -441,7 +442,7 @@ TEST_P(RenderTest, SameInputGivesSameBytes) {
 }
 
 TEST_P(RenderTest, NearerSurfacesHideWhatLiesBehind) {
-  // Two parallel quads, the farther one drawn first: the reference's sum must hold only the nearer one.
+  // Draws two parallel quads, the farther one first. The reference's sum must hold only the nearer one.
   MeshData two = make_quad(60.0f);
   for (std::size_t i = 0; i < 4; ++i) {
     two.vertices.push_back(two.vertices[i]);
@@ -496,7 +497,8 @@ TEST(Camera, FramesPointsFromTheirFront) {
   EXPECT_EQ(frame_points(points, {1.0f, 0.0f, 0.0f}, 1.0f).up.x, 1.0f);
 }
 
-// Random point sets of every shape and place: all points are seen and centred, and touch two opposite sides.
+// For random point sets of every shape and place, all points are seen and centred, and they touch two opposite sides of
+// the picture.
 TEST(Camera, PointsFillThePicture) {
   std::mt19937 random(7);
   std::uniform_real_distribution<float> unit(-1.0f, 1.0f);

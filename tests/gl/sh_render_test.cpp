@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Draws spherical harmonics on both contexts and compares them with the reference, lobes, and one another. Tests for GL
-// errors, the layers of an array as uploaded, levels left to the normal map, and black borders.
+// errors, the layers of an array as uploaded, levels that come from the normal map, and black borders.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -25,7 +25,7 @@ namespace {
 constexpr int kShWidth = 96, kShHeight = 72;
 
 RenderScene scene_of(float exponent, float uv_scale = 60.0f) {
-  RenderScene scene;  // far enough away that a pixel covers several texels of a 32-texel unit
+  RenderScene scene;  // far enough away that a pixel covers several texels at 32 texels per unit
   scene.camera.eye = {0.0f, -8.0f, 12.0f};
   scene.camera.target = {0.0f, 8.0f, 0.0f};
   scene.uv_scale = uv_scale;
@@ -151,8 +151,8 @@ TEST_P(ShRenderTest, OrdersFromTheLeastToTheMost) {
   EXPECT_GT(least, most);
 }
 
-// Diffuse light up to l = 2 needs only E[n] and E[n n^T]; lobes of one direction are exact there too. Normals tilted by
-// 60 degrees to both sides would give one lobe of the mean normal a large error.
+// Diffuse light up to l = 2 needs only E[n] and E[n n^T]; lobes of one direction are exact there too. If normals are
+// tilted by 60 degrees to both sides, a single lobe around the mean normal has a large error.
 TEST_P(ShRenderTest, DiffuseLightFromEverywhereIsThatOfLobes) {
   EnvironmentMap sky{32, 16, {}};
   for (int y = 0; y < sky.height; ++y)
@@ -173,7 +173,7 @@ TEST_P(ShRenderTest, DiffuseLightFromEverywhereIsThatOfLobes) {
 }
 
 // Lobes use the mean cosine of the normals that the light reaches (movmf_shading.glsl). The error of this choice is at
-// most that of the other cosines.
+// most as large as the error of the other cosines.
 TEST_P(ShRenderTest, TheHighlightsCosineIsTheNearest) {
   const TestMap map = make_noise_map(64, 1.5f, WrapMode::kPeriodic);
   const ShMipmap harmonics = make_harmonics(map.image, 8, StorageEncoding::kFloat);

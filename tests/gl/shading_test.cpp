@@ -60,7 +60,8 @@ TEST_F(ShadingTest, InverseOfMeanCosine) {
     cases.push_back({1.0, 0.0, 0.0, reference::vmf_spread(kappa)});
   }
   const std::vector<double> values = evaluate("multum_vmf_kappa(b.w)", cases);
-  // The polynomial's error is 2.3e-4; below kappa 0.1, 1 - q is a rounded difference, which adds 6e-8 / |r|.
+  // The polynomial's error is 2.3e-4. Below kappa 0.1, the rounding of the difference 1 - q adds an error of 6e-8 /
+  // |r|.
   for (std::size_t i = 0; i < values.size(); ++i)
     EXPECT_NEAR(values[i] / kappas[i], 1.0, 2.4e-4 + 4e-7 / kappas[i]) << "kappa " << kappas[i];
 }
@@ -74,8 +75,8 @@ TEST_F(ShadingTest, BlinnPhongEqualsItsFormulaInDouble) {
       const std::vector<double> values = evaluate("multum_movmf_blinn_phong(a, b.xyz, b.w)", cases);
       for (std::size_t i = 0; i < values.size(); ++i) {
         const double expected = reference::product_blinn_phong(s, spread, cases[i].theta);
-        // The inverse's error of 2.3e-4 counts twice, in scale and exponent. The spread a - |a r| is rounded to 1e-7,
-        // which matters compared with 1/(s+2).
+        // The inverse's error of 2.3e-4 counts twice, in scale and exponent. The spread a - |a r| has a rounding error
+        // of 1e-7, which matters compared with 1/(s+2).
         EXPECT_NEAR(values[i], expected, peak * (6e-4 + 4e-7 * (s + 2.0)))
             << "s " << s << " spread " << spread << " theta " << cases[i].theta;
       }
@@ -145,7 +146,8 @@ TEST_F(ShadingTest, LambertIsNearTheExactConvolution) {
 TEST_F(ShadingTest, LambertIsExactAtBothEnds) {
   const std::vector<Case> sharp = angles(0.0, 0.0, std::numbers::pi, 50);
   const std::vector<double> values = evaluate("multum_movmf_lambert(a, b.xyz)", sharp);
-  // |r| = 1 is a rounded length: the spread is 1e-7, and its square root shows where the cosine is 0.
+  // The length |r| = 1 is rounded, so the spread may be 1e-7. The square root of the spread shows where the cosine is
+  // 0.
   for (std::size_t i = 0; i < values.size(); ++i) EXPECT_NEAR(values[i], std::max(std::cos(sharp[i].theta), 0.0), 3e-4);
   for (const double value : evaluate("multum_movmf_lambert(a, b.xyz)", angles(1.0, 0.0, std::numbers::pi, 50)))
     EXPECT_NEAR(value, 0.25, 1e-6);
@@ -189,9 +191,9 @@ TEST_F(ShadingTest, HardCases) {
   }
 }
 
-// Normals turn evenly from texel to texel, and pixels are placed all over them. On average, the lobe has the
-// same spread as the normals that a pixel sees. This holds for pixel sizes up to sqrt(2) texels, even far below one
-// texel.
+// Normals turn evenly from texel to texel, and pixels are placed at all positions between texels. On average, the lobe
+// has the same spread as the normals that a pixel sees. This holds for pixel sizes up to sqrt(2) texels, even far below
+// one texel.
 TEST_F(ShadingTest, AMagnifiedNormalMapIsAsWideAsWhatAPixelSees) {
   const int places = 64;
   const double turn = 0.2;
@@ -211,7 +213,8 @@ TEST_F(ShadingTest, AMagnifiedNormalMapIsAsWideAsWhatAPixelSees) {
   }
 }
 
-// Tests the normal map's share, and that a share of a lobe shades to the same share of its light.
+// Tests the weight of the normal map at each level of detail, and that scaling a lobe scales its light by the same
+// factor.
 TEST_F(ShadingTest, TheNormalMapHasItsShare) {
   ShaderHarnessInput input{"vec4(multum_normal_map_share(b.x))", {}, {}, nullptr};
   const float lods[] = {-8.0f, -1.5f, -1.0f, -0.75f, -0.25f, 0.0f, 0.25f, 9.0f};
@@ -222,7 +225,7 @@ TEST_F(ShadingTest, TheNormalMapHasItsShare) {
   }
   const std::vector<glm::vec4> values = evaluate_shader(context_->functions(), input);
   for (std::size_t i = 0; i < values.size(); ++i) EXPECT_FLOAT_EQ(values[i].x, shares[i]) << lods[i];
-  // Half the lobe shades to half the light, so that shares can be mixed.
+  // A lobe with half the amplitude reflects half the light, so that lobes and normals can be mixed by weights.
   ShaderHarnessInput halves{
       "vec4(multum_movmf_blinn_phong(a, b.xyz, 50.0), 2.0 * multum_movmf_blinn_phong(0.5 * a, b.xyz, 50.0),"
       " multum_movmf_lambert(a, b.xyz), 2.0 * multum_movmf_lambert(0.5 * a, b.xyz))",

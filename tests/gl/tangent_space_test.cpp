@@ -45,7 +45,7 @@ TEST(TangentSpace, CornersWeighByTheirAngles) {
   // Second triangle: e1 = d - b = (0, 1), e2 = c - b = (-1, 1); duv1 = (2, 1), duv2 = (-1, 1).
   // T ~ duv2.v e1 - duv1.v e2 = (0, 1) - (-1, 1) = (1, 0). Both agree: +x everywhere.
   for (const glm::vec4& t : tangents) expect_near(t, {1, 0, 0, 1});
-  // With v growing too, T leans: duv1 = (2, 2): T ~ 1 (0, 1) - 2 (-1, 1) = (2, -1).
+  // If v grows too, T leans: duv1 = (2, 2), so T ~ 1 (0, 1) - 2 (-1, 1) = (2, -1).
   const Corner e{{1, 1, 0}, {3, 2}};
   const std::vector<glm::vec4> leaning = mikk_tangents(flat({a, b, c, b, e, c}));
   const glm::vec2 second = glm::normalize(glm::vec2(2, -1));

@@ -25,8 +25,8 @@ TestMap make_one_lobe_map(NormalImage image);
 /// Returns random normals with slopes of at most `slope` along each axis, as one lobe. `size` is a power of two.
 TestMap make_noise_map(int size, float slope, WrapMode wrap);
 
-/// Returns one wave along each axis, 0 at the borders, as one lobe. It is smooth under every wrap mode, but a different
-/// map if mirrored. `size` is a power of two.
+/// Returns one wave along each axis, 0 at the borders, as one lobe. It is smooth under every wrap mode, but mirroring
+/// makes a different map. `size` is a power of two.
 TestMap make_wave_map(int size, WrapMode wrap);
 
 /// Returns a checkerboard of texels tilted by +angle and -angle (degrees) about Y, red and blue if `coloured`. It has
@@ -37,15 +37,16 @@ TestMap make_two_tilt_map(int size, double angle_degrees, StorageEncoding encodi
 /// two.
 MomentMipmap make_moments(const NormalImage& image, StorageEncoding encoding);
 
-/// Converts lobes of single directions to planar Gaussians of variance 0; with roughness, of the variance of its
+/// Converts lobes of single directions to planar Gaussians. Their variance is 0 or, with roughness, the variance of the
 /// facets.
 MovmfMipmap as_gaussians(MovmfMipmap mipmap);
 
-/// Returns a view from so far that every pixel covers several texels of a 64-texel unit and shows level 1 or coarser.
+/// Returns a view from so far away that every pixel covers several texels, at 64 texels per unit, and shows level 1 or
+/// coarser.
 RenderScene distant_scene();
 
-/// Turns the camera down to the plane from 60 above it. In a picture of `height` pixels, each pixel covers `texels` of
-/// a map of `size` texels.
+/// Points the camera straight down at the plane from a height of 60. In a picture of `height` pixels, each pixel covers
+/// `texels` of a map of `size` texels.
 void look_from_above(RenderScene& scene, double texels, int size, int height);
 
 }  // namespace multum::gl

@@ -202,7 +202,7 @@ TEST_P(TextureFilterTest, ReferencesBetweenTexels) {
   EXPECT_GT(error_of(baked, reference(map.image, Sampling::kNearest, scene)), 0.10);
   const FloatImage smooth = reference(map.image, Sampling::kInterpolated, scene);
   EXPECT_GT(error_of(baked, smooth), 0.10);
-  // Where four texels meet, the normal between them is upright like a flat map's normal: the pixels there are alike.
+  // Where four texels meet, the normal between them is upright. At least one pixel there is as bright as on a flat map.
   const FloatImage upright = reference(make_flat_map(16).image, Sampling::kNearest, scene);
   double nearest = 1e30;
   for (std::size_t i = 0; i < smooth.rgba.size(); i += 4)
@@ -236,7 +236,7 @@ TEST_P(TextureFilterTest, AMagnifiedSurfaceIsThatOfAveragedNormals) {
   }
 }
 
-// A picture with sixteen times the samples confirms the stated noise, within a factor.
+// The difference from a picture with sixteen times as many samples is equal to the stated noise, within a small factor.
 TEST_P(TextureFilterTest, TheNoiseOfAReferenceIsWhatItSays) {
   const TestMap map = make_noise_map(64, 0.5f, WrapMode::kPeriodic);
   RenderScene scene;
@@ -257,8 +257,8 @@ INSTANTIATE_TEST_SUITE_P(Backends, TextureFilterTest, testing::ValuesIn(test_bac
                          [](const auto& test) { return std::string(context_backend_name(test.param)); });
 
 TEST(ReferenceSampling, OffsetsHaveTheirFiltersVariance) {
-  // A Gaussian of 1/2 that is cut off at three standard deviations has the variance
-  // 1/4 (1 - 6 phi(3) / (2 Phi(3) - 1)).
+  // A Gaussian with the standard deviation 1/2 that is cut off at three standard deviations has the variance 1/4 (1 - 6
+  // phi(3) / (2 Phi(3) - 1)).
   const double phi = std::exp(-4.5) / std::sqrt(2.0 * M_PI);
   const double cut = 0.25 * (1.0 - 6.0 * phi / std::erf(3.0 / std::sqrt(2.0)));
   for (const auto& [filter, variance, width] :

@@ -80,8 +80,8 @@ TEST_P(HardCaseTest, AllNormalsEqual) {
       for (std::size_t i = 0; i < level.lobes[0].size(); ++i) {
         EXPECT_LT(spread_of(level, i), 1e-6) << degrees << " degrees, level of width " << level.width;
         for (const auto& lobe : level.lobes)
-          // A thousand equal additions round in the same direction, with a relative error of up to 1024 * 2^-25 =
-          // 3.1e-5, one storage step. The measured error is 1.1e-5.
+          // A thousand additions of equal numbers may all round in the same direction. Their relative error is then up
+          // to 1024 * 2^-25 = 3.1e-5, which is one storage step. The measured error is 1.1e-5.
           if (lobe[i].w > 1e-3f) {
             EXPECT_LT(glm::length(glm::dvec3(lobe[i]) / glm::length(glm::dvec3(lobe[i])) - n), 3.1e-5);
           }
@@ -89,7 +89,7 @@ TEST_P(HardCaseTest, AllNormalsEqual) {
   }
 }
 
-// Two lobes must find two tilts in equal shares, whatever is between the tilts.
+// Two lobes must find two tilts in equal shares, whatever the angle between the tilts.
 TEST_P(HardCaseTest, TwoOppositeTilts) {
   for (double degrees : {10.0, 45.0, 80.0, 89.9}) {
     const glm::dvec3 a = tilted(degrees, 0.0), b = tilted(degrees, M_PI);
@@ -174,13 +174,13 @@ TEST_P(HardCaseTest, NearlyEqualNormalsKeepTheirSpread) {
     mean += glm::normalize(glm::dvec3(map.x[i], map.y[i], map.z[i])) / 4096.0;
   const double exact = 1.0 - glm::length(mean);
   // The kernels store 1 - |r| next to r. Their result is a r itself in floats, which keeps this spread of 1.2e-5 to
-  // +-3e-7.
+  // within 3e-7.
   EXPECT_NEAR(spread_of(top, 0) / exact, 1.0, 0.05) << "exact spread " << exact;
 }
 
-// Tests amplitudes that fade: one normal in 4096 differs from the others. On every level it keeps a lobe with its
-// share, to a percent, although floats are exact to 1e-6. The mean includes this normal; without it, the coarsest mean
-// would have an error of 2.6e-4.
+// Tests very small amplitudes: one normal in 4096 differs from the others. On every level this normal keeps its own
+// lobe, whose share is right to within one per cent, although sums of floats have errors of 1e-6. The mean includes
+// this normal; without it, the coarsest mean would have an error of 2.6e-4.
 TEST_P(HardCaseTest, ALobeOfOneNormalInThousands) {
   const auto normal = [](int x, int y) { return x == 5 && y == 7 ? tilted(70) : tilted(5, 0.01 * x); };
   const Baked baked = bake(make_map(64, 64, normal), 4, GetParam());

@@ -9,7 +9,7 @@
 
 namespace multum::testing {
 
-// Must be set before the first property, when RapidCheck reads it.
+// Must be set before the first property runs, because RapidCheck reads it then.
 inline const int g_seeded = setenv("RC_PARAMS", "seed=20261122 max_success=300", 0);
 
 // Generates numbers from 10^low to 10^high.

@@ -89,7 +89,7 @@ TEST_P(SelftestCases, HoldWithTheirGuardsAndBreakWithout) {
           << c.text.name << " does not launch " << kernel;
     EXPECT_TRUE(verdict.holds()) << c.text.name << ": worst " << error_text(verdict.worst) << " at "
                                  << verdict.worst_input << ", bound " << error_text(c.text.bound);
-    // PoCL shows the purpose of a guard; the arithmetic of another device may not need it.
+    // With PoCL, a case fails without its guard; the arithmetic of another device may not need the guard.
     if (!test_device().info().is_cpu) continue;
     EXPECT_TRUE(verdict.can_fail()) << c.text.name << ": without its guard the worst error is "
                                     << tried_text(verdict.without_guard) << ", with its bug "

@@ -239,7 +239,7 @@ const std::vector<ColourKind>& colour_kinds() {
 
 TEST(BlockEncoding, Bc7IsNearWhatASearchFinds) {
   std::mt19937 random(33);
-  constexpr std::size_t kSearched = 6;  // half a second per block
+  constexpr std::size_t kSearched = 6;  // the search takes half a second per block
   for (const ColourKind& kind : colour_kinds()) {
     std::vector<BlockColours> blocks;
     for (std::size_t b = 0; b < kSearched; ++b) blocks.push_back(kind.make(random));
@@ -252,8 +252,8 @@ TEST(BlockEncoding, Bc7IsNearWhatASearchFinds) {
   }
 }
 
-// Repeats the search with the third channel in alpha. The error equals that of blocks of colours if both choose modes
-// 4, 5 or 6 and blue is 1.
+// Repeats the search with the third channel in alpha. The error equals the error of blocks of colours if both searches
+// choose modes 4, 5 or 6 and blue is 1.
 TEST(BlockEncoding, Bc7HasTheThirdChannelAsAlpha) {
   std::mt19937 random(34);
   BlockEncoder encoder(test_device());

@@ -67,7 +67,7 @@ MipSchedule one_level_schedule(const NormalMap& map, const MovmfSettings& settin
   return schedule;
 }
 
-// Appends a texel's start from its parent's lobe `from`, and the prior that follows from the parent.
+// Appends the initial lobe of a texel, which is the parent's lobe `from`, and the prior that follows from the parent.
 void append_start(const MultumVmfLobe& from, double alignment, std::vector<reference::Lobe>& lobes,
                   reference::EmOptions& options) {
   const double a = static_cast<double>(from.amplitude);

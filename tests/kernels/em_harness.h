@@ -24,7 +24,7 @@ struct LevelFit {
   FitMethod method = FitMethod::kTexels;  // kTexels: levels of up to 1024 normals per texel
   int bin_rows = 1 << 15;                 // rows of the map per band of binning
   float convergence_tolerance = 0.0f;
-  // kGmm: lobes and the reference's r are (mean x, mean y, sigma^2, amplitude).
+  // For kGmm, lobes and the reference's r are (mean x, mean y, sigma^2, amplitude).
   Representation representation = Representation::kMovmf;
 };
 

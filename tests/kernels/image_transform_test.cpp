@@ -66,8 +66,8 @@ std::vector<CoefficientLayout> layouts() {
 }
 
 // The largest error relative to the largest magnitude of the plane's transform. Two passes add up 32 terms each, of
-// rounded cosines and of samples up to 650 that may cancel. This makes at most 64 roundings of 6e-8, and typically adds
-// up to 8.
+// rounded cosines and of samples up to 650 that may cancel. There are at most 64 roundings of 6e-8, whose sum is
+// typically as large as 8 of them.
 constexpr double kTransformError = 1e-6;
 
 void expect_reference(const CoefficientLayout& layout, std::size_t count, std::mt19937& random) {

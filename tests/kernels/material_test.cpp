@@ -270,7 +270,7 @@ TEST_P(Families, LobesTellSharpFromRough) {
     if (planar) *third = reference::planar_sample({0.0, 0.0, *third}, true).z;
   for (std::size_t l = 3; l < mipmap.levels.size(); ++l)
     for (std::size_t i = 0; i < mipmap.levels[l].lobes[0].size(); ++i) {
-      double near = 0.0;  // share of lobes with one of both widths
+      double near = 0.0;  // share of lobes with one of the two widths
       for (const auto& lobes : mipmap.levels[l].lobes) {
         const double length = static_cast<double>(lobes[i].z / std::max(lobes[i].w, 1e-6f));
         if (std::abs(length - sharp) < 0.02 || std::abs(length - rough) < 0.03) near += static_cast<double>(lobes[i].w);
@@ -419,7 +419,7 @@ TEST(Roughness, ErrorsAreThoseOfTheTable) {
   EXPECT_NEAR(constant.second / 0.068, 1.0, kOfTable);
   EXPECT_NEAR(noise.first / 0.256, 1.0, kOfTable);
   EXPECT_NEAR(noise.second / 0.275, 1.0, kOfTable);
-  EXPECT_NEAR(waves.second / 0.228, 1.0, kOfTable);  // the table's waves have another length, which level 2 shows
+  EXPECT_NEAR(waves.second / 0.228, 1.0, kOfTable);  // the table has another wavelength, which matters here
   EXPECT_GT(waves.first, 1.5 * constant.first);
   EXPECT_LT(waves.first, noise.first);
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Compares movmf_choose with the double reference, which tries every way, on random texels with random neighbours. The
-// scalar and the vector variant must agree bit for bit.
+// Compares movmf_choose with the double reference, which tries every assignment of normals to lobes, on random texels
+// with random neighbours. The scalar and the vector variant must agree bit for bit.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -51,7 +51,7 @@ Lobes random_lobes(int lobe_count, int texels, bool planar, std::mt19937& random
   const auto uniform = [&] { return static_cast<float>(random() >> 8) * 0x1p-24f; };
   Lobes lobes(static_cast<std::size_t>(lobe_count * texels));
   for (std::size_t i = 0; i < lobes.size(); ++i) {
-    // Lobe j is near one direction everywhere, as in aligned levels. One lobe in five is dead.
+    // Lobe j has nearly the same direction in every texel, as in aligned levels. One lobe in five is dead.
     const auto turn = 6.28f * static_cast<float>(i / static_cast<std::size_t>(texels)) / static_cast<float>(lobe_count);
     const glm::vec3 near(std::cos(turn), std::sin(turn), 1.0f);
     const glm::vec3 r = glm::normalize(near + 0.8f * glm::vec3(uniform() - 0.5f, uniform() - 0.5f, 0.0f));
@@ -95,7 +95,7 @@ std::vector<int> fitted_texels(const ChoiceCase& c) {
 
 struct Chosen {
   Lobes level;
-  std::vector<int> ways;        // one per fitted texel
+  std::vector<int> ways;        // the chosen assignment of each fitted texel
   std::vector<float> features;  // [lobe][texel][3]
 };
 
@@ -194,8 +194,8 @@ std::vector<glm::dvec3> covered(const ChoiceLevel& level, const std::vector<floa
 
 class MovmfChooseTest : public ::testing::TestWithParam<ChoiceCase> {};
 
-// Rounding moves a way's cost by about 1e-6 from the reference's cost, so either of two ways may win if their costs are
-// closer than this. Whichever way wins, lobes are the means of their normals.
+// Rounding moves an assignment's cost by about 1e-6 from the reference's cost, so either of two assignments may win if
+// their costs are closer than this. Whichever assignment wins, lobes are the means of their normals.
 TEST_P(MovmfChooseTest, TakesTheLeastOfAllWays) {
   const ChoiceCase c = GetParam();
   const ChoiceLevel level = random_level(c, 20061u + static_cast<unsigned>(c.lobes));

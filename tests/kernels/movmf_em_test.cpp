@@ -122,7 +122,7 @@ INSTANTIATE_TEST_SUITE_P(
                       Case{37, 21, 2, 3, FitMethod::kTexels, kGmm}, Case{1, 37, 1, 4, FitMethod::kTexels, kGmm},
                       Case{64, 64, 5, 4, FitMethod::kChunks, kGmm}, Case{21, 37, 3, 4, FitMethod::kChunks, kGmm}));
 
-// A texel's size decides which of two ways of summing runs; both must agree.
+// There are two ways of summing, and a texel's size decides which one is used. Both ways must agree.
 TEST(MovmfEmPathTest, ChunkedAgreesWithUnchunked) {
   const NormalMap map = random_map(64, 64, 5);
   const auto parent = random_parent(map, 4, 4, 6);
@@ -183,8 +183,9 @@ class BinnedTest : public ::testing::TestWithParam<BinnedCase> {
 };
 
 // Binned texels lose only the place of a normal within its cell, so 4 iterations end close to the reference, which uses
-// every normal. A cell is 1/31 of the mean extent, and a lobe about a quarter. This blurs a lobe by about 1/100 of its
-// spread, and moves the share of two competing lobes by less. Each texel's mean normal is exact.
+// every normal. The width of a cell is 1/31 of the mean extent, and the width of a lobe is about a quarter. This blurs
+// a lobe by about 1/100 of its spread, and moves the share of two competing lobes by less. Each texel's mean normal is
+// exact.
 TEST_P(BinnedTest, EqualsReferenceClosely) {
   how_.iterations = 4;
   const auto expected = fit_with_reference(map_, parent_, lobes_, how_);

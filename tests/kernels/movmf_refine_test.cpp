@@ -160,8 +160,8 @@ double difference(const std::vector<MultumVmfLobe>& found, const std::vector<ref
   return most;
 }
 
-// A step in single precision has an error of about 1e-6 (sums of up to 300 samples) and of 3e-5 of kappa
-// (kappa_of_mean_length). These errors add up over damped steps. Near the minimum of the energy, one side may accept a
+// A step in single precision has two errors: about 1e-6 from sums of up to 300 samples, and 3e-5 of kappa from
+// kappa_of_mean_length. These errors add up over damped steps. Near the minimum of the energy, one side may accept a
 // step that the other side rejects.
 TEST(MovmfRefineTest, EqualsReference) {
   constexpr unsigned kSeed = 20271;

@@ -86,7 +86,7 @@ Material random_material(int width, int height, unsigned seed) {
   return material;
 }
 
-// Decodes an exported texel like a renderer: alpha along and across the axis, and the axis in space.
+// Decodes an exported texel as a renderer does. Returns alpha along and across the axis, and the axis in space.
 reference::OneLobe lobe_of(const MaterialRows& level, std::size_t i) {
   reference::OneLobe lobe;
   lobe.normal = glm::dvec3(level.normals[i]);

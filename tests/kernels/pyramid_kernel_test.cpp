@@ -141,7 +141,7 @@ std::vector<reference::DistantLight> reference_lights(const ReflectanceJob& job)
 }
 
 // Compares with the same normals in double. The remaining error is the rounding of the cosine times the exponent s. At
-// the foot of a lobe it is 1.2e-7 s of the value, which is about 1e-6 of the lobe's peak for every s.
+// the foot of a lobe this error is 1.2e-7 s times the value, which is about 1e-6 of the lobe's peak for every s.
 TEST(ReflectanceKernelTest, TexelsEqualTheReference) {
   for (const float exponent : {1.0f, 30.0f, 1000.0f, 1e5f}) {
     const ReflectanceJob job = job_of(exponent, 37);

@@ -166,7 +166,7 @@ TEST(ZonalTest, RecurrencesEqualQuadrature) {
   EXPECT_EQ(zonal_lambert(0).size(), 1u);
 }
 
-// By section 5 of Han et al., 9 coefficients suffice for Lambert, and l up to 2 sqrt(s) for Blinn-Phong.
+// According to section 5 of Han et al., 9 coefficients suffice for Lambert, and l up to 2 sqrt(s) for Blinn-Phong.
 TEST(ShAccuracyTest, AnOrderThatSufficesIsNear) {
   const NormalMap map = random_map(64, 64, 0.0, 41);
   const auto worst = [&](int order, const AccuracyBrdf& brdf, double exponent) {

@@ -215,7 +215,7 @@ TEST(TextureInference, ExactPicturesGiveTheirTextureBack) {
   TextureInference inference(test_device(), {{&matrix, std::vector<float>(matrix.row_count(), 1.0f)}}, settings, 1);
   const std::vector<float> picture = inference.picture(texels);
   const InferenceResult result = inference.solve(picture, {});
-  // Compares only the finest level, whose texels all are seen.
+  // Compares only the finest level, because all of its texels are seen.
   for (std::size_t i = 0; i < 3 * 64; ++i) ASSERT_NEAR(result.texels[i], texels[i], 2e-3) << i;
 }
 

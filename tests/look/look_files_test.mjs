@@ -21,7 +21,7 @@ mkdirSync(screenshots, { recursive: true });
 // half floats and full normals.
 const CLOSE = 8;
 const MEAN_MOST = 2.5, CLOSE_LEAST = 0.95;
-const SAME_MOST = 0.5; // compared with lobes that are half floats there too
+const SAME_MOST = 0.5; // the limit for a page whose lobes are half floats too
 const bake = (name, ...words) => run("multum", "bake", "map_normal.png", "-o", name, "--no-measure", "-q", ...words);
 const bytesOf = (name) => readFileSync(inFolder(name));
 const dropped = (page, ...names) => drop(page, ...names.map((name) => [name, bytesOf(name)]));
@@ -252,7 +252,7 @@ try {
   assert.equal(await pixelsOf(other), shown);
   assert.equal(await other.textContent("#reading"), "");
 
-  // Opens a file by the page's button: small window, light and dark.
+  // Opens a file with the page's button in a small window, in light and dark mode.
   for (const colorScheme of ["light", "dark"]) {
     const small = await open("both.html", "", { width: 360, height: 740, colorScheme, hasTouch: true, isMobile: true });
     await small.setInputFiles("#open", [inFolder("map.ndf.exr")]);

@@ -108,8 +108,8 @@ try {
   const facts = await factsOf(page);
   assert.match(facts, /128 x 128, 4 lobes.*all mip levels.*roughness as BC4.*lobes 0.06 MB \(BC5.*takes [\d.]+ ms/);
 
-  // The page's error relative to the map itself is almost 0 where texels are larger than pixels, and low for lobes far
-  // away. It is removed when the view changes.
+  // The page shows the picture's error compared with the map itself. The error is almost 0 where texels are larger than
+  // pixels, and low for distant lobes. The page removes the number when the view changes.
   const errors = async (hash) => {
     await goTo(page, hash);
     await settled(page);
@@ -155,7 +155,7 @@ try {
   }
   assert.equal(await again.locator("#problem").isVisible(), true);
 
-  // Uses a small window by touch, in light and dark.
+  // Uses the page by touch in a small window, in light and dark mode.
   for (const colorScheme of ["light", "dark"]) {
     const small = await open("", { width: 360, height: 740, colorScheme, hasTouch: true, isMobile: true });
     const [scroll, client] = await small.evaluate(() =>

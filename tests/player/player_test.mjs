@@ -15,9 +15,9 @@ import { RangeServer } from "./range_server.mjs";
 
 const [executablePath, folder, screenshots, only = "", seconds = "10"] = process.argv.slice(2);
 const PATIENCE = 30000; // ms; the machine may be busy
-// The allowed difference from multum-view's pictures, in 8-bit values. This GL has 4 bits of sub-pixel position where
-// the other has 8, so pixels at edges differ by their coverage. Other pixels differ by rounding of half floats and of
-// sRGB.
+// The allowed difference from multum-view's pictures, in 8-bit values. This GL has 4 bits of sub-pixel position and
+// multum-view's GL has 8, so pixels at edges differ by their coverage. Other pixels differ by rounding of half floats
+// and of sRGB.
 const NEAR = 2;
 const NEAR_SHARE_LEAST = 0.995;
 const MEAN_MOST = 0.15;
@@ -225,7 +225,7 @@ const steps = {
       Math.max(...globalThis.multumPlayer.pixels().filter((_, i) => i % 4 === 1)));
     assert.ok(picture > 60, "nothing is drawn");
     await shoot(page, "damaged");
-    // The decoder decodes or refuses damage with a correct checksum, and the page survives.
+    // The decoder decodes or refuses damaged data whose checksum is correct, and the page survives.
     for (const change of [(b) => { b[9] ^= 64; }, (b) => b.fill(255, 1, 8), (b) => { b[1] = 1; }]) {
       const own = sectionsOf(bytes);
       own[place].bytes = Buffer.from(own[place].bytes);

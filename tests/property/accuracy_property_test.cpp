@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests measured errors on maps with known errors, also of files that leave their finest levels to the normal map. The
-// result does not depend on the order in which a meter gets its rows.
+// Tests measured errors on maps with known errors, including files that leave their finest levels to the normal map.
+// The result does not depend on the order in which a meter gets its rows.
 #include <gtest/gtest.h>
 
 #include <glm/geometric.hpp>

@@ -117,8 +117,8 @@ TEST_P(BakePropertyTest, ScalarVariantGivesTheSameBytes) {
 
 // Rotating by 90 degrees is exact in floats (swap and negate) and must rotate every lobe alike. The kernels prefer no
 // axis, except that sums are rounded in x, y order. Where a texel has no more normals than lobes (levels 0 and 1), two
-// lobes may be equally good, and either may win. Start candidates of almost equal quality may also change places with
-// the rounding, so this test searches no start.
+// lobes may be equally good, and either may win. Rounding may also change the order of almost equally good candidates
+// for the start of EM, so this test does not search for a start.
 void expect_lobes_turn(MovmfSettings settings) {
   settings.search_start = false;
   const NormalMap map = make_four_quarter_map(64, 3).normals;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The interval of each level's stated error contains the error of all its texels as often as stated, on thin maps too.
+// The interval of each level's stated error contains the error of all its texels as often as stated, also on thin maps.
 // Levels of few texels are measured completely.
 #include <gtest/gtest.h>
 
@@ -98,7 +98,7 @@ class Coverage {
     }
   }
 
-  // Prints a line. Returns the share of all rows and seeds, and the share of the worst row.
+  // Prints a line. Returns the share of intervals that contain the error, over all rows and for the worst row.
   std::pair<double, double> finish(const std::string& name) const {
     Held all;
     double least = 1.0, width = 0.0;

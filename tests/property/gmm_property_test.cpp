@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Compares planar Gaussians with lobes as Han et al. 2007 do in figure 7. Gaussians are equal for upright normals, and
-// worse for normals near the rim of the disc. There, a round bump on the sphere becomes a thin bump on the plane, which
-// the edge of the disc cuts off.
+// Compares planar Gaussians with lobes as Han et al. 2007 do in figure 7. Gaussians are as accurate as lobes for
+// upright normals, and less accurate for normals near the rim of the disc. There, a round bump on the sphere becomes a
+// thin bump on the plane, which the edge of the disc cuts off.
 #include <gtest/gtest.h>
 
 #include <fmt/format.h>
@@ -44,8 +44,8 @@ std::vector<glm::dvec3> hemisphere(int count) {
   return directions;
 }
 
-// Returns the mean relative L1 error over the levels of 16 x 16 texels and coarser, over half vectors in all
-// directions, by BRDF.
+// Returns the mean relative L1 error by BRDF, over half vectors in all directions and over the levels of at most 16 x
+// 16 texels.
 std::map<std::string, double> errors_of(const NormalMap& map, Representation representation) {
   MovmfSettings settings;
   settings.representation = representation;

@@ -23,7 +23,7 @@ using testing::LedgerModel;
 using testing::TemporaryFolder;
 using Ids = std::vector<std::int64_t>;
 
-// Must be set before the first property, when RapidCheck reads it.
+// Must be set before the first property runs, because RapidCheck reads it then.
 const int g_seeded = setenv("RC_PARAMS", "seed=20261123 max_success=400", 0);
 
 constexpr RetryPolicy kPolicy = {100, 1000};
@@ -184,7 +184,7 @@ class Pair {
     return job;
   }
 
-  // Ends a job by a worker that has it, had it, or never had it.
+  // Ends a job on behalf of a worker that has, had or never had the job.
   void end_any(const Step& s) {
     if (leases_.empty()) return;
     const Job job = leases_[static_cast<std::size_t>(s.a) % leases_.size()];
@@ -192,7 +192,7 @@ class Pair {
     if (s.c % 3 == 0) {
       const bool is_mine = model_.begin_publishing(job.id, owner, job.attempt);
       RC_ASSERT(queue_->begin_publishing(job.id, owner, job.attempt, "1:2") == is_mine);
-      if (is_mine && s.b % 3 != 0) publish(job.id, s.b % 4 != 0);  // otherwise the daemon dies before
+      if (is_mine && s.b % 3 != 0) publish(job.id, s.b % 4 != 0);  // otherwise the daemon dies first
     } else {
       constexpr AttemptOutcome kOutcomes[] = {AttemptOutcome::kSucceeded, AttemptOutcome::kFailed,
                                               AttemptOutcome::kRefused,   AttemptOutcome::kLost,

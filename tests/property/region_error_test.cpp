@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests the error of a region that was baked again, over only its texels. The region's sides are half as long as the
-// map's sides, so its texels of all levels form a mipmap.
+// Tests the error of a region that was baked again. Only the region's texels count. The region's sides are half as long
+// as the map's sides, so its texels of all levels form a mipmap.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -43,7 +43,7 @@ std::vector<Value> cut(const std::vector<Value>& plane, int level) {
   return part;
 }
 
-// Returns means over levels and points, by BRDF, of only the region.
+// Returns the region's errors by BRDF. Each error is a mean over levels and points.
 std::map<std::string, double> region_errors(Device& device, const std::string& file, const NormalMap& map) {
   const MovmfMipmap whole = read_movmf_mipmap(file);
   MovmfMipmap part;

@@ -125,7 +125,7 @@ TEST(SettingChoice, TakesTheCheapestForAFlatMap) {
   EXPECT_EQ(trials.made().size(), 1u) << "more settings were tried than needed";
 }
 
-// Chooses as many lobes as needed and no more: the four quarters have one, two and many directions.
+// The search must choose as many lobes as needed and no more. The four quarters have one, two and many directions.
 TEST(SettingChoice, TakesMoreLobesAsTheErrorFalls) {
   const FourQuarterMap map = make_four_quarter_map(64, 7);
   const BakeSource source = source_of(map.normals);
@@ -204,10 +204,10 @@ int least_held(int count) {
 }
 
 // The measured footprints of a map represent all of its footprints. Errors in units of the standard error have a mean
-// square of 1 if the interval is right. The mean square is lower if evenly spread footprints know more than the
-// interval assumes. Coverage finds intervals that are half as wide on one map, or a fifth too narrow on all. The mean
-// square also finds intervals that are one and a half times too wide. `multum-bench coverage` has every real map and
-// setting.
+// square of 1 if the interval is right. The mean square is lower if evenly spread footprints represent the map better
+// than the interval assumes. The coverage detects intervals that are half as wide as they should be on one map, or a
+// fifth too narrow on all maps. The mean square also detects intervals that are one and a half times too wide.
+// `multum-bench coverage` has every real map and setting.
 TEST(FootprintErrors, IntervalHoldsTheErrorOfAllFootprints) {
   constexpr int kSize = 64, kSeeds = 60, kFew = 48;
   int held_of_all = 0, all = 0;
@@ -257,7 +257,7 @@ TEST(FootprintErrors, IntervalHoldsTheErrorOfAllFootprints) {
 }
 
 // If all normals of the map are equal, every pixel shows f(n . h) max(n . l, 0), whatever it covers. The stored value,
-// filtered and shaded with the cosine, then equals the reference, except for rounding to halfs and to 16 bits.
+// filtered and shaded with the cosine, then equals the reference, except for rounding to half floats and to 16 bits.
 TEST(FootprintErrors, OfOneNormalAreNothing) {
   const glm::dvec3 normal = glm::normalize(glm::dvec3(0.4, -0.3, 0.8));
   const NormalMap map =

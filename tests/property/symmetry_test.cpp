@@ -87,7 +87,8 @@ MovmfMipmap as_decoded(MovmfMipmap mipmap) {
   return mipmap;
 }
 
-// Returns sums over a texel's lobes: of a r, the mean normal, and of a, its energy.
+// Returns two sums over a texel's lobes: the sum of a r, which is the mean normal, and the sum of a, which is the
+// energy.
 glm::dvec4 lobe_sum(const MovmfLevel& level, std::size_t texel) {
   glm::dvec4 sum(0.0);
   for (const auto& lobe : level.lobes) sum += glm::dvec4(lobe[texel]);
@@ -137,7 +138,7 @@ AccuracySettings settings_for(const Layout& layout) {
 // Holds the difference of errors at texel centres in the levels that both pyramids have.
 struct ErrorDifference {
   double most = 0.0;           // largest difference, absolute
-  double most_of_error = 0.0;  // largest difference relative to the error, where that is above 1 %
+  double most_of_error = 0.0;  // largest difference relative to the error, where the error is above 1 %
   double mean = 0.0;           // relative difference of the mean over levels and BRDFs
 };
 
@@ -209,9 +210,9 @@ TEST_P(SymmetryTest, MeanNormalsAndEnergyStay) {
   }
 }
 
-// Bounds on properties that are not kept; docs/contributing/ALGORITHMS.md has them. The worst differences here are 45 %
-// of a level's error and 3.2 % of the mean. The 45 % occur on noise of 64 x 16, where a normal of level 1 goes entirely
-// to one lobe or another.
+// These are bounds on properties that are not kept; docs/contributing/ALGORITHMS.md has them too. The worst differences
+// here are 45 % of a level's error and 3.2 % of the mean. The 45 % occur on noise of 64 x 16, where a normal of level 1
+// goes entirely to one lobe or another.
 constexpr double kErrorsDiffer = 0.6, kMeansDiffer = 0.05;
 
 TEST_P(SymmetryTest, LobesDifferAndErrorsLittle) {

@@ -69,8 +69,8 @@ class JobFilesTest(ClientCase):
                 return done, file.read()
 
         data = made("sub/a.ndf.exr")[1]
-        # The file moves to a folder that no job may read, and a link takes its place; then the same with the folder
-        # above it.
+        # The file moves to a folder that no job may read, and a link takes its place. Then the same happens to the
+        # folder above it.
         elsewhere = os.path.join(self.folder, "elsewhere")
         os.mkdir(elsewhere)
         for name, moved in (("b.ndf.exr", "sub/a.ndf.exr"), ("c.ndf.exr", "sub")):
@@ -459,8 +459,8 @@ class JobFilesTest(ClientCase):
                     self.assertEqual(archive.extractfile(name).read(), file.read(), name)
                 member = archive.getmember(name)
                 self.assertEqual(member.mtime, int(os.stat(path).st_mtime))
-                # The checksum of tar is the sum of unsigned bytes, with blanks in the checksum field. Readers also
-                # accept signed bytes.
+                # The checksum of tar is the sum of unsigned bytes, computed as if the checksum field contained blanks.
+                # Readers also accept signed bytes.
                 head = data[member.offset_data - 512:member.offset_data]
                 self.assertEqual(int(head[148:154], 8), sum(head[:148] + b" " * 8 + head[156:]))
         listed = subprocess.run(["tar", "tf", "-"], input=data, capture_output=True, check=False,

@@ -170,7 +170,7 @@ class ServiceCase(unittest.TestCase):
 class ClientCase(ServiceCase):
     """Helpers for tests that see the daemon as clients do."""
 
-    checks_answers = False  # each checked against docs/reference/openapi.json
+    checks_answers = False  # if true, each answer is checked against docs/reference/openapi.json
 
     def start(self, config=QUICK, **more):
         self.service = Service(MULTUM, self.folder, config=config, **more).start()

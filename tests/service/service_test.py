@@ -114,7 +114,7 @@ class ServiceTest(ClientCase):
         shutil.copy(os.path.join(built, "failing_helper"), os.path.join(folder, "multum-decode"))
         service = self.service = Service(os.path.join(folder, "multum"), self.folder, config=QUICK).start()
         subprocess.run([MULTUM, "testmap", "--size", "16", self.output("q")], check=True, capture_output=True)
-        for name, code, words in (("segfault", 3, "ended by signal 11"), ("exit", 3, "ended with exit code 7"),
+        for name, code, words in (("segfault", 3, "terminated by signal 11"), ("exit", 3, "ended with exit code 7"),
                                   ("missing", 4, "multum-decode: cannot be started")):
             if name == "missing":
                 os.remove(os.path.join(folder, "multum-decode"))

@@ -54,7 +54,7 @@ SCANCEL = """#!/bin/sh
 echo "$@" >>{flag}.cancelled
 exec {scancel} "$@"
 """
-# Replaces multum on nodes: share 1 ends before it has begun, as often as a test asks for it.
+# Replaces multum on nodes. Share 1 exits before any work is done, as many times as a test asks for it.
 PROGRAM = """#!/bin/sh
 if [ "$SLURM_ARRAY_TASK_ID" = 1 ] && [ -e {folder}/fail-1 ]; then mv {folder}/fail-1 {folder}/failed-1; exit 7; fi
 if [ "$SLURM_ARRAY_TASK_ID" = 1 ] && [ -e {folder}/fail-always ]; then exit 7; fi

@@ -422,7 +422,7 @@ const steps = {
       round.add(await page.evaluate(() => document.activeElement.id || document.activeElement.tagName));
     }
     assert.ok(round.has("new-job"), [...round].join(" "));
-    // The log may appear or be reloaded while Tab goes around.
+    // The log may appear or be reloaded while Tab moves the focus around the page.
     if (hadLog === await hasLog()) assert.ok(round.has("PRE") || !hadLog, [...round].join(" "));
     await page.context().close();
   },

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Tests the service's page in Debian's headless Chromium: starts daemons, then web_test.mjs, which asks for them.
+"""Tests the service's page in Debian's headless Chromium: starts web_test.mjs, and the daemons that the script asks
+for.
 
   web_test.py MULTUM SCREENSHOTS [--only STEP]      exits with 77 (skipped) without Chromium, Node or playwright-core
 """

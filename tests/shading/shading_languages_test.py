@@ -250,8 +250,8 @@ class ShadingLanguagesTest(unittest.TestCase):
                                 f"{name}: {what}, case {i}: {values[4 * i + k]} for {row[k]}: {self.cases[i]}")
 
     def hold_drawn(self, name, values):
-        """Single precision has errors of 3e-3 of the sharpest lobes' spread, and of 6e-5 of the number of a large
-        frame."""
+        """Single precision has an error of 3e-3 of the spread for the sharpest lobes, and of 6e-5 for large frame
+        numbers."""
         self.assertEqual(len(values), 4 * len(self.cases), name)
         for i, row in enumerate(self.drawn):
             found = values[4 * i:4 * i + 4]

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Builds the site with tools/site and walks it in headless Chromium: every page at 360 and 1280 pixels, light and dark.
-// No page scrolls sideways, no picture or link is dead, no request leaves the site, and the search finds lobes, from a
-// server and from a disk. Exits with 77 (skipped) if something is missing.
+// No page scrolls sideways, no picture or link is dead, and no request leaves the site. The search finds the word
+// "lobes" on pages from a server and on pages from a disk. Exits with 77 (skipped) if something is missing.
 //
 //   node site_browser_test.mjs OUTPUT_FOLDER
 import assert from "node:assert/strict";
@@ -47,7 +47,7 @@ const FOREIGN = {
 };
 function foreignLoads() {
   const found = [];
-  for (const file of files.filter((one) => one !== path.join("search", "search_index.js"))) { // it has texts of pages
+  for (const file of files.filter((one) => one !== path.join("search", "search_index.js"))) { // it has page text
     const pattern = FOREIGN[path.extname(file)];
     if (pattern === undefined) continue;
     const text = readFileSync(path.join(site, file), "utf8").replace(/\/\*[^]*?\*\//g, "");

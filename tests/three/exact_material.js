@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Makes materials of three.js that average their shading over a grid of points in each pixel. Edges stay as in one
-// frame. The remaining error comes only from edges, for any textures.
+// Makes materials of three.js that average their shading over a grid of points in each pixel. Edges stay as they are in
+// a single frame. The remaining error comes only from edges, for any textures.
 import { REVISION, ShaderChunk } from "three";
 import { fragmentAtPoints } from "/package/shading_points.js";
 
@@ -10,7 +10,7 @@ export function shiftOfGrid(number) {
   return [part(0.7548776662466927), part(0.5698402909980532)]; // powers of the plastic number, as in Roberts's R2
 }
 
-// The package's loop over points, without its term for changing normals.
+// Contains the package's loop over points, without its term for changing normals.
 const PLACES = `
 uniform vec2 multum_grid_shift;
 void multum_decide() {}

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Moves a view by a part of a pixel to a few pixels per frame, and measures changes that references do not have.
+// Moves a view slowly, by between a fraction of a pixel and a few pixels per frame, and measures changes that
+// references do not have.
 import { toByte } from "./linear_pictures.js";
 
 const plus = (a, b, factor) => a.map((value, i) => value + factor * b[i]);

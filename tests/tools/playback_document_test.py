@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Tests tools/lab/playback_document.py on a small field of traced frames: its page, its rows, its refusals, and its
-parts: the path through the parameters, errors and their places, values between points of a curve, colours of videos.
+"""Tests tools/lab/playback_document.py on a small field of traced frames: its page, its rows and its refusals. Also
+tests its parts: the path through the parameters, errors and their places, values between points of a curve, and colours
+of videos.
 
   tests/tools/playback_document_test.py --programs FOLDER
 """

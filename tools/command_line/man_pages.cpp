@@ -11,7 +11,8 @@
 namespace multum {
 namespace {
 
-// Escapes backslashes and hyphens. A line may not begin with a dot or an apostrophe, which are requests in roff.
+// Escapes backslashes and hyphens. A line of text may not begin with a dot or an apostrophe, because roff would treat
+// the line as a request.
 std::string escaped(const std::string& text) {
   std::string result;
   bool at_start = true;

@@ -44,7 +44,8 @@ struct Options {
   double refuse_share = 0.001;    // share of maps that cannot be baked
   double node_hours = 200.0;      // mean time between two failures of a node
   double repair_seconds = 600.0;  // time until a failed node works again
-  bool asks_for_each = false;     // ask for each file of each part, as program versions did that could not list folders
+  bool asks_for_each = false;     // ask for each file of each part, as earlier program versions did, which could not
+                                  // list folders
   unsigned seed = 1;
 };
 

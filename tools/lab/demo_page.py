@@ -47,7 +47,7 @@ def errors_by_level(bake, brdf, points):
 
 
 def fit_parts(bake):
-    """Divides the time of the fit into rows (name, seconds): the levels, then the rest. Their sum is the whole
+    """Divides the time of the fit into rows (name, seconds): the levels, then the rest. The rows sum to the whole
     stage."""
     parts = [(str(level["level"]), level["seconds"]) for level in bake["levels"]]
     if "start" in bake:

@@ -27,7 +27,7 @@ from target_table import is_normal_map, processor_seconds_of_children
 
 ROUGHNESSES = (0.1, 0.25, 0.5)
 STORED_ROUGHNESS = 0.25  # base roughness for which bytes are counted
-STORED_EVERY = 5  # of this many maps, sorted by name, one is stored in all ways
+STORED_EVERY = 5  # one in this many maps, sorted by name, is stored in all formats
 LEVELS = (2, 4, 6)
 RULES = (("averaged", "averaged normals with base roughness"), ("unreal", "Unreal, without its blur of normals"),
          ("unity", "Unity HDRP"), ("godot", "Godot"), ("filament", "Filament's roughness-prefilter"),
@@ -110,16 +110,16 @@ The printed line names the view in which plain mips and one lobe differ most. Th
 
 The pictures of `--form auto` show a plane seen from above, a tilted plane and a sphere, with 1 to 32 texels per pixel,
 under three lights and a room with lamps. The default form `one-lobe` is replaced only if three conditions hold. First,
-the other form lowers the mean error by at least a twentieth. Second, it lowers the mean error by at least 0.2 points.
-Third, in every view, the error of the other form is at most 0.1 points higher than the error of one lobe. Maps without
-`--metalness` are drawn as a grey dielectric. For maps of 512 and 1024 texels per side, `--form auto` increases the
-processor time by 5 to 15 %.
+the mean error of the other form is at least 5 % lower than the mean error of one lobe. Second, it is at least 0.2
+percentage points lower. Third, in every view, the error of the other form is at most 0.1 percentage points higher than
+the error of one lobe. Maps without `--metalness` are drawn as a grey dielectric. For maps of 512 and 1024 texels per
+side, `--form auto` increases the processor time by 5 to 15 %.
 
 `--for` names the engine whose texture filter and shading the pictures imitate:
 
 | `--for` | taps | roughness where normals change between pixels | z of normals |
 |---|---|---|---|
-| `three`, the default | 16 if a program asks for them | adds the largest change of a component | read |
+| `three`, the default | 16 if a program asks for them | increased by the largest change of a component | read |
 | `babylon` | 4 | at least the cube root of the squared change, which includes the normal map | read |
 | `playcanvas` | 1 | unchanged | read |
 | `filament` | 1 | alpha^2 + 0.3 times the squared changes, up to 0.2 | read |
@@ -185,7 +185,7 @@ format. Every export prints the names of engines that cannot load the exported f
   only level 0 if a side is not a power of two. Direct3D does not support block-compressed textures whose sides are not
   divisible by 4. The export warns in both cases.
 - Automatic tests read every level. three.js (WebGL 2 with SwiftShader) reads all kinds of KTX2, ktx-parse 2.0 reads
-  their headers, and OpenImageIO 2.4 reads BC4, BC5 and BC7 from DDS. Babylon.js reads half floats from DDS, the only
+  their headers, and OpenImageIO 2.4 reads BC4, BC5 and BC7 from DDS. Babylon.js reads 16-bit floats from DDS, the only
   format with a DX10 header that it supports.
 
 ## Notes on the files
@@ -217,7 +217,8 @@ Zstandard does not reduce GPU memory.
 |---|---|---|---|---|---|
 """
 
-# Each row has a name, and the keys in a row's storage for bytes, bytes with Zstandard, and errors.
+# Each entry contains the name of a row of the table, and three keys of the storage results: for bytes, for bytes with
+# Zstandard, and for errors.
 STORED = (("EXR, one image per level", "exr", None, "exr"), ("KTX2, `rgba16f`", "rgba16f", "rgba16f_zstd", "exr"),
           ("PNG, one image per level", "png", None, "png"), ("KTX2, `rgba8`", "rgba8", "rgba8_zstd", "png"),
           ("KTX2, `rg8`", "rg8", "rg8_zstd", "rg8"), ("KTX2, `bc`", "bc", "bc_zstd", "bc"))
@@ -252,8 +253,8 @@ def stored(report):
 
 
 def storage(multum, path, roughness, cells, folder):
-    """Measures all ways to store a material except for PNG. Bytes hardly depend on roughness, so they are measured at
-    one roughness."""
+    """Measures all storage formats of a material except for PNG. Bytes hardly depend on roughness, so they are
+    measured at one roughness."""
     ways = {texels: ["--format", "ktx2", "--texels", texels] for texels in ("rg8", "bc")}
     ways["exr"] = ["--format", "exr"]
     if roughness == STORED_ROUGHNESS:

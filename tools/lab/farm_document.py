@@ -100,8 +100,8 @@ percentages of the service's time.
 
 The run with all maps took {last['hours']:.1f} hours and {last['chunks']} tasks. At the end, the numbers of jobs by
 state were: {states}. In this run, {last['failed_attempts']} attempts and {last['node_failures']} nodes failed. For each
-map, the ledger spent {submit} on submitting, {claim} on claiming, {note} on recording the sent job, and {end} on
-recording the end. The simulation counts elapsed times as simulated time. Other programs also ran on the machine, so
+map, the ledger spent {submit} on submitting, {claim} on claiming, {note} on recording that the job was sent, and {end}
+on recording the end. The simulation counts elapsed times as simulated time. Other programs also ran on the machine, so
 elapsed times include waits for the disk and for a core.
 
 The next table lists the times of requests by the web page and the API, in milliseconds of the ledger's only thread. The

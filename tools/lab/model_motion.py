@@ -126,7 +126,7 @@ def main():
     parser.add_argument("--rows", nargs="+", default=list(SHOWN), choices=ROWS, metavar="NAME")
     parser.add_argument("--distance", type=float, default=5, metavar="METRES")
     parser.add_argument("--frames", type=int, default=3, help="frames per motion")
-    parser.add_argument("--pairs", type=int, default=3, help="pairs of timed runs; 0: none")
+    parser.add_argument("--pairs", type=int, default=3, help="pairs of timed runs; if 0, no runs are timed")
     options = parser.parse_args()
     cache = Cache(options.cache.resolve(), options.programs, options.package)
     rows = {name: ROWS[name] for name in ROWS if name in options.rows or name == "plain mips"}

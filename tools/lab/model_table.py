@@ -102,7 +102,7 @@ def measure(cache, entry, rows, distances):
     files = {name: file_of(cache, entry, row) for name, row in rows.items()}
     reports = {" ".join(row["dressed"]): cache.dressed(source, row["dressed"])[1] for row in rows.values()
                if row["dressed"] is not None}
-    wanted = {}  # rows to draw, by the distances for which they have no result
+    wanted = {}  # rows to draw, grouped by the distances for which they have no result
     for name, row in rows.items():
         lacking = tuple(one for one in distances if not
                         cache.row_file(files[name], row, view_from(one), reach).exists())

@@ -4,7 +4,7 @@ import statistics
 
 from model_views import byte_text
 
-GAP_MIN = 0.5  # in points; if plain mips are closer to the floor, shares of this difference mean nothing
+GAP_MIN = 0.5  # in percentage points; if plain mips are closer to the floor, shares of the difference mean nothing
 NEAR = 1  # distance of the near view in metres
 NEXT_COUNT = 5  # number of views that are named after the worst view
 PAGE = """# Models and surfaces
@@ -19,7 +19,7 @@ edit.
 licences. The repository does not contain the model files. `tests/three/bumpy_models.mjs` makes the surfaces.
 
 `multum gltf MODEL --lobes` converted each model ([gltf](../reference/gltf.md)). three.js's WebGLRenderer in Chromium
-(SwiftShader) drew each model with {width} x {height} pixels and a field of view of {angle} degrees, under one
+(SwiftShader) drew each model at {width} x {height} pixels, with a field of view of {angle} degrees, under one
 directional light and three.js's RoomEnvironment. Every row is for one frame with {edges} samples per pixel for edges,
 and with the highest anisotropy that WebGL offers in this browser. Models without a meaningful size are scaled until
 half of their diagonal is 1.2 m long.

@@ -15,7 +15,7 @@ import tempfile
 
 
 class Bakes:
-    """Times of bakes of maps in two sizes, as nanoseconds per texel of each stage and level and as a constant rest."""
+    """Times of bakes of maps in two sizes: nanoseconds per texel of each stage and level, and a constant part."""
 
     def __init__(self, multum, folder, sizes, repeat):
         self.multum, self.folder, self.sizes, self.repeat = multum, folder, sizes, repeat
@@ -60,7 +60,7 @@ def level_sum(times, levels):
 
 
 def measure(bakes):
-    """Returns the constants by name. Binning does not belong to a level, so its time is added to the coarse levels."""
+    """Returns the constants by name. Binning is not part of one level, so its time is added to the coarse levels."""
     two, _ = bakes.run("--lobes", "2")
     four, fixed = bakes.run("--lobes", "4")
     coloured, _ = bakes.run("--lobes", "4", "--albedo", "@_albedo.png")

@@ -47,7 +47,8 @@ INFERENCES = (("as it is", {}, ()), ("textures of 1.5 times the side", {"resolut
               ("solved ten times nearer", {}, ("--tolerance", "1e-4")))
 # Names of rows as the page shows them.
 SHOWN = {"as it is": "defaults", "cosines alone": "only cosines", "wavelets alone": "only wavelets",
-         "the paper's search for levels, no learnt basis": "search for levels as in the paper, no learnt basis",
+         "the paper's search for levels, no learnt basis":
+             "the paper's method to search for levels, without a learnt basis",
          "no object above 1.25 times the mean": "at most 1.25 times the mean error per object",
          "blocks of 4 samples a parameter": "blocks of 4 samples per parameter",
          "every sample by itself": "every sample packed separately",
@@ -120,7 +121,7 @@ class FieldMeasurement:
                 "processor_seconds": done.processor_seconds, "memory_bytes": done.memory_bytes}
 
     def packed_at_main(self, options):
-        """Does the same as packed(), at the main ratio. Uses the row of a curve if there is one."""
+        """Returns packed() at the main ratio. Uses the row of a curve if there is one."""
         curve = next((name for name, theirs, *_ in PACKINGS if theirs == tuple(options)), None)
         row = self.rows.find(self.name, "pack", f"{curve}, {self.main[1]}:1")
         if row:
@@ -219,8 +220,8 @@ class FieldMeasurement:
         measure_playing(self, video_codecs, quality_of)
 
     def measure_inference(self, keeps, ways):
-        """`keeps` tells whether to keep the textures of all ways in the work folder. `ways` is the number of INFERENCES
-        to use."""
+        """`keeps` tells whether the inferred textures stay in the work folder. `ways` is the number of INFERENCES to
+        use."""
         from fields import error_places, mse, squared_errors
         numbers, names = self.field.object_numbers(), [one["name"] for one in self.field.job["object"]]
         places = lambda frames: error_places(squared_errors(frames, self.traced), numbers, names)
@@ -255,8 +256,8 @@ def with_texture_settings(job, changes):
 
 
 def prepared(folder, work, programs, rows, split):
-    """Makes the job and infers the textures if they are missing. Returns name, job and folder of textures. `split` is a
-    parameter to divide and its parts, as for with_split_parameter(), or None."""
+    """Makes the job and infers the textures if they are missing. Returns name, job and folder of textures. `split` is
+    None, or the parameter to divide and its parts, as for with_split_parameter()."""
     from fields import Field, mse
     from parameter_grid import with_split_parameter
     name = folder.name
@@ -337,8 +338,8 @@ def at_ratios(rows, name, video_codecs, stated):
         here, best = value_at(own, ratio), leading.get(ratio)
         if here and best:
             words.append(f"{100 * abs(1 - here / best):.0f} % {'lower' if here < best else 'higher'} at {ratio:g}:1")
-    said = (f"Compared with {spoken(video_codecs.LEADING)}, the MSE of `multum pack` is {', '.join(words)}."
-            if words else "")
+    listed = ", ".join(words[:-1]) + (", and " if len(words) > 1 else "") + "".join(words[-1:])
+    said = f"Compared with {spoken(video_codecs.LEADING)}, the MSE of `multum pack` is {listed}." if words else ""
     return table(head, lines), said
 
 
@@ -519,13 +520,13 @@ def arguments():
     parser.add_argument("--parts", nargs="+", default=[*PARTS], choices=PARTS, help="parts to measure (default: all)")
     parser.add_argument("--again", nargs="+", default=[], choices=PARTS, help="parts to measure again")
     parser.add_argument("--split", nargs=2, action="append", default=[], metavar=("FIELD", "PARAMETER=NAME:COUNT,..."),
-                        help="divide a field's parameter; the last part is fastest")
+                        help="divide a field's parameter; the last part changes fastest")
     parser.add_argument("--ratios", nargs="+", type=float, default=[48, 96, 192, 384, 768, 1000],
                         help="ratios of the curves of multum pack")
     parser.add_argument("--coders", nargs="+", default=("auto", "dct", "wavelet"),
                         help="coders of the curves of multum pack")
     parser.add_argument("--videos", nargs="+",
-                        help="codecs by the beginning of their names, such as 'AV1' (default: all)")
+                        help="codecs whose names begin like this, such as 'AV1' (default: all)")
     parser.add_argument("--stated", nargs="+", type=float, default=RATIOS,
                         help="ratios of tables (default: 192 384 768); parts are compared at the middle one")
     parser.add_argument("--growth", nargs="+", type=float, default=GROWTH_RATIOS,
@@ -533,7 +534,7 @@ def arguments():
     parser.add_argument("--measure-nothing", action="store_true", help="make the page only from existing rows")
     parser.add_argument("--context", default="auto", help="GL context: auto, egl, osmesa")
     parser.add_argument("--inferences", type=int, default=len(INFERENCES),
-                        help="number of ways to infer, from the first on")
+                        help="number of ways to infer; the first ways are used")
     parser.add_argument("--keep", action="store_true", help="keep textures inferred in other ways")
     parser.add_argument("-o", "--output", required=True, type=pathlib.Path)
     committed_tree.add_option(parser)

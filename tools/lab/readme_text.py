@@ -2,7 +2,7 @@
 """Makes the measured figures that README.md and the pages of docs/ quote, from docs/evidence.
 
 A page has each figure between <!-- figures: NAME --> and <!-- /figures: NAME -->. BLOCKS makes the text of every NAME
-from readme_figures.json or from a generated page of docs/evidence, so that no two pages can disagree. README.md and
+from readme_figures.json or from a generated page of docs/evidence, so that all pages agree. README.md and
 docs/explanation have no measured figures outside the marks. The check needs only the standard library: neither the
 programs nor the real maps.
 """
@@ -291,7 +291,8 @@ def whole_bakes(root):
 
 def bake_costs(_figures, root):
     gpu, cores = row_of(root, "GPU.md", r"^- A whole bake of 4096 x 4096 texels, from file to file, takes ([\d.]+) s "
-                                        r"with the GPU and ([\d.]+) s on the processor\.")
+                                        r"if the kernels run on the GPU, and ([\d.]+) s if they run on the "
+                                        r"processor\.")
     device, count = row_of(root, "GPU.md", r"^Device: (NVIDIA [^.]+)\..*?, (\d+) cores")
     ((seconds, mib), (other_seconds, other_mib)), few = whole_bakes(root)
     return (f"A whole bake of a 4096 x 4096 map takes {gpu} s with an {device} and {cores} s on the {count} cores of\n"

@@ -44,7 +44,7 @@ class Shares:
         return least
 
     def merge_seconds(self, count, *options):
-        """Times a merge once, because it removes the shares."""
+        """Times a merge only once, because the merge removes the shares."""
         repeat, self.repeat = self.repeat, 1
         seconds = self.seconds(*options, "--merge", str(count))
         self.repeat = repeat

@@ -93,7 +93,7 @@ std::string last_line(const std::string& text) {
 // Returns the reason why a child failed, in one line. Empty if it succeeded.
 std::string failure_of(const ChildResult& child) {
   if (child.is_over_time) return "it took longer than five minutes";
-  if (child.signal != 0) return fmt::format("it was ended by signal {}", child.signal);
+  if (child.signal != 0) return fmt::format("it was terminated by signal {}", child.signal);
   if (child.exit_code == 0) return "";
   const std::string line = last_line(child.output);
   return line.empty() ? fmt::format("exit code {}", child.exit_code) : line;

@@ -54,7 +54,8 @@ const char* finding_name(ExportFinding finding) {
   return "";
 }
 
-// Throws Error(kUsage) for options about reading a map. They have no effect on a baked file, whose normals are decoded.
+// Throws Error(kUsage) for options about reading a map. These options have no effect on a baked file, which already
+// holds decoded normals.
 void check_no_reading_is_given(const std::string& input, const ParameterValues& values) {
   for (const Parameter& row : export_parameters().rows())
     if (row.group == kSourceGroup && values.has(row.name))

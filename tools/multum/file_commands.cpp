@@ -92,7 +92,7 @@ constexpr InfoKind kInfoKinds[] = {
                           file.has_colours ? ", mean colour" : "", material_texts(file));
      },
      [](const BakedHeader& file) {
-       return fmt::format("at a slope b, keeps slope deviations down to {:.4f} b",
+       return fmt::format("at a slope b, stores deviations of slopes down to {:.4f} b",
                           static_cast<double>(least_slope_deviation(file.encoding)));
      }},
     {Representation::kSh,
@@ -103,8 +103,9 @@ constexpr InfoKind kInfoKinds[] = {
                           material_texts(file));
      },
      [](const BakedHeader& file) {
-       return std::string(file.encoding == StorageEncoding::kHalf ? "loses at most 2^-11 of each coefficient"
-                                                                  : "loses nothing");
+       return std::string(file.encoding == StorageEncoding::kHalf
+                              ? "rounds each coefficient by at most 2^-11 of its value"
+                              : "loses nothing");
      }},
 };
 
@@ -192,8 +193,8 @@ int print_info(const std::string& path) {
   text += on_the_gpu(baked_gpu_bytes(path), file);
   text += fmt::format("source          {}, SHA-256 {}\n", from.source_name, from.file_hash());
   if (!from.source_tiles.empty())
-    text += fmt::format("with its set    SHA-256 {} of the source and of the data that it took from other tiles\n",
-                        from.source_hash);
+    text +=
+        fmt::format("with its set    SHA-256 {} of the source and of the data from other tiles\n", from.source_hash);
   text += reading_text(from.reading);
   text += fmt::format("settings        {}\n", rounded_settings(from.settings));
   text += fmt::format("checksum        {}\n", from.content_hash);

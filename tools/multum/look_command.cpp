@@ -63,8 +63,9 @@ int run_look(LookOptions& o) {
 void add_look_command(CLI::App& app, int* exit_code) {
   auto options = std::make_shared<LookOptions>();
   LookOptions& o = *options;
-  CLI::App* command = app.add_subcommand(
-      "look", "show lobes in a browser, next to averaged normals, the rules of engines and the one-lobe export");
+  CLI::App* command = app.add_subcommand("look",
+                                         "show lobes in a browser and compare them with averaged normals, the "
+                                         "roughness rules of engines and the one-lobe export");
   command->add_option("inputs", o.inputs, "baked files of lobes, *.ndf.exr; the page lists them")->required();
   command
       ->add_option("--source", o.sources,
@@ -75,7 +76,7 @@ void add_look_command(CLI::App& app, int* exit_code) {
   command->add_option("--base-roughness", o.job.base_roughness, "set one perceptual roughness for the whole surface")
       ->check(CLI::Range(0.05, 1.0))
       ->capture_default_str();
-  command->add_flag("--same-source", o.job.same_source, "refuse a normal map other than the baked one");
+  command->add_flag("--same-source", o.job.same_source, "refuse a normal map that differs from the map that was baked");
   command->add_flag("--no-open", o.stays_closed, "do not open the page");
   command->add_option("--device", o.device,
                       "use this OpenCL device: its number in `multum devices`, or part of its name");

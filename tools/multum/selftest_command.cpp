@@ -81,7 +81,8 @@ void add_selftest_command(CLI::App& app, int* exit_code) {
   selftest->add_option("--device", options->device,
                        "use this OpenCL device: its number in `multum devices`, or part of its name");
   selftest->add_option("--filter", options->selftest.filter, "run only cases or kernels with this text in their name");
-  selftest->add_flag("--without-guards", options->selftest.without_guards, "also run each case without its guard");
+  selftest->add_flag("--without-guards", options->selftest.without_guards,
+                     "also run each case without the code that protects against it");
   selftest->add_option("--report", options->report, "write the verdicts to this file as JSON");
   selftest->add_option("--markdown", options->markdown,
                        "write docs/contributing/STABILITY.md to this file; implies --without-guards");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Gives access to the files that `multum shaders` writes, which the build embeds in the program.
+// Gives access to the files that `multum shaders` writes. The build embeds these files in the program.
 #pragma once
 
 #include <map>

@@ -57,10 +57,10 @@ std::string plan_text(const BakeJob& job, const BakeShape& shape, double whole, 
   const std::size_t count = cost.band_seconds.size();
   if (count == 0) return text + "not divided\n";
   line(fmt::format("--shard 0/{}", count), cost.coarse_seconds,
-       fmt::format("reads the map, fits level {} and coarser", cost.coarse_from));
+       fmt::format("reads the map, and fits level {} and all coarser levels", cost.coarse_from));
   for (std::size_t i = 0; i < count; ++i)
     line(fmt::format("--shard {}/{}", i + 1, count), cost.band_seconds[i],
-         i == 0 ? fmt::format("each fits a band of the finer levels, after 0/{}", count) : "");
+         i == 0 ? fmt::format("each fits a band of the finer levels, after share 0/{}", count) : "");
   line(fmt::format("--merge {}", count), cost.merge_seconds, "measures and writes, after all shares");
   line("all", cost.total_seconds(), fmt::format("{:.2f} of one process", cost.total_seconds() / whole));
   return text;

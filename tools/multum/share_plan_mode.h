@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Runs `multum plan` for one map, which predicts the times of the map's shares.
+// Runs `multum plan` for one map. This command predicts the times of the map's shares.
 #pragma once
 
 #include <string>

@@ -136,7 +136,7 @@ void check_options_of_roughness(const std::string& file, const PictureOptions& o
   if (!options.light.environment.empty() && compares)
     throw Error(ErrorCode::kUsage, file +
                                        ": was baked with roughness; found --environment with --compare, expected "
-                                       "lights, because the reference supports only one BRDF there");
+                                       "lights, because the reference supports only one BRDF under an environment");
   if (options.shading.formula == gl::LobeFormula::kPaper)
     throw Error(ErrorCode::kUsage, file + ": was baked with roughness; found --formula paper, expected product");
 }

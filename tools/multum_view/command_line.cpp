@@ -63,8 +63,9 @@ const ViewCommand kOwnCommands[] = {
      "factors",
      "  multum-view animate bricks.ndf.exr --brdf ggx:0.5 --to-brdf ggx:0.1 -o frames/ --frames 60\n\n"
      "In the report, environment_processor_ms is the processor time for the light of a frame. The value made is the\n"
-     "time to make the maps of the light; frames between the first and the last mix the maps of these two. The value\n"
-     "set is the time for uploads and, with --environment-mode sh, for harmonics over the half vectors of the frame.",
+     "time to make the maps of the light. Frames between the first and the last mix the maps of these two frames.\n"
+     "The value set is the time for uploads and, with --environment-mode sh, for harmonics over the half vectors of\n"
+     "the frame.",
      add_animate_options, run_animate},
     {"pyramid", "Draw a surface with colours from a pyramid, looked up in several ways",
      "  multum-view pyramid bricks.exr --lookup reference,nearest,level,driver -o sheet.png\n"
@@ -111,10 +112,10 @@ const char* const kExamples =
     "  multum-view bricks.ndf.exr --source bricks_normal.png --compare reference,mip,toksvig,lean-jacobian -o "
     "sheet.png\n"
     "  multum-view animate bricks.ndf.exr --brdf ggx:0.5 --to-brdf ggx:0.1 -o frames/ --frames 60\n\n"
-    "--compare: mip, toksvig, lean and lean-jacobian use averaged normals and the same filter. points,\n"
-    "toksvig-points and so on shade the averaged normals at as many points of each pixel as the baked map needs\n"
-    "evaluations. On a mesh, all methods add the variance of the mesh normals within a pixel. Under\n"
-    "--environment, lean is the same as toksvig. For a file with roughness, the points pictures use unit normals\n"
+    "--compare: mip, toksvig, lean and lean-jacobian use averaged normals and the filter of the baked map. points,\n"
+    "toksvig-points and so on shade the averaged normals at several points of each pixel: as many points as the baked\n"
+    "map needs evaluations. On a mesh, all methods add the variance of the mesh normals within a pixel. Under\n"
+    "--environment, lean is the same as toksvig. For a file with roughness, the pictures of points use unit normals\n"
     "and a roughness map whose levels average perceptual roughness, as in engines.\n\n"
     "--evaluations: where the normals under a pixel are similar, each evaluation shades one lobe at its own point.\n"
     "Elsewhere, evaluations shade several lobes at fewer points. If a texel has more lobes than evaluations, the\n"

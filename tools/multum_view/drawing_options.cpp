@@ -103,7 +103,8 @@ void add_mesh_option(CLI::App& app, SurfaceOptions& options) {
 
 void add_repeat_option(CLI::App& app, SurfaceOptions& options) {
   app.add_option("--repeat", options.repeat,
-                 "repeat the map this many times across the plane or uv unit (default: 60, or 1 on a mesh)")
+                 "repeat the map this many times across the plane, or per unit of texture coordinates on a mesh "
+                 "(default: 60, or 1 on a mesh)")
       ->check(number_in(1e-6f, 1e6f));
 }
 

@@ -16,8 +16,8 @@ namespace {
 
 void add_source_options(CLI::App& app, SourceOptions& options) {
   app.add_option("--source", options.normals,
-                 "read the normal map of the bake from this file, for the reference, the baselines and levels that the "
-                 "baked file leaves out (default: level 0 of the file)");
+                 "read the original normal map from this file; the reference, the baselines and the levels missing "
+                 "from the baked file need it (default: level 0 of the baked file)");
   app.add_option("--albedo", options.albedo, "read the colours of the source from this map");
   CLI::Option* const roughness = app.add_option(
       "--roughness", options.roughness, "read the roughness of the source from FILE or FILE:CHANNEL, as in the bake");
@@ -46,18 +46,17 @@ void add_comparison_options(CLI::App& app, ComparisonOptions& options) {
              "deviation 1/2 pixel, cut off at 1.5)")
       ->default_str("box");
   CLI::Option* const texels =
-      add_choice(
-          app, "--reference-texels", options.reference, kReferenceTexels,
-          "shade the reference between centres of the finest texels with the nearest normal, with a blend of the "
-          "light of four texels, or with their interpolated normal")
+      add_choice(app, "--reference-texels", options.reference, kReferenceTexels,
+                 "between centres of the finest texels, shade the reference with the nearest normal, with a blend of "
+                 "the light of four texels, or with the interpolated normal of these texels")
           ->default_str("nearest");
   app.add_option_function<std::string>(
          "--reference-of",
          [&options](const std::string& text) {
            if (text == "texels") options.reference = gl::NormalMaterial::Sampling::kFootprint;
          },
-         "average the reference over the pixel, or over the texels that the filter reads there, which leaves out the "
-         "error of the filter")
+         "average the reference over the pixel, or, to leave out the error of the filter, over the texels that the "
+         "filter reads for the pixel")
       ->check(CLI::IsMember({"pixel", "texels"}))
       ->excludes(texels)
       ->default_str("pixel");

@@ -31,8 +31,8 @@ namespace {
 constexpr float kRoughnessMin = 0.05f;           // minimum of Brdf
 constexpr float kDielectricReflectance = 0.04f;  // glTF 2.0, appendix B
 
-/// Parses NAME=FILE. The last "=" separates them, because names may contain "=", whereas names of baked files rarely
-/// do.
+/// Parses NAME=FILE. The last "=" separates NAME from FILE, because a material's name may contain "=", but the name of
+/// a baked file rarely does.
 std::map<std::string, std::string> parse_materials(const std::vector<std::string>& words) {
   std::map<std::string, std::string> files;
   for (const std::string& word : words) {

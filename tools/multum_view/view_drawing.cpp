@@ -140,8 +140,9 @@ std::vector<NamedPicture> PictureDrawer::draw(const gl::RenderScene& scene) {
   return pictures;
 }
 
-/// Warns about a fault of Mesa 22.3.6. It was measured on the plane seen from above, with averaged normals. A terrain
-/// of 403 x 344 has 85 % error with --anisotropy 4 and 60 % without. Resized to 256 x 256, it has 65 % and 66 %.
+/// Warns about a fault of Mesa 22.3.6. The fault was measured with averaged normals on the plane seen from above. A
+/// terrain of 403 x 344 texels has an error of 85 % with --anisotropy 4 and 60 % without it. Resized to 256 x 256
+/// texels, the terrain has errors of 65 % and 66 %.
 void warn_of_wrong_anisotropy(const MapOptions& options, const BakedHeader& baked, const std::string& renderer) {
   if (options.picture.shading.anisotropy <= 1.0f || renderer.find("llvmpipe") == std::string::npos) return;
   if (is_power_of_two(baked.width) && is_power_of_two(baked.height)) return;

@@ -68,7 +68,7 @@ nlohmann::json brdf_json(const Brdf& brdf) {
   return json;
 }
 
-// Noise is not measured with one sample per pixel.
+// The noise is not finite if the picture has only one sample per pixel, from which noise cannot be measured.
 nlohmann::json noise_json(double noise) { return std::isfinite(noise) ? nlohmann::json(noise) : nlohmann::json(); }
 
 std::string reference_line(const gl::Picture& reference) {

@@ -35,7 +35,7 @@ struct ReportFacts {
 void write_report(const PictureOptions& options, const gl::RenderScene& scene, const ReportFacts& facts,
                   const nlohmann::json& pictures);
 
-/// Writes the variants to `path`.
+/// Writes the shader variants to `path`.
 void write_shaders(const std::string& path, const std::vector<gl::ShaderVariant>& variants);
 
 }  // namespace multum

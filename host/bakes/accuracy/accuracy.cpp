@@ -15,18 +15,20 @@
 namespace multum {
 namespace {
 
-// Sums errors per level, kind of point and BRDF. Each sample counts for all texels of its cell. For sampled levels,
-// the errors of each point are also kept, because their spread gives the confidence interval.
+// Sums errors per level, kind of point and BRDF. Each sample counts for all texels of its cell. For sampled levels, the
+// errors of each point are also kept, because their spread gives the confidence interval.
 //
-// Sums over a level are Horvitz-Thompson estimates, sum_i w_i d_i, where w_i is the number of texels in cell i (Cochran
-// 1977, section 9A.7). The error is a ratio R of two such sums. The variance of R is the variance of sum_i w_i e_i, e_i
-// = d_i - R t_i, divided by the squared sum of the reference (the delta method, Cochran section 6.4). If a texel has
-// no point of this kind, e_i = 0 (section 5A.14).
+// The error of a level is R = sum_i w_i d_i / sum_i w_i t_i. For the sample of cell i, d_i is the difference, t_i is
+// the reference, and w_i is the number of texels in the cell. Both sums are Horvitz-Thompson estimates (Cochran 1977,
+// section 9A.7). With e_i = d_i - R t_i, the variance of R is the variance of sum_i w_i e_i, divided by the squared sum
+// of the reference (the delta method, Cochran section 6.4). If a texel has no point of this kind, e_i = 0 (section
+// 5A.14).
 //
 //   v = n / (n - 1) sum_i (1 - 1 / w_i) (w_i e_i - mean)^2
 //
 // (1 - 1 / w_i) is the finite population correction of a cell. A single sample per cell gives no variance within the
-// cell, so the spread among all cells is used instead. It is larger if neighbours are similar (section 5A.12).
+// cell, so the spread among all cells is used instead. The spread among all cells is larger if neighbours are similar
+// (section 5A.12).
 class ErrorSums {
  public:
   ErrorSums(const AccuracyPoints& points, std::size_t brdf_count)
@@ -67,7 +69,7 @@ class ErrorSums {
     return points_.chosen_count() > 0 && level <= points_.samples()[points_.chosen_count() - 1].level;
   }
 
-  // Variance v (above) of the sum of residual(sample) over all texels of a sampled level.
+  // Returns the variance v (see above) of the sum of residual(sample) over all texels of a sampled level.
   template <typename Residual>
   double total_variance(int level, const Residual& residual) const {
     double sum = 0.0, n = 0.0;
@@ -133,8 +135,8 @@ void append_taps(const SamplePoint& point, const std::vector<std::size_t>& model
   taps.finish_point();
 }
 
-// One measurement. Each pass evaluates the reference of as many directions as fit into memory and compares it with the
-// model. There are few footprints, so the first pass handles all of them.
+// One measurement. Each pass evaluates the reference for as many directions as fit into memory, and compares the
+// reference with the model. There are few footprints, so the first pass handles all of them.
 class Comparison {
  public:
   Comparison(const AccuracySettings& settings, const MeasuredPlaces& places, const AccuracyModel& model,
@@ -165,7 +167,7 @@ class Comparison {
     for (std::size_t direction = 0; direction < direction_count() && !points_.samples().empty();) {
       const Pass pass = next_pass(direction);
       for (const auto& reference : pass.references) streamed.push_back(reference.get());
-      // Footprints use all directions in this pass and reuse the values that it evaluates.
+      // In this pass, footprints use all directions and reuse the evaluated values.
       for (std::size_t d = 0; d < footprint_references.size() && direction == 0; ++d)
         if (d < pass.references.size()) pass.references[d]->share_with(*footprint_references[d]);
         else streamed.push_back(footprint_references[d].get());
@@ -217,8 +219,9 @@ class Comparison {
   std::size_t half_count() const { return highlights_.empty() ? 0 : settings_.directions.half_vectors.size(); }
 
   // Directions that do not fit into memory need another pass over the map. With 2048 samples per level, all 40 values
-  // of a map of 16384 x 16384 need 33 MB, or four times as much with colours. With every texel of a map of 1024 x 1024,
-  // three values need 34 MB. The result does not depend on the number of threads, because sums are added pass by pass.
+  // of a map of 16384 x 16384 need 33 MB, or four times as much with colours. If every texel of a map of 1024 x 1024 is
+  // measured, three values need 34 MB. The result does not depend on the number of threads, because sums are added pass
+  // by pass.
   Pass next_pass(std::size_t first) const {
     constexpr std::size_t kReferenceBytesMax = std::size_t{256} << 20;
     Pass pass{{{}, {}, highlights_, settings_.has_roughness ? settings_.mean_cosine : 0.0f}, {}};
@@ -292,7 +295,7 @@ class Comparison {
       }
   }
 
-  // Adds the errors of one channel, which is -1 if there are no colours.
+  // Adds the errors of one colour channel. The channel is -1 if there are no colours.
   void add_footprints(const std::vector<std::unique_ptr<FootprintReference>>& references,
                       const std::vector<std::size_t>& point_begin, const std::vector<float>& values, int channel,
                       std::size_t first_brdf) {
@@ -350,7 +353,7 @@ class Comparison {
     }
   }
 
-  // Fills sums[point][highlights, then Lambert] for one channel, which is -1 if there are no colours.
+  // Fills sums[point][highlights, then Lambert] for one colour channel. The channel is -1 if there are no colours.
   void compare_points(const Pass& pass, const std::vector<SamplePoint>& points, const std::vector<float>& values,
                       int channel, std::vector<ErrorSum>& sums) const {
     constexpr int kPointsPerBand = 4096;

@@ -1,20 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
-// Measures the error of a baked mipmap against its reference, in two ways.
+// Measures the error of a baked mipmap against its reference in two ways.
 //
 // The pixel error is stored in the file, and settings are chosen by the pixel error
-// (host/bakes/accuracy/footprint_error.h). Its reference is the average, over the pixel's footprint, of the BRDF
-// times n . l of every finest normal, in double precision. Its model takes the texels as rounded for storage, reads
-// them with the runtime's filter (host/formats/asset/tap_filter.h), and shades them by the runtime's formula
-// (accuracy_model.h). The error is relative L1, sum |model - reference| / sum reference, over footprints and a fixed
-// set of lights and views.
+// (host/bakes/accuracy/footprint_error.h). For its reference, the BRDF times n . l of every finest normal is averaged
+// over the pixel's footprint in double precision. Its model takes the texels as rounded for storage, reads them with
+// the runtime's filter (host/formats/asset/tap_filter.h), and shades them by the runtime's formula (accuracy_model.h).
+// The error is relative L1, sum |model - reference| / sum reference, over footprints and a fixed set of lights and
+// views.
 //
 // The table of levels shows where a fit is good: at texel centres, midway between texels and between levels. The
-// reference of the table is the average over the normals that the texels cover, with the same filter. The table
-// measures only the convolution of the BRDF f, without the factor n . l.
+// reference of the table is the BRDF averaged over the normals that each texel covers, filtered as in the model. The
+// table measures only the convolution of the BRDF f, without the factor n . l.
 //
-// Levels finer than the first stored level are the normal map's own mips, in float. Each of their texels is one lobe:
-// the mean vector of the normals that the texel covers. Between such a level and a stored level, both levels are
-// shaded and mixed, as renderers do (docs/contributing/ALGORITHMS.md).
+// Levels finer than the first stored level are float mips of the normal map. Each of their texels is one lobe: the mean
+// vector of the normals that the texel covers. Between such a level and a stored level, both levels are shaded and
+// mixed, as renderers do (docs/contributing/ALGORITHMS.md).
 #pragma once
 
 #include <cstdint>
@@ -84,8 +84,8 @@ struct AccuracySettings {
   std::int64_t samples_per_level = 2048;                 // number of texels per level (see SampleSettings); 0 means
                                                          // every texel
   int footprints_per_octave = 256;                       // 0 measures no footprints
-  int replicates = 1;                                    // number of random choices of footprints, with consecutive
-                                                         // seeds
+  int replicates = 1;                                    // number of random choices of footprints; their seeds are
+                                                         // consecutive
   std::uint64_t seed = 1;
   bool has_level_table = true;
   int first_level = 0;  // finer levels and smaller footprints are not measured
@@ -119,7 +119,7 @@ class AccuracyMeter {
   /// channel. A file without colours is then multiplied by the albedo's mean.
   std::vector<LevelDifference> difference_from(AccuracyMeter& by_default, Device& device, const PlaneStore& normals,
                                                const PlaneStore* albedo, Progress* progress);
-  /// Returns one error per BRDF, for all replicates together. Valid after run() if there are footprints.
+  /// Returns one error per BRDF, measured over all replicates. Valid after run() if there are footprints.
   const std::vector<FootprintError>& footprint_errors() const { return footprint_errors_; }
   /// Errors of each replicate: [replicate][BRDF].
   const std::vector<std::vector<FootprintError>>& replicate_errors() const { return replicate_errors_; }

@@ -14,7 +14,7 @@ enum class Baseline {
   kMip,           // the averaged normal, normalised
   kToksvig,       // exponent reduced according to the averaged normal's length (Toksvig 2005)
   kLean,          // Gaussian of slopes with covariance Sigma + I/s (Olano and Baker 2010)
-  kLeanJacobian,  // LEAN divided by cos^3, as a density per solid angle
+  kLeanJacobian,  // LEAN divided by cos^3, which makes it a density per solid angle
 };
 const char* baseline_name(Baseline baseline);
 

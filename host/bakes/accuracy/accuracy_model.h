@@ -78,8 +78,8 @@ class DirectionBuffers {
   int half_count() const { return half_count_; }
   int light_count() const { return light_count_; }
   int highlight_count() const { return highlight_count_; }
-  /// Multiplies values, which were shaded as Blinn-Phong with the highlight's exponent, by the integral of the
-  /// highlight.
+  /// Multiplies values by the integral of the highlight. The values were shaded as Blinn-Phong with the highlight's
+  /// exponent.
   void scale_by_totals(std::vector<float>& values) const;
   const DeviceBuffer& half_vectors() const { return half_buffer_; }
   const DeviceBuffer& lights() const { return light_buffer_; }

@@ -13,7 +13,7 @@ bool is_whole(PlaneSize size, std::int64_t wanted) {
   return wanted <= 0 || std::int64_t{size.width} * size.height <= kWholeLevelFactor * wanted;
 }
 
-// Returns the side of the grid's cells, for about `wanted` cells, and at least two.
+// Returns the side of a cell such that the grid has about `wanted` cells, but at least two.
 int cell_side(PlaneSize size, std::int64_t wanted) {
   if (is_whole(size, wanted)) return 1;
   const auto count = static_cast<double>(std::int64_t{size.width} * size.height);
@@ -39,8 +39,8 @@ void append_samples(int level, PlaneSize size, std::int64_t wanted, SplitMix64& 
     }
 }
 
-// Returns the two texels, of `size` along one axis, on either side of the centre of texel i of `fine_size`. They are
-// clamped to the borders.
+// Relates two levels along one axis. The coarse level has `size` texels, and the fine level has `fine_size` texels.
+// Returns the two coarse texels on either side of the centre of fine texel i, clamped to the borders.
 struct AxisTaps {
   int first, second;
   double second_weight;

@@ -37,9 +37,9 @@ struct SamplePoint {
   int tap_count;
 };
 
-/// Levels with at most this many times the wanted number of samples are measured completely. Sampling one of 2 x 2
-/// texels would save too little to justify an interval. Measuring such a level completely costs a bake at most 0.04 s
-/// of processor time (docs/contributing/ALGORITHMS.md, "Measured error").
+/// A level is measured completely if its texel count is at most this factor times the wanted number of samples.
+/// Sampling one of every 2 x 2 texels would save too little time to justify a confidence interval. Measuring such a
+/// level completely costs a bake at most 0.04 s of processor time (docs/contributing/ALGORITHMS.md, "Measured error").
 constexpr int kWholeLevelFactor = 4;
 
 struct SampleSettings {

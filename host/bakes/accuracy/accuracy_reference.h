@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Computes the reference with which bakes are compared. It consists of averages over all finest normals that a texel
-// covers, and takes one pass over the map by bands of rows. Needs memory for some rows per light or half vector, and
-// for a value per measured texel.
+// Computes the reference with which bakes are compared. The reference of a texel is an average over all finest normals
+// that the texel covers. One pass over the map, by bands of rows, computes all averages. The pass needs memory for some
+// rows per light or half vector, and for one value per measured texel.
 //
-// Threads share the directions of a band. Each direction adds up rows in their order. The result therefore depends
-// neither on the threads nor on the height of the bands.
+// The directions of a band are divided among threads. For each direction, rows are added in order. The result therefore
+// depends neither on the number of threads nor on the height of the bands.
 #pragma once
 
 #include <functional>
@@ -112,7 +112,8 @@ class BrdfReference : public TexelSums {
  public:
   BrdfReference(const TexelAverages& averages, BrdfValues values, bool has_colours);
   void add_row(const FinestRow& row) override;
-  /// Passes the values on to `footprints`, so that values that both need are evaluated once. `footprints` is not owned.
+  /// Passes the values on to `footprints`, so that values that both objects need are evaluated only once. `footprints`
+  /// is not owned.
   void share_with(FootprintReference& footprints) { footprints_ = &footprints; }
 
  private:

@@ -14,7 +14,7 @@ namespace {
 
 constexpr int kLevelMax = 63;  // more levels than any file has, because sides fit into 32 bits
 
-// Rounds as the file does. The table rounds this value again, so that a bake and its file give the same text.
+// Rounds a value as the file does, before the table rounds it again. A bake and its file then give the same text.
 double rounded(double error) { return std::round(error * 1e6) / 1e6; }
 
 // Half width in millionths, rounded up so that no stated interval is too narrow. The rounding error of the product is

@@ -39,8 +39,8 @@ void multiply_powers(const PowerProduct* products, std::size_t product_count, do
   }
 }
 
-// Adds products until t^n is available, and returns the number of this power. If n is the sum of two available powers,
-// this takes one product. Otherwise t^n is the square of t^(n/2) or, for odd n, t^(n-1) times t.
+// Adds products until t^n is available, and returns the number of this power. If n is the sum of two available
+// exponents, one product is enough. Otherwise t^n is the square of t^(n/2) or, for odd n, t^(n-1) times t.
 int reach(int n, std::map<int, int>& at_hand, std::vector<PowerProduct>& products) {
   if (const auto found = at_hand.find(n); found != at_hand.end()) return found->second;
   PowerProduct product{-1, -1};

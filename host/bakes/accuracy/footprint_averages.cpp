@@ -12,11 +12,11 @@
 namespace multum {
 namespace {
 
-// A row is summed in so many strips in parallel, to hide the latency of dependent additions.
+// The number of strips of a row that are summed in parallel, to hide the latency of dependent additions.
 constexpr std::size_t kStrips = 4;
 
 // Returns the number of columns of each strip except the last, which has the remaining columns. A strip has slightly
-// less than a quarter of the columns, because addresses a power of two apart share sets of the cache.
+// less than a quarter of the columns, because addresses whose distance is a power of two share sets of the cache.
 std::size_t strip_width(std::size_t width) { return width / 4 - width / 64; }
 
 // Sets before[i] to the sum of the strip's columns before column i. Also returns the sums of whole strips.

@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// Averages a plane over footprints (host/bakes/accuracy/footprints.h). These averages are the reference of pixels.
-// The plane comes row by row, and only one sum per footprint is kept. Texels of level 0 are squares of constant
-// value, as with "nearest" filtering.
+// Averages a plane over footprints (host/bakes/accuracy/footprints.h). These averages are the reference of pixels. The
+// plane comes row by row, and only one sum per footprint is kept. Texels of level 0 are squares of constant value, as
+// with "nearest" filtering.
 //
-// A footprint is cut into horizontal lines. Along a line the average is exact, from sums of the row up to each end:
+// A footprint is cut into horizontal lines. Along a line, the average is exact. It is computed from the sums of the row
+// up to each end of the line:
 //
 //      ..|..____:::     the part of a line inside the footprint is whole texels and a fraction of a texel at each end
 //      ..|:::::/..      sum = C(x1) - C(x0); C(x) is the integral of the row from its border to x, for any wrap mode
 //
-// There are at least kLinesMin lines, and at least as many as the footprint has rows. A footprint of more than
-// kRowsMax rows has one line, at a random place, in each of kRowsMax equal strips.
+// There are at least kLinesMin lines, and at least as many as the footprint has rows. A footprint of more than kRowsMax
+// rows has one line, at a random place, in each of kRowsMax equal strips.
 #pragma once
 
 #include <cstdint>
@@ -40,9 +41,10 @@ class FootprintAverages {
                std::size_t stride) const;
 
  private:
-  // The integral of a part of a line within a row. It is weight_turns times the sum of the row, plus weight_end times
-  // the integral up to `end` and end_part of that texel. The same integral up to the beginning is subtracted. The signs
-  // of the weights account for mirrored rows.
+  // The integral of a part of a line within a row. Its first term is weight_turns times the sum of the row. The second
+  // term is weight_end times the integral over the texels before `end` and over the fraction end_part of texel `end`.
+  // The corresponding integral up to the beginning of the line is subtracted. The signs of the weights account for
+  // mirrored rows.
   struct Line {
     std::uint32_t footprint;
     std::int32_t begin, end;

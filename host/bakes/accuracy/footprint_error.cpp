@@ -13,8 +13,8 @@
 namespace multum {
 namespace {
 
-// Returns the variance of the sum of e over n independent draws, where e = |model - reference| - R reference. It is n /
-// (n - 1) times the sum over footprints of the squared deviations of e from its mean.
+// Returns the variance of the sum of e over n independent draws, where e = |model - reference| - R reference. The
+// variance is n / (n - 1) times the sum over footprints of the squared deviations of e from its mean.
 double residual_variance(const std::vector<ErrorSum>& sums, const ErrorBase& base, double error) {
   const auto n = static_cast<double>(sums.size());
   if (n < 2.0) return 0.0;

@@ -26,9 +26,9 @@ struct ErrorSum {
   ErrorSum times(double weight) const { return {weight * difference, weight * reference, weight * count}; }
 };
 
-/// The denominator of relative errors: the reference, but at least a hundredth of 1/pi, the reflection of a white
-/// diffuse surface. If no light or view is near the highlight, the reference is almost 0, and errors relative to such a
-/// value have no meaning.
+/// The denominator of relative errors is the reference, but at least 1 % of 1/pi. A white diffuse surface reflects
+/// 1/pi. If no light or view is near the highlight, the reference is almost 0, and errors relative to such a value have
+/// no meaning.
 class ErrorBase {
  public:
   explicit ErrorBase(const ErrorSum& all) : is_floor_(all.reference < kFloor * all.count) {}

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Indexes the texels that a model keeps: one entry for each texel that is read by points (texel_selection.h) and stored
-// in the file, from the file's first level on.
+// Indexes the texels that a model keeps. A texel has an entry if a point reads it (texel_selection.h) and the file
+// stores it.
 #pragma once
 
 #include <cstddef>

@@ -72,7 +72,7 @@ void MomentModel::add_rows(int level, int first_row, const MomentLevel& rows) {
 }
 
 const std::vector<std::string>& MomentModel::shadings() const {
-  static const std::vector<std::string> kNames = {"toksvig", "lean", "lean-jacobian"};  // as MULTUM_SHADE_...
+  static const std::vector<std::string> kNames = {"toksvig", "lean", "lean-jacobian"};  // MULTUM_SHADE_...
   return kNames;
 }
 

@@ -28,7 +28,7 @@ class MomentModel : public AccuracyModel {
 
   /// Returns moments at points, filtered as hardware does. Their share is multiplied by the colours in `channel` unless
   /// `channel` is -1. Shading is linear in the share. At points between a stored level and a level of the normal map,
-  /// each side has its own colour.
+  /// each of the two levels has its own colour.
   std::vector<MultumFilteredMoments> filtered(const PointTaps& points, int channel, int threads) const;
 
  private:

@@ -58,8 +58,8 @@ void MovmfModel::add_tap(std::size_t slot, double weight, int channel, glm::dvec
   }
 }
 
-// Shading is linear in (a r, a). A lobe that is multiplied by T(a y) / T(a) therefore has the shading T(a y) times the
-// lobe's shape.
+// Shading is linear in (a r, a). If T(x) is the filtered x, a lobe that is multiplied by T(a y) / T(a) therefore has
+// the shading T(a y) times the lobe's shape.
 std::vector<glm::vec4> MovmfModel::filtered_lobes(const PointTaps& points, int channel, int threads) const {
   constexpr int kPointsPerBand = 4096;
   MULTUM_CHECK(is_complete());

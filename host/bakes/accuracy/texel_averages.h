@@ -25,7 +25,7 @@ class TexelAverages {
   int level_count() const { return level_count_; }
   /// Number of slots of these levels, each with one sum.
   std::size_t slot_count() const { return texels_.level_begin(level_count_); }
-  /// Number of values in a row of the plane and the sums of its blocks, which follow it.
+  /// Number of values in a row of the plane, plus the number of block sums that follow the row.
   std::size_t row_length() const { return blocks_.node_count(); }
   /// Adds row y of the plane, row[0..width), to sums[slot * stride] and overwrites the rest of `row`. Sums start at 0.
   /// Add each row once, from the top.

@@ -30,8 +30,8 @@ class TexelSelection {
  private:
   std::vector<PlaneSize> sizes_;
   std::vector<std::size_t> level_row_;  // [level]: index of the level's first row among the rows of all levels
-  std::vector<std::size_t> row_begin_;  // [row of all levels]: its first slot; the last entry is the end of the last
-                                        // range
+  std::vector<std::size_t> row_begin_;  // [row, counted over all levels]: first slot of the row; the last entry is the
+                                        // end of the last range
   std::vector<int> columns_;            // [slot]
 };
 

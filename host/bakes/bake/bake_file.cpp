@@ -22,7 +22,7 @@
 namespace multum {
 namespace {
 
-// Programs choose a reader by the extension. They would treat a baked file named .png as a broken picture.
+// Programs choose a reader by the extension. These programs would treat a baked file named .png as a broken picture.
 void check_output_name(const std::string& path) {
   if (!path.ends_with(".exr"))
     throw Error(ErrorCode::kUsage,
@@ -68,7 +68,7 @@ std::uint64_t window_bytes(const BakeJob& job) {
   return memory - kTaken;
 }
 
-// `tiles` are the names of the other tiles of the set that this map used.
+// `tiles` lists the other tiles of the set from which this map's result was made.
 BakedProvenance make_provenance(const BakeJob& job, const std::string& source, const std::string& settings,
                                 const std::string& tiles = "") {
   BakedProvenance from;
@@ -86,7 +86,7 @@ BakedProvenance make_provenance(const BakeJob& job, const std::string& source, c
 }
 
 // Returns the map that share 0 has decoded. Returns nullopt if share 0 is missing or damaged. GatheredRows then lists
-// the missing shares. If no share is missing, the map is read.
+// the missing shares. If no share is missing, the caller reads the map.
 std::optional<BakeSource> source_of_shares(const BakeJob& job, const std::string& key) {
   try {
     return read_shard_source(job, key);
@@ -105,10 +105,10 @@ BakeJob with_region(BakeJob job, const BakeSource& source) {
   return job;
 }
 
-// Roughness shortens lobes, which also widens them for diffuse light. The shader divides by the mean of c
-// (without_roughness in kernels/device/vmf_shading.clh), so the difference between a texel's c and that mean remains as
-// an error. It is almost 0 where roughness is nearly constant. On a map with polished and dull parts, it exceeds the
-// error of averaged normals at fine levels (docs/evidence/INPUT_MAPS.md has the measurements).
+// Roughness shortens a lobe by a factor c, which also widens the lobe for diffuse light. The shader divides by the mean
+// of c over the map (without_roughness in kernels/device/vmf_shading.clh), so texels whose c differs from the mean keep
+// an error. This error is almost 0 where roughness is nearly constant. On a map with polished and dull parts, the error
+// exceeds the error of averaged normals at fine levels (docs/evidence/INPUT_MAPS.md has the measurements).
 constexpr double kDiffuseErrorNoted = 0.02;
 constexpr int kFineLevels = 2;
 

@@ -15,8 +15,8 @@ namespace multum {
 void check_job(const BakeJob& job);
 
 /// Bakes a job. The output appears when the bake is complete, or not at all. Does nothing if the output already exists
-/// from the same file with the same settings (BakeReport::unchanged), unless JOB.force. `source` is the result of
-/// read_bake_source() for this job. If it is null, this function reads the source. Throws Error and Cancelled.
+/// from the same file with the same settings (BakeReport::unchanged), unless JOB.force is set. `source` is the result
+/// of read_bake_source() for this job. If it is null, this function reads the source. Throws Error and Cancelled.
 BakeReport bake_file(const BakeJob& job, const BakeSource* source, Device& device, Progress* progress);
 
 /// Returns the report of an output that stays unchanged. Writes BakeJob::report.

@@ -142,7 +142,7 @@ std::string BakeReport::to_text() const {
         fit.lobe_count_total, fit.nonfinite, fit.kappa_clamped, fit.dead_lobes, fit.undirected_lobes,
         output.unrepresentable);
   if (average.slopes_limited > 0)
-    text += fmt::format("{} normals too close to the horizon for slopes, limited to a tilt of 87 degrees\n",
+    text += fmt::format("{} normals are too close to the horizon for slopes, and are limited to a tilt of 87 degrees\n",
                         average.slopes_limited);
   const bool has_finer =
       std::any_of(accuracy.begin(), accuracy.end(), [&](const AccuracyRow& row) { return row.level < first_level; });

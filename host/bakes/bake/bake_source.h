@@ -28,7 +28,7 @@ struct BakeSource {
   double mean_cosine = 1.0;                                 // mean cosine of the roughness map
   std::optional<RoughnessReport> roughness = std::nullopt;  // report about the roughness file
   std::int64_t albedo_clamped = 0;                          // ColourRows::clamped_count
-  std::vector<std::string> map_warnings = {};               // warnings about albedo and weights, which name the file
+  std::vector<std::string> map_warnings = {};               // warnings about albedo and weights; each names the file
   std::string albedo_format = {};                           // ColourRows::format
 
   const PlaneStore* colours() const { return albedo ? &*albedo : nullptr; }

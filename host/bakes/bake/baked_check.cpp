@@ -16,9 +16,10 @@ namespace {
 
 // Allowed differences. The device that measures may differ from the device that baked, and both shade in float. Six
 // maps of 16 to 64 texels per side were baked with PoCL 3.1 and measured with Oclgrind 21.10. No error differs by more
-// than 5e-7, which is below the six digits in the header. GPUs were not measured. The limit of 1 % leaves room for the
-// errors of their exp and sqrt. If an error is nearly 0, as at the finest level of a smooth map, rounding is a large
-// part of the error. The second limit covers this case. It is one unit of the last digit that `multum info` prints.
+// than 5e-7, which is half a unit of the sixth decimal place, the last one in the header. GPUs were not measured. The
+// limit of 1 % leaves room for the errors of exp and sqrt on GPUs. If an error is nearly 0, as at the finest level of a
+// smooth map, rounding is a large part of the error. The second limit covers this case. It is one unit of the last
+// digit that `multum info` prints.
 constexpr double kAllowedRelative = 0.01;
 constexpr double kAllowedAbsolute = 1e-4;
 // Errors without an interval come from earlier program versions, which measured other texels and gave too much weight
@@ -26,8 +27,8 @@ constexpr double kAllowedAbsolute = 1e-4;
 // which is lower by a factor of 1.43. The limit of 0.5 detects damage, not rounding.
 constexpr double kAllowedOfUnstated = 0.5;
 
-// Returns the reason why a file that names this source was not baked from it, or an empty string if there is no such
-// reason.
+// Compares the properties in a file's header with the source. Returns a difference, which means that the file was baked
+// from another source, or an empty string.
 std::string other_shape(const BakedHeader& header, const BakeSource& source) {
   const PlaneStore& normals = source.map.normals;
   if (header.width != normals.width() || header.height != normals.height())

@@ -27,9 +27,9 @@ BakedCheck check_baked_file(const BakeJob& job, Device& device, Progress* progre
 /// Returns the largest pixel error of all BRDFs, or nullopt if there is none.
 std::optional<double> worst_error(const std::vector<FootprintError>& errors);
 
-/// Names the error that exceeds its value in `stated` most, or that is missing from `stated`. Ignores rounding. The
-/// result is empty if there is no such error. Errors of pixels come before errors of levels. Pixel errors are not
-/// compared for files of earlier program versions, which do not state them.
+/// Names an error that is missing from `stated`, or the error that exceeds its value in `stated` by the largest amount.
+/// Ignores rounding. The result is empty if there is no such error. Errors of pixels come before errors of levels.
+/// Files of earlier program versions state no pixel errors, so their pixel errors are not compared.
 std::string worse_than_stated(const StatedErrors& measured, const StatedErrors& stated);
 
 }  // namespace multum

@@ -18,8 +18,8 @@
 namespace multum {
 namespace {
 
-// Limited slopes change the moments of all coarser texels. Among 32 real maps, one has 0.8 % of such normals (asphalt,
-// with noise of every steepness), six have a few, and the others have none.
+// Limited slopes change the moments of all coarser texels. Of 32 real maps, one has limited slopes at 0.8 % of its
+// normals (asphalt, with noise of every steepness), six maps have a few, and the others have none.
 constexpr double kLimitedNoted = 0.01;
 
 template <typename Writer>

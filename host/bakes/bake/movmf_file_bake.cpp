@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bakes lobes, von Mises-Fisher distributions or planar Gaussians, from file to file.
+// Bakes lobes (von Mises-Fisher distributions or planar Gaussians) from file to file.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -26,7 +26,7 @@ namespace {
 
 // If a larger share of normals is in lobes that are too sharp, a warning is printed. Every map has some such lobes at
 // level 1, from two or three normals that are nearly equal. With snorm16, the share is 2 to 28 % on ordinary maps and
-// 36 to 57 % on surfaces with slopes of 0.01 rms, which are visible only on glossy materials.
+// 36 to 57 % on surfaces with rms slopes of 0.01. Such slopes are visible only on glossy materials.
 constexpr double kUnrepresentableNoted = 1.0 / 3.0;
 
 void warn_of_sharp_lobes(const BakeJob& job, const MovmfMipmap& header, OutputReport& report) {
@@ -100,7 +100,7 @@ void bake_lobe_file(const BakeRun& run, BakeReport& report, Progress* progress) 
   const BakeJob& job = run.job;
   if (job.shard) return bake_lobe_shard(run, report, progress);
   const int width = run.header.width, height = run.header.height;
-  // Measuring and writing each count as the work of about one level.
+  // Measuring counts as about the work of one level, and so does writing.
   const std::uint64_t level_units =
       movmf_bake_units(width, height) / static_cast<std::uint64_t>(mip_level_count(width, height));
   progress_start(progress, movmf_bake_units(width, height, job.fitting.first_level) + 2 * level_units);

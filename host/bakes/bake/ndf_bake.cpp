@@ -20,7 +20,7 @@ MapInputs map_inputs(const BakeJob& job, const BakeSource& source, std::uint64_t
 std::uint64_t tile_row_bytes(const BakedHeader& header, int level, int tile_size, std::uint64_t value_count) {
   const auto texels = static_cast<std::uint64_t>(mip_level_size(header.width, level)) *
                       static_cast<std::uint64_t>(std::min(tile_size, mip_level_size(header.height, level)));
-  constexpr std::uint64_t kChannelsOfAPart = 6;  // at most this many
+  constexpr std::uint64_t kChannelsOfAPart = 6;  // upper limit
   return texels * (value_count * sizeof(float) + kChannelsOfAPart * sizeof(std::uint16_t));
 }
 

@@ -39,8 +39,8 @@ struct BakeRun : MapInputs {
 /// Inputs of a bake from its job and source, within `memory_bytes`.
 MapInputs map_inputs(const BakeJob& job, const BakeSource& source, std::uint64_t memory_bytes);
 
-/// Bytes that the writer holds per level until a row of tiles is full, at `value_count` values per texel, including
-/// the buffers for conversion from float to half.
+/// Bytes that the writer holds per level until a row of tiles is full. A texel has `value_count` values. Includes the
+/// buffers for conversion from float to half.
 std::uint64_t tile_row_bytes(const BakedHeader& header, int level, int tile_size, std::uint64_t value_count);
 /// Sum of these bytes over all levels, for bakes that compute all levels at once.
 std::uint64_t tile_rows_bytes(const BakedHeader& header, int tile_size, std::uint64_t value_count);

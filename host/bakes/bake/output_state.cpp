@@ -98,12 +98,12 @@ std::string all_settings_json(const BakeJob& job) {
   nlohmann::json json = nlohmann::json::parse(ndf_bake(job.representation).settings(job));
   add_reading_settings(job.reading, json);
   if (job.reading.tiles != nullptr) json["tile"] = job.reading.tile;
-  // Otherwise the setting is omitted, so that files of earlier program versions keep their hash.
+  // Adds the surface only if it is interpolated, so that files of earlier program versions keep their hash.
   if (job.surface == MapSurface::kInterpolated) json["surface"] = map_surface_name(job.surface);
   json["encoding"] = storage_encoding_name(job.encoding);
   json["compression"] = job.writing.compression;
   json["albedo"] = job.albedo.empty() ? "" : job.hashes->hash(job.albedo);
-  // Without weights, the text is the same as that of earlier program versions, which did not support them.
+  // Without weights, the text is the same as in earlier program versions, which did not support weights.
   if (!job.weights.empty()) json["weights"] = job.hashes->hash(job.weights);
   if (!job.roughness.empty()) {
     const ChannelFile file = roughness_file(job);

@@ -85,8 +85,8 @@ bool contains(const MapRegion& outer, const MapRegion& inner) {
          outer.y + outer.height >= inner.y + inner.height;
 }
 
-// True if fitting the rows of `range`, on this level or the next finer one, reads any of these rows. On a repeating
-// map, the first rows are neighbours of the last.
+// True if any of the rows [begin, end) is read when the rows of `range` are fitted on this level or on the next finer
+// level. On a repeating map, the first rows are neighbours of the last.
 bool is_near(int begin, int end, const TexelRange& range, int height) {
   constexpr int kFar = 8;
   for (const int turn : {-height, 0, height})

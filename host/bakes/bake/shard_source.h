@@ -18,8 +18,8 @@ std::string shard_note(const BakeJob& job, const BakeSource& source);
 /// Writes the planes of the map, then those of its features, before any other rows of the share.
 void write_map_rows(const BakeSource& source, ShareWriter& writer);
 
-/// Takes hashes of the job's files from share 0 if the files have not changed since then, because a band uses the data
-/// that share 0 has read.
+/// Takes hashes of the job's files from share 0 if the files have not changed since share 0 read them, because a band
+/// uses the data that share 0 has read.
 void take_share_hashes(const BakeJob& job);
 
 /// Returns the source of the band JOB.shard, in which rows outside the band may have no values, or the source of the

@@ -92,7 +92,7 @@ std::size_t count_of(const ManifestOutcome& outcome, MapState state) {
                                                 [&](const MapResult& result) { return result.state == state; }));
 }
 
-// Counts maps by state, as in "1 stale, 1 worse". Counts either the states that are in place or the other states.
+// Counts maps by state, as in "1 stale, 1 worse". Counts either the maps that are in place or the other maps.
 std::string counts(const ManifestOutcome& outcome, bool in_place) {
   std::vector<std::string> parts;
   for (int s = 0; s < kMapStateCount; ++s) {
@@ -173,7 +173,7 @@ std::string manifest_summary(const ManifestOutcome& outcome) {
         fmt::format("| {} | {} | {} | {} | {} | {:.2f} | {} |\n", markdown(result.name), map_state_name(result.state),
                     percent_or_dash(result.error), percent_or_dash(result.stated), percent_or_dash(result.allowed),
                     result.seconds, result.bytes > 0 ? fmt::format("{}", result.bytes) : "-");
-  text += "\nErrors are relative L1 errors of pixels; each is the largest over all BRDFs.\n";
+  text += "\nErrors are relative L1 errors of pixels. Each error is the highest of all BRDFs.\n";
   if (failure_count(outcome) > 0) text += "\n";
   for (const MapResult& result : outcome.results)
     if (!is_in_place(result.state))

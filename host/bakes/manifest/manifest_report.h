@@ -10,7 +10,7 @@
 namespace multum {
 
 struct ManifestOutcome {
-  std::string manifest;  // its path as given
+  std::string manifest;  // path of the manifest, as given
   ManifestRunSettings settings;
   std::vector<MapResult> results;
   double seconds = 0.0;

@@ -90,7 +90,7 @@ void check_can_be_baked(const ManifestMap& map, Progress* progress) {
   ndf_bake(job.representation).check_map(job, source.map.normals.width(), source.map.normals.height());
 }
 
-// If a map cannot be baked, it would be misleading to report only "missing", because a bake would fail.
+// To report only "missing" would be misleading if the map cannot be baked.
 [[noreturn]] void rethrow_with_finding(const Error& error, const MapResult& result) {
   if (result.why.empty()) throw error;
   throw Error(error.code(), fmt::format("{}, and cannot be baked: {}", result.why, error.what()));

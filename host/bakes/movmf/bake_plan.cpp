@@ -26,8 +26,8 @@ struct WindowMemory {
                           static_cast<double>(wanted) / (1 << 20), what));
 }
 
-// Chooses as many rows as fit into the useful memory. Up to kBandRowsWanted rows may exceed it if they fit into the
-// limit.
+// Chooses as many rows as fit into the useful memory. If these are fewer than kBandRowsWanted, chooses up to
+// kBandRowsWanted rows, as long as they fit into the limit.
 template <typename BytesOf>
 int choose_rows(int rows_max, const WindowMemory& memory, std::uint64_t useful_bytes, const BytesOf& bytes_of,
                 const std::string& what) {

@@ -121,7 +121,7 @@ std::string settings_json(const MovmfSettings& s) {
   json[hashed_as("no_start_search")] = s.search_start;
   json["periodic"] = {s.periodic_x, s.periodic_y};
   json[hashed_as("unaligned")] = s.aligned_start;
-  // Otherwise these settings are omitted, so that files of earlier program versions keep their hash.
+  // Adds these settings only if they are true, so that files of earlier program versions keep their hash.
   if (s.refine) json[hashed_as("refine")] = true;
   if (s.farthest_start) json[hashed_as("farthest_start")] = true;
   return json.dump();

@@ -31,7 +31,7 @@ struct MovmfSettings {
   // pass's iterations if that number is larger.
   int refit_iterations = 6;
   // A texel stops early when no lobe's kappa or weight changes by more than this ratio, and no lobe turns by more than
-  // this ratio of its width. If 0, texels never stop early. Coarse texels always run all iterations.
+  // this fraction of its width. If 0, texels never stop early. Coarse texels always run all iterations.
   float convergence_tolerance = 0.01f;  // 0..0.1
   CoarseNormals coarse_normals = CoarseNormals::kBinned;
   // After EM, refines each texel's lobes to reduce the error of their highlights (movmf_refine.cl). Applies only to
@@ -56,7 +56,7 @@ struct MovmfSettings {
   float kappa_cap = 500.0f;           // 1..1e5
   float kappa_cap_slope = 10.0f;      // 0..1000
   float start_kappa_factor = 0.5f;    // start kappa / kappa of the parent, 0.01..1
-  float start_amplitude_min = 0.02f;  // minimum amplitude of a start, 0..0.125
+  float start_amplitude_min = 0.02f;  // minimum amplitude of a lobe at the start of EM, 0..0.125
 
   bool operator==(const MovmfSettings&) const = default;
 };

@@ -65,7 +65,7 @@ ShardPlan plan_shard(const MipSchedule& schedule, const MovmfSettings& settings,
                 "--shard is given with unaligned lobes, expected aligned lobes: levels of unaligned lobes do not "
                 "depend on each other");
   ShardPlan plan;
-  // All shares must divide the same levels, so they are chosen by the rows of a band in the middle.
+  // All shares must divide the same levels, so the levels are chosen for a band in the middle of the map.
   LevelRows middle_before{}, own_before{};
   int steps_before = 0;
   bool is_first = true;

@@ -27,8 +27,8 @@ bool covers_whole_texels(int map_size) {
   return true;
 }
 
-// True for texels of four whole normals with a parent. Unaligned lobes give no criterion for the choice, and
-// --reference uses EM for all texels.
+// True for texels that cover exactly four normals and have a parent. False for unaligned bakes, because the choice
+// relies on alignment. Also false for --reference, which uses EM for all texels.
 bool chooses(const MovmfSettings& settings, const MultumMovmfFit& fit) {
   return fit.map_width == 2 * fit.width && fit.map_height == 2 * fit.height && fit.parent_width > 0 &&
          settings.aligned_start && settings.alignment > 0.0f && settings.convergence_tolerance > 0.0f;

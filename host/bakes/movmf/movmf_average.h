@@ -12,8 +12,8 @@
 
 namespace multum {
 
-/// True if plain averages give the same result as these settings. False for a part of a map, because the part is next
-/// to existing lobes.
+/// True if plain averages give the same result as these settings. False if only a part of a map is baked, because the
+/// lobes around the part already exist.
 bool averages_suffice(const RowOrigin& rows, const MovmfSettings& settings);
 
 /// Bakes as bake_movmf() does, for settings for which averages_suffice() returns true. Progress advances by

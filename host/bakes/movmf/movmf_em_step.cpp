@@ -14,7 +14,8 @@ namespace {
 
 constexpr std::size_t kPartialSums = 5;  // sums per lobe in movmf_em_chunks.cl
 constexpr std::size_t kWeightedPlanes = 4;
-// Enough for all four colours of a window, so that the device starts one after the other without waiting for the host.
+// A window is fitted in four steps. All four can be queued, so that the device starts one after the other without
+// waiting for the host.
 constexpr std::size_t kStepsQueuedMax = 4;
 
 std::size_t group_count(std::size_t texels) { return (texels + MULTUM_GROUP - 1) / MULTUM_GROUP; }
@@ -88,7 +89,7 @@ std::vector<ProgramChoice> MovmfEmStep::programs(const MipSchedule& schedule, bo
   if (schedule.uses(FitMethod::kChoice)) programs.push_back({"movmf_choose", starting_});
   if (uses_em) programs.push_back({"movmf_start", starting_});
   if (uses_binned || uses_texels) programs.push_back({"movmf_pack", packing_});
-  // If the map's sides are not powers of two, this is the same as the first program, which is prepared only once.
+  // If the map's sides are not powers of two, this program equals the first one, which is prepared only once.
   if (uses_binned) programs.push_back({"movmf_em_texels", binned_});
   if (settings_.refine) {
     if (uses_texels) programs.push_back({"movmf_refine", fast_});

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Runs one step of a fit on the device. Fits some mutually independent texels of one level, from their starts to their
-// lobes (Han et al. 2007, section 7). movmf_level_fit.h chooses the texels and their order.
+// Runs one step of a fit on the device. Fits some mutually independent texels of one level, beginning with their
+// initial lobes (Han et al. 2007, section 7). movmf_level_fit.h chooses the texels and their order.
 #pragma once
 
 #include <vector>

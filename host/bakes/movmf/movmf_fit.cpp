@@ -138,7 +138,7 @@ void MovmfFit::hand_over_there(const LevelSchedule& level, const LevelShape& sha
   }
 }
 
-// One past the last row of level 0 whose parents are in rows of level 1 above `row`.
+// Returns the number of rows of level 0 whose parents are in rows of level 1 above `row`.
 int MovmfFit::finest_end(const MultumMovmfFit& fit, int row) const { return row == fit.height ? map_height_ : 2 * row; }
 
 // Returns the start of texels without a parent: texels of the coarsest level, and of every level in an unaligned bake.
@@ -202,7 +202,8 @@ void MovmfFit::hand_over(const LevelSchedule& level, const FittedRows& rows, boo
   if (finest_count > 0) advance({2 * rows.first_row, 2 * rows.first_row + finest_count}, map_height_);
 }
 
-// Each level counts as many units as the map has texels, distributed evenly among its rows.
+// For progress, each level counts as many units as the map has texels. The units are distributed evenly among the rows
+// of the level.
 void MovmfFit::advance(const LevelRows& rows, int height) {
   if (rows.begin >= rows.end) return;
   const std::uint64_t texels = static_cast<std::uint64_t>(map_width_) * static_cast<std::uint64_t>(map_height_);

@@ -27,8 +27,9 @@ int total_steps(const LevelSchedule& level, const MovmfSettings& settings) {
   return em_steps(level, settings) + (is_refined(level, settings) ? 1 : 0);
 }
 
-// True if windows hold the whole level. Scan-line order needs the whole level. Chunks also need it, because they are
-// summed for all texels at once, band by band. A window that would hold nearly all rows holds the whole level instead.
+// True if windows hold the whole level. Scan-line order needs the whole level. Chunks also need the whole level,
+// because they are summed for all texels at once, band by band. A window that would hold nearly all rows holds the
+// whole level instead.
 bool is_whole(const LevelSchedule& level, const MovmfSettings& settings, const BandPlan& plan) {
   return plan.band_rows + total_steps(level, settings) >= level.fit.height || level.order == FitOrder::kScanline ||
          level.method == FitMethod::kChunks;
@@ -155,8 +156,8 @@ void LevelFit::run(const std::function<void(const FittedRows&)>& finished) {
   }
 }
 
-// Returns the rows that step `step` must fit so that the last step's rows are correct. For each following step, it is
-// one more row on each side.
+// Returns the rows that step `step` must fit so that the last step's rows are correct. Each step must fit one more row
+// on each side than the step after it.
 LevelFit::RowRange LevelFit::rows_of_step(int step) const {
   if (range_) return wanted_;  // texels outside the range keep their lobes
   if (whole_) return {0, fit_.height};
@@ -287,7 +288,7 @@ std::uint64_t fit_level_bytes(const LevelSchedule& level, const MovmfSettings& s
                                         ? static_cast<std::uint64_t>(fit.height / 2 + 1)
                                         : product((fit.width + 1) / 2, (step_rows + 1) / 2);
   bytes += em_step_bytes(level, settings, rgb_plane_count > 0, step_texels);
-  // Adds the rows that are handed over, in the fitted form and in the stored form.
+  // Adds the bytes of the rows that are handed over, in the fitted form and in the stored form.
   return bytes + product(fit.width, step_rows) * 2 * (lobe_bytes + feature_bytes);
 }
 

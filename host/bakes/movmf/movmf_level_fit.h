@@ -13,9 +13,9 @@
 // Refining (movmf_refine.cl) is a separate step after the EM steps. It reads the lobes of EM and writes to another
 // window.
 //
-// The result for a texel depends on neither B nor f, and equals the result of running each step over the whole level,
-// bit for bit. In a map that repeats, the first and last rows depend on each other: S - 1 rows beyond either border
-// are also fitted, but not handed over.
+// The result for a texel depends on neither B nor f. It is bit for bit the result of running each step over the whole
+// level. In a map that repeats, the first and last rows depend on each other: S - 1 rows beyond either border are also
+// fitted, but not handed over.
 #pragma once
 
 #include <algorithm>

@@ -168,8 +168,9 @@ class StartTrials {
   // the four-quarter map with 4 lobes, about one random trial in 30 finds the basin of the best optimum. With more
   // lobes, fewer trials do.
   static constexpr int kTrials = 128, kShortIterations = 12, kLongIterations = 30;
-  // With 5 lobes or more, some trials add two lobes to the best fits with two lobes fewer, which are found more
-  // reliably. More lobes then never have a higher error. With fewer lobes, random trials suffice.
+  // With 5 lobes or more, some trials add two lobes to the best fits with two lobes fewer. Fits with fewer lobes are
+  // found more reliably. The error then never increases with the number of lobes. With fewer lobes, random trials
+  // suffice.
   static constexpr int kGrownTrials = 48, kGrownLobesMin = 5, kLobesAdded = 2;
   static constexpr std::size_t kGrownFrom = 6;
 

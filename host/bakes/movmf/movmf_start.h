@@ -25,8 +25,8 @@ struct TexelRectangle {
 std::vector<MultumVmfLobe> farthest_first_lobes(const PlaneStore& map, const TexelRectangle& where, int lobe_count);
 
 /// Converts the lobes to `representation`. A Gaussian has the mean's x and y, and sigma^2 = 1 - |r|, which is 1/kappa
-/// of a narrow lobe. If `is_shortened` is true, the normals are shortened (PlaneStore::is_shortened()). Points of the
-/// plane are not, so x and y come from the direction.
+/// of a narrow lobe. `is_shortened` states whether the normals are shortened (PlaneStore::is_shortened()). The mean of
+/// a Gaussian is not shortened, so its x and y are those of the unit direction.
 std::vector<MultumVmfLobe> start_lobes(std::vector<MultumVmfLobe> lobes, Representation representation,
                                        bool is_shortened);
 

@@ -44,7 +44,7 @@ struct LevelShape {
 /// The work to do for a level.
 struct LevelTask {
   int rows_there = 0;      // rows [0, rows_there) already exist and can be read
-  LevelRows fitted, kept;  // rows to fit and rows to keep; only finer levels need the other fitted rows
+  LevelRows fitted, kept;  // rows to fit, and the part of them to keep; the rest is needed only to fit finer levels
 };
 
 /// Fitted rows of a level, in the layout of LevelShape.

@@ -16,7 +16,7 @@ namespace multum {
 /// The candidates of start_candidates().
 struct StartCandidates {
   std::vector<std::vector<MultumVmfLobe>> starts;
-  RunTime time;  // time to find them
+  RunTime time;  // time to find the candidates
 };
 
 /// The best candidate for some settings.

@@ -26,7 +26,7 @@ struct AverageInputs : MapInputs {
   int first_level = 0;  // the finest level to make
 };
 
-/// Wraps maps in memory as inputs, with the header of the result, which has only sizes and contents.
+/// Wraps maps in memory as inputs. Also holds the header of the result, which has only sizes and contents.
 class AveragedMap {
  public:
   /// `albedo` may be null. Weights are the features of `inputs`, and must outlive the object.
@@ -57,7 +57,8 @@ class AveragedPlanes {
   virtual ~AveragedPlanes() = default;
   /// Name in the plan's text, such as "moments".
   virtual std::string name() const = 0;
-  /// Number of planes without feature planes (host/bakes/pyramid/feature_planes.h), which come last, three per triple.
+  /// Number of planes, not counting feature planes (host/bakes/pyramid/feature_planes.h). Feature planes come last,
+  /// three per triple.
   virtual int plane_count() const = 0;
   /// Launches kernels that write a band of all planes except feature planes to `nodes` [plane][row][row_length].
   virtual void make_finest(const MapPlanes& normals, const DeviceBuffer& nodes, const MultumBoxBand& band) = 0;

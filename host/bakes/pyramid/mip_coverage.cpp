@@ -15,11 +15,12 @@ struct AxisTap {
   double weight;
 };
 
-// For each texel along an axis, returns the finest texels (of `from`) that it overlaps, with weights that sum to 1.
+// For each texel along an axis, returns the finest texels that it overlaps, with weights that sum to 1. The axis has
+// `from` finest texels.
 std::vector<std::vector<AxisTap>> axis_taps(std::int64_t from, std::int64_t to) {
   std::vector<std::vector<AxisTap>> taps(static_cast<std::size_t>(to));
   for (std::int64_t x = 0; x < to; ++x) {
-    const std::int64_t begin = x * from, end = (x + 1) * from;  // in units of 1/to of a finest texel
+    const std::int64_t begin = x * from, end = (x + 1) * from;  // in units of 1/to of a texel of the finest level
     for (std::int64_t i = begin / to; i * to < end; ++i) {
       const std::int64_t overlap = std::min((i + 1) * to, end) - std::max(i * to, begin);
       taps[static_cast<std::size_t>(x)].push_back(

@@ -13,8 +13,8 @@ struct PlaneSize {
   int height;
 };
 
-/// Averages of `plane` (row-major, size `from`) over the texels of a level of size `to`, with to <= from on each axis,
-/// in double precision.
+/// Computes the averages of `plane` (row-major, size `from`) over the texels of a level of size `to` in double
+/// precision. On each axis, to <= from.
 std::vector<double> average_over_texels(const std::vector<double>& plane, PlaneSize from, PlaneSize to, int threads);
 
 }  // namespace multum

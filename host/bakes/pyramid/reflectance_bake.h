@@ -22,7 +22,7 @@ struct ReflectanceLight {
 struct ReflectanceJob {
   std::vector<ReflectanceLight> lights;
   std::string environment;         // latitude-longitude image; empty if there is none
-  float environment_scale = 1.0f;  // factor for its radiance
+  float environment_scale = 1.0f;  // factor for the environment's radiance
   glm::dvec3 viewer{0.0, 0.0, 1.0};
   glm::dvec3 up{0.0, 1.0, 0.0};
   float exponent = 100.0f;  // s, 1..1e5

@@ -12,7 +12,7 @@ RowBlocks::RowBlocks(int row_width) : row_width_(row_width) {
   }
 }
 
-// Positions are integers in units of 1/level_width of a finest texel.
+// Positions are integers in units of 1/level_width of a texel of the finest level.
 void RowBlocks::append_taps(int level_width, int column, std::vector<Tap>& taps) const {
   const std::int64_t unit = level_width;
   std::int64_t position = std::int64_t{column} * row_width_;

@@ -43,7 +43,8 @@ class RowWindow {
   /// undefined.
   using Fill = std::function<void(int row, int count, const std::vector<unsigned char*>& planes)>;
   void move_to(int first_row, int row_count, const Fill& fill);
-  /// Copies rows [first_row, + count) in the order of the store, in which the planes of each row follow one another.
+  /// Copies rows [first_row, first_row + count) in the order of the store, in which the planes of each row follow one
+  /// another.
   void copy_rows(int first_row, int count, void* rows) const;
 
  private:
@@ -59,10 +60,10 @@ class RowWindow {
   DeviceBuffer buffer_;
 };
 
-/// Fills windows through `read` from `store_rows` rows of `row_bytes` bytes, which wrap. Each row is [plane][column].
+/// Fills windows through `read` from `store_rows` rows of `row_bytes` bytes. Rows wrap. Each row is [plane][column].
 using ReadRows = std::function<void(int first_row, int row_count, void* rows)>;
 RowWindow::Fill fill_planes(int store_rows, std::size_t row_bytes, ReadRows read);
-/// Fills windows from rows of `store`, which wrap. Each row is [plane][column]. The store must outlive the result.
+/// Fills windows from rows of `store`. Rows wrap. Each row is [plane][column]. The store must outlive the result.
 RowWindow::Fill fill_planes(const RowStore& store);
 
 /// Rows of three planes of a map, each plane in its own buffer, with MULTUM_GROUP finite values after the last texel.

@@ -106,7 +106,7 @@ class EffectRows {
     const bool needed = holds_lobes(chosen_.representation) && chosen_.lobe_count > 1;
     const auto one = [](BakeShape& s) { s.lobe_count = 1; };
     if (!is_estimated()) {
-      add_row("several lobes, EM", false, "the normals have no spread that lobes could divide", saved_by(one));
+      add_row("several lobes, EM", false, "the normals do not vary, so several lobes are not needed", saved_by(one));
       return;
     }
     add_row("several lobes, EM", needed,
@@ -182,13 +182,14 @@ class EffectRows {
         anisotropy = level.anisotropy;
         at = level.level;
       }
-    const bool needed = representation_info(chosen_.representation).has_slopes ||  // their spread varies by direction
+    const bool needed = representation_info(chosen_.representation).has_slopes ||  // the spread of slopes varies by
+                                                                                   // direction
                         (anisotropy > 0.5 && chosen_.lobe_count > 1);
     add_row("anisotropic spread", needed,
             plan_.is_constant
                 ? "there is no spread"
-                : fmt::format("its largest value is {:.2f} of 1, at level {}{}", anisotropy, at,
-                              needed && chosen_.lobe_count > 1 ? ": several round lobes represent it" : ""));
+                : fmt::format("the anisotropy is at most {:.2f} (on a scale from 0 to 1), at level {}{}", anisotropy,
+                              at, needed && chosen_.lobe_count > 1 ? ": several round lobes represent it" : ""));
   }
 
   void add_levels() {

@@ -67,8 +67,8 @@ glm::dvec3 mean_colour(const SurveyedTexel& texel, ColourModel colours) {
   return mean;
 }
 
-// Returns the sharpest highlight that a texel's normals resolve. The normals may be a sample. If they were spread
-// evenly over the directions within acos |mean|, several of them would be within the width of this highlight.
+// Returns the sharpest highlight that a texel's normals resolve. The normals may be a sample. If the normals were
+// spread evenly over the directions within acos |mean|, several normals would be within the width of this highlight.
 double resolved_exponent(const MapSurvey& survey, const SurveyedTexel& texel) {
   constexpr double kWithin = 4.0;
   const auto count = static_cast<double>(texel.normals.size());

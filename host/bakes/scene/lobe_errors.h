@@ -15,7 +15,7 @@ namespace multum {
 /// The shading of texels: max(n . l, 0), or normalised facets with this Blinn-Phong exponent. Other families of BRDFs
 /// use the exponent of a Blinn-Phong of equal width.
 struct ShadedBy {
-  std::optional<double> exponent;  // nullopt means Lambert; infinite means the width by which normals are shortened
+  std::optional<double> exponent;  // nullopt means Lambert; infinity means the width by which normals are shortened
   int weight = -1;                 // index of the map's weight that multiplies the shading; -1 if there is none
 };
 

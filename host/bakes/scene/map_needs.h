@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Collects the demands of a scene on one of its maps, for any contents of the map.
+// Collects the demands of a scene on one of its maps. These demands do not depend on the contents of the map.
 #pragma once
 
 #include <algorithm>

@@ -31,7 +31,7 @@ class MapPlanner {
   const MapNeeds& needs() const { return needs_; }
   const MapSurvey& survey() const { return survey_; }
   LobeErrors& errors() { return *errors_; }
-  /// Share of lobes that are too sharp for 16 bits. It is nullopt if no visible material needs it.
+  /// Share of lobes that are too sharp for 16 bits. The share is nullopt if no visible material needs it.
   std::optional<double> share_unrepresentable(int lobe_count);
 
  private:

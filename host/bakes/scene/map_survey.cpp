@@ -100,7 +100,7 @@ struct Range {
   double size() const { return high - low; }
 };
 
-// A picked finest texel and its destination.
+// A chosen texel of the finest level, and the place where its values are stored.
 struct Pick {
   int row, column;
   std::size_t texel, index;

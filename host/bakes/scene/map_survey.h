@@ -16,12 +16,14 @@
 namespace multum {
 
 /// Statistics over all texels of a level. On maps of more than 4 million texels, they use only every fourth row of
-/// level 5 and the finer texels in these rows. Each finest texel belongs to one texel of the level. If the map's sides
-/// are not powers of two, a finest texel on the border between two texels counts for only one of them.
+/// level 5 and the finer texels in these rows. Each texel of the finest level belongs to one texel of the coarser
+/// level. If the map's sides are not powers of two, a finest texel can be on the border between two coarser texels. It
+/// then counts for only one of them.
 struct LevelStatistics {
   int level = 0;
   double texel_count = 0.0;
-  // 1 - |mean normal| of the normals under a texel: half the sum of the variances of the slopes along both axes.
+  // 1 - |mean normal| of the normals under a texel. For small slopes, it is half the sum of the variances of the slopes
+  // along both axes.
   double spread_mean = 0.0, spread_max = 0.0;
   // (a - b) / (a + b) of the variances along the two main axes of a texel's normals, weighted by a + b. It is 0 for
   // equal spread and 1 for parallel grooves.

@@ -287,7 +287,7 @@ std::string plan_text(const SceneDescription& scene, const ScenePlan& plan, int 
     text += "\n";
   }
   const bool has_trials = plan.cost_min.bytes < plan.cost_max.bytes;
-  add(fmt::format("in total: the bake takes {}{} instead of {}, and textures take {} instead of {}; planned in {}{}",
+  add(fmt::format("in total: the bake takes {}{} instead of {}, and textures take {} instead of {}; the plan took {}{}",
                   range_text(plan.cost_min.ms, plan.cost_max.ms, time_text), has_trials ? trials_text() : "",
                   time_text(plan.default_cost.ms), range_text(plan.cost_min.bytes, plan.cost_max.bytes, bytes_text),
                   bytes_text(plan.default_cost.bytes), time_text(1e3 * plan.plan_seconds),

@@ -38,7 +38,8 @@ MipJob colour_job(const MapPlan& map, const std::string& output) {
   return job;
 }
 
-// The BRDF of a target is the narrowest highlight. For a map with roughness, the roughness itself is the BRDF.
+// A target error applies to the BRDF with the narrowest highlight. For a map with roughness, this is the BRDF whose
+// width comes from the map.
 TargetBrdf target_brdf(const BakeJob& job) {
   if (!job.roughness.empty()) return {};
   return parse_target_brdf(job.measured_exponents.empty()
@@ -83,8 +84,8 @@ std::vector<FootprintError> errors_of(const nlohmann::json& row) {
   return errors;
 }
 
-// `earlier` is the map's row in the earlier report, from which unchanged files are recognised. It is null if there is
-// none.
+// `earlier` is the map's row in the earlier report, by which unchanged files are recognised. If there is no such row,
+// `earlier` is null.
 SceneMapReport bake_map(const SceneDescription& scene, const MapPlan& map, const SceneFiles& files,
                         const nlohmann::json& earlier, Device& device, Progress* progress) {
   const Stopwatch stopwatch;
@@ -253,7 +254,8 @@ std::string SceneReport::to_text() const {
     all_unchanged &= map.bake.unchanged && (!map.has_colours || map.colours.unchanged);
     if (const auto& d = map.difference)
       text += fmt::format(
-          "{}: differs from the default bake by {} ({}, 95 % interval), and by at most {} at any level (level {})\n",
+          "{}: differs from the default bake by {} ({}, 95 % interval), and by at most {} at the worst level (level "
+          "{})\n",
           map.name, error_text(d->error, d->confidence), d->part, percent_text(d->at_most()), d->worst_level);
     else if (plan.maps[m].stated_difference == 0.0 && !map.is_by_trials)
       text += fmt::format("{}: identical to the default bake\n", map.name);
@@ -263,12 +265,15 @@ std::string SceneReport::to_text() const {
       fmt::format("textures take {}, which is {} {} than in the default bake\n", bytes_text(plan.cost.bytes),
                   bytes_text(std::abs(bytes)), bytes < 0.0 ? "more" : "less");
   if (all_unchanged)
-    return text + fmt::format("nothing to bake: all files exist; planned in {}; ", time_text(1e3 * plan.plan_seconds)) +
+    return text +
+           fmt::format("nothing to bake: all files exist; the plan took {}; ", time_text(1e3 * plan.plan_seconds)) +
            textures;
   return text +
-         fmt::format("baked in {} and planned in {}, compared in {} (predicted bake time {}, default bake {}); ",
-                     time_text(1e3 * seconds), time_text(1e3 * plan.plan_seconds), time_text(1e3 * compare_seconds),
-                     time_text(plan.cost.ms), time_text(plan.default_cost.ms)) +
+         fmt::format(
+             "the bake took {}, the plan {} and the comparison {} (predicted for this bake: {}; for the default bake: "
+             "{}); ",
+             time_text(1e3 * seconds), time_text(1e3 * plan.plan_seconds), time_text(1e3 * compare_seconds),
+             time_text(plan.cost.ms), time_text(plan.default_cost.ms)) +
          textures;
 }
 

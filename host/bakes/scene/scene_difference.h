@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Measures the difference between a scene's bake and the default bake. Both settings bake small mosaics of the map
-// (host/bakes/settings_search/map_mosaic.h). The bakes are compared at all texels of the visible levels, at midpoints,
-// and half-way between levels, under the scene's lights and up to its tilt. The mosaics are independent samples of the
-// map, so their spread gives the confidence interval.
+// Measures the difference between a scene's bake and the default bake. Small mosaics of the map
+// (host/bakes/settings_search/map_mosaic.h) are baked with both settings. The two bakes are compared at all texels of
+// the visible levels, at midpoints, and half-way between levels, under the scene's lights and up to its tilt. The
+// mosaics are independent samples of the map, so their spread gives the confidence interval.
 #pragma once
 
 #include <string>

@@ -313,7 +313,7 @@ void read_lights(const std::string& path, const StrictTable& root, SceneDescript
   for (const toml::table* toml : root.tables("light", false)) {
     scene.lights.push_back(read_light(path, *toml));
     if (++counts[scene.lights.back().is_point ? 1 : 0] > kLightCountMax)
-      root.refuse("light", fmt::format("occurs more than {} times for one kind", kLightCountMax));
+      root.refuse("light", fmt::format("has more than {} lights of one kind (distant or point)", kLightCountMax));
   }
   const StrictTable environment(path, root.table("environment"), "environment", {"file"}, kWholeFile);
   if (root.has("environment")) scene.environment = path_beside(path, environment.path("file"));

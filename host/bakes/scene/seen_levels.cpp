@@ -14,7 +14,7 @@ SeenLevels seen_levels(const SceneCamera& camera, const SceneObject& object, int
   const double half_height = std::tan(0.5 * camera.fov_degrees * kRadians);
   const double half_diagonal = half_height * std::hypot(1.0, static_cast<double>(camera.width) / camera.height);
   const double texels_per_metre = object.width > 0.0 ? map_width / object.width : object.texels_per_metre;
-  const double pixel = 2.0 * half_height / camera.height;  // metres per pixel at one metre along the axis
+  const double pixel = 2.0 * half_height / camera.height;  // metres per pixel at a distance of one metre along the axis
   // For a point in the picture's corner, the distance along the axis is shorter than the distance along the line of
   // sight.
   const double finest = texels_per_metre * pixel * object.distance_min / std::hypot(1.0, half_diagonal);

@@ -31,8 +31,8 @@ constexpr double kMergeRows = 12.0;        // reading rows of lobes from all sha
 constexpr double kWriteTextureCpu = 30.0;  // per stored texel of a texture
 constexpr double kMeasureLambertCpu = 10.0;
 constexpr double kMeasureExponentCpu = 30.0;
-// Times in seconds for the start of a process with its programs and buffers, for the search for a start, and for the
-// measurement, with a minimum time for every level.
+// Times in seconds for the start of a process with its programs and buffers, for the search for the initial lobes of
+// EM, and for the measurement. They include a minimum time for every level.
 constexpr double kFixedCpu = 0.1;
 constexpr double kFixedStart = 0.85;
 constexpr double kFixedWrite = 0.25;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Predicts the processor time of the shares of one map (host/bakes/movmf/map_shard.h) by a model with few constants.
-// The number of useful shares and the time limits of a farm follow from it.
+// The number of useful shares and the time limits of a farm follow from this prediction.
 #pragma once
 
 #include <vector>

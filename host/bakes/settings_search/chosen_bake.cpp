@@ -36,8 +36,8 @@ struct Attempt {
   std::vector<std::string> warnings;  // warnings, which are printed if this attempt is chosen
 };
 
-// Bakes candidates in a folder of unfinished work next to the output. The folder is removed unless a stopped bake may
-// resume.
+// Bakes candidates in a temporary folder next to the output. At the end, removes the folder unless it holds a stopped
+// bake that can be resumed.
 class Attempts {
  public:
   Attempts(const BakeJob& job, const BakeSource& source, SettingTrials& trials, double read_seconds, Device& device,
@@ -79,7 +79,8 @@ class Attempts {
                      held.take()});
     return made_.back();
   }
-  /// True if the last attempt meets the target. If it seems to do so, measures the file again at other footprints.
+  /// True if the last attempt meets the target. If the attempt seems to meet the target, measures its file again at
+  /// other footprints.
   bool meets(double target) {
     constexpr std::uint64_t kSecondSeed = 1000003;
     Attempt& attempt = made_.back();
@@ -292,8 +293,9 @@ void check_target(const BakeTarget& target, const BakeJob& job) {
         ErrorCode::kUsage,
         "--no-measure excludes --target-error and --budget-ms, because these choose settings by measured errors");
   if (job.region || !job.onto.empty())
-    throw Error(ErrorCode::kUsage,
-                "--region and --onto use the settings of a file, so --target-error and --budget-ms cannot choose any");
+    throw Error(
+        ErrorCode::kUsage,
+        "--region and --onto use the settings of a file, so --target-error and --budget-ms cannot choose settings");
   if (job.resume && target.seconds)
     throw Error(ErrorCode::kUsage,
                 "--resume and --budget-ms exclude each other: the time of a resumed bake does not show the cost of its "

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bakes a map to a target and finds its settings. They are the cheapest within an error, or the most accurate within a
-// time. Settings are chosen on a mosaic of the map (host/bakes/settings_search/setting_choice.h). Then the whole map is
-// baked and measured. If it misses the target, the next settings are tried. A second sample of footprints decides
-// whether the target error is met, because the search tends to prefer settings whose error in the first sample is low
-// by chance.
+// Finds settings with which a map meets a target, and bakes the map with them. For a target error, these are the
+// cheapest settings. For a target time, they are the most accurate settings. Settings are chosen on a mosaic of the map
+// (host/bakes/settings_search/setting_choice.h). Then the whole map is baked and measured. If it misses the target, the
+// next settings are tried. A second sample of footprints decides whether the target error is met, because the search
+// tends to prefer settings whose error in the first sample is low by chance.
 #pragma once
 
 #include <optional>

@@ -14,7 +14,7 @@ namespace multum {
 
 struct PlaneViewer {
   std::string program;           // multum-view; if empty, nothing is drawn
-  std::string context = "auto";  // its options --context and --decode
+  std::string context = "auto";  // multum-view's options --context and --decode
   std::string decode = "child";
   int samples = 256;  // per pixel of the reference
 };

@@ -95,8 +95,8 @@ class CandidateList {
   }
 
   // Adds the quick, the refined and the long fit. For the default lobe count, the long fit is added with other changes
-  // of the fit. A target search tries the long fit only for the largest lobe count. With fewer lobes, another lobe
-  // gains more in less time.
+  // of the fit. A target search tries the long fit only for the largest lobe count. With fewer lobes, one more lobe
+  // reduces the error more and takes less time.
   void add_efforts(int lobes, unsigned sweeps) {
     add_fit(Axis::kIterations, kTargetSearch | sweeps, lobes, {{"passes", std::int64_t{1}}, {"no_start_search", true}});
     if (lobes > 1)  // one lobe is an average and is not fitted

@@ -28,7 +28,7 @@ enum class CandidateAxis { kLobes, kMoments, kHarmonics, kGaussians, kIterations
 const char* candidate_axis_name(CandidateAxis axis);
 
 /// Settings that may be chosen. The cost of a candidate is the number of textures read per texel, which determines
-/// memory and frame time. If these numbers are equal, the cost is the time of the bake.
+/// memory and frame time. Candidates with equal numbers of textures are compared by the time of the bake.
 struct SettingCandidate {
   ParameterValues values;  // representation, lobes, order, effort and so on; other values are those of the job
   CandidateAxis axis;
@@ -48,7 +48,7 @@ struct SettingCandidate {
 std::vector<SettingCandidate> setting_candidates(CandidateUser user, std::optional<Representation> only = std::nullopt);
 
 /// Returns the candidates of kTargetSearch with representation `only`, the cheapest first. If `only` is nullopt, lists
-/// all except Gaussians. With as many lobes, Gaussians cost as much as vMFs, and their error is never lower
+/// all except Gaussians. With the same number of lobes, Gaussians cost as much as vMFs, and their error is never lower
 /// (docs/evidence/ACCURACY.md).
 std::vector<SettingCandidate> target_candidates(std::optional<Representation> only);
 

@@ -51,7 +51,7 @@ struct SettingTrial {
   std::size_t candidate;
   ReachedError reached;
   double seconds;        // time of fitting or averaging
-  double fixed_seconds;  // time for the start and for coarse levels, which does not grow with the map
+  double fixed_seconds;  // time for the start and for coarse levels; it does not grow with the map
 };
 
 /// The trials of one map. Each trial is made once, when it is first requested.

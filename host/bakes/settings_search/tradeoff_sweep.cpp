@@ -345,8 +345,9 @@ class Sweep {
                  (!job_.bake_seconds_max || row.bake.elapsed_seconds <= *job_.bake_seconds_max);
   }
 
-  // Chooses a row. For a target error, this is the row with the fewest bytes, then the least work. For a time, or with
-  // budgets only, it is the row with the lowest error. Budgets limit elapsed time, because users wait for it.
+  // Chooses a row. For a target error, this is the row with the fewest bytes, then the least work. For a target time,
+  // or if only budgets are given, it is the row with the lowest error. Budgets limit elapsed time, because users wait
+  // for it.
   void choose() {
     for (std::size_t i = 0; i < result_.rows.size(); ++i) {
       const TradeoffRow& row = result_.rows[i];

@@ -43,9 +43,9 @@ struct TradeoffRow {
   std::string view;                      // options of `multum-view`; if empty, only the BRDF is given
   ReachedError reached;                  // pixel error with its interval
   std::vector<FootprintError> errors;    // errors of each measured BRDF, with the shading of this row
-  double rendered = -1.0;                // picture error compared with a reference with the same filter; < 0 if not
-                                         // drawn
-  RunTime bake;                          // time of fitting or averaging and of writing; all rows share the reading
+  double rendered = -1.0;                // error of the picture relative to a reference drawn with the same filter; < 0
+                                         // if not drawn
+  RunTime bake;                          // time to fit or average, and to write; the map is read once for all rows
   double frame_ms = -1.0;                // elapsed time; < 0 if not drawn
   double frame_work_ms = -1.0;           // processor time if drawn by software, otherwise GPU time; < 0 if not drawn
   std::uint64_t normals_file_bytes = 0;  // size on disk of the normal map, if it provides the finest levels

@@ -39,7 +39,7 @@ glm::dvec4 shares_of(const std::array<float, 3>& normal, double alpha) {
   return {0.5 + 0.5 * glm::dvec3(normal[0], normal[1], normal[2]), alpha};
 }
 
-// Holds levels 1 and coarser until they have a form. Passes level 0 on at once.
+// Holds levels 1 and coarser until their form is chosen. Passes level 0 on at once.
 class WaitingMaterial : public MaterialSink {
  public:
   WaitingMaterial(const OneLobeInputs& inputs, const OneLobeSettings& settings, const FormSettings& form,

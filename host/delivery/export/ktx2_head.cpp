@@ -34,7 +34,7 @@ bool is_uastc(TexelFormat format) { return format == TexelFormat::kUastc || form
 std::vector<DescribedSample> samples_of(TexelFormat format) {
   constexpr std::uint32_t kAlphaChannel = 15, kUastcRgba = 3;
   const TexelFormatInfo& info = info_of(format);
-  // A BC5 block consists of two blocks. BC7 and UASTC blocks hold all channels together.
+  // A BC5 block consists of two BC4 blocks. BC7 and UASTC blocks hold all channels together.
   const bool is_whole = format == TexelFormat::kBc7 || is_uastc(format);
   const std::uint32_t count = is_whole ? 1u : static_cast<std::uint32_t>(info.channels);
   const std::uint32_t bits = 8 * static_cast<std::uint32_t>(info.block_bytes) / count;
@@ -61,7 +61,7 @@ ByteList format_descriptor(TexelFormat format) {
   list.add(block_bytes, 2);
   for (const std::uint32_t value : {colour_model(format), primaries, kLinearTransfer, 0u}) list.add(value, 1);
   for (const int side : {info.block_side, info.block_side, 1, 1}) list.add(size_of(side - 1), 1);
-  // Bytes of planes 0 to 7, as without supercompression (KTX 2.0, revision 4).
+  // bytesPlane 0 to 7, with the values for data without supercompression (KTX 2.0, revision 4).
   list.add(size_of(info.block_bytes), 8);
   const std::uint32_t most = info.is_float ? 0x3f800000u : info.block_side > 1 ? 0xffffffffu : 255u;  // 1
   for (const DescribedSample& sample : samples) {

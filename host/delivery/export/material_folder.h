@@ -19,8 +19,8 @@
 
 namespace multum {
 
-/// Rounds rows to the stored precision, and rebuilds the values that are not stored. Rounding rows twice changes
-/// nothing more. Inputs of block encoders have 8 bits or are not rounded. The errors of blocks are not part of this
+/// Rounds rows to the stored precision, and rebuilds the values that are not stored. Rounding the rows a second time
+/// changes nothing. Inputs of block encoders have 8 bits or are not rounded. The errors of blocks are not part of this
 /// rounding.
 void round_material(MaterialRows& rows, MaterialTexels texels);
 

@@ -21,8 +21,8 @@ struct OneLobeSettings {
   bool is_fast = false;         // use only the closed form
   double base_roughness = 0.5;  // perceptual, 0..1; used if there is no roughness map
   // Number of EM steps, 1..100. On five real maps at base roughness 0.1 and 0.25, the mean error of levels 2, 4 and 6
-  // is within 0.5 % of the error with 8 steps. In the darkest cells of re_floor03_n at roughness 0.1, it differs by 2
-  // %.
+  // is within 0.5 % of the error with 8 steps. In the darkest cells of re_floor03_n at roughness 0.1, the two errors
+  // differ by 2 %.
   int iteration_count = 5;
 };
 
@@ -34,7 +34,7 @@ struct OneLobeInputs {
   // Planes of alpha^2, occlusion and metalness, with the same size. If null, alpha follows from base_roughness, and
   // there is no occlusion or metalness.
   const PlaneStore* material = nullptr;
-  bool has_roughness = false, has_occlusion = false, has_metalness = false;  // which planes come from maps
+  bool has_roughness = false, has_occlusion = false, has_metalness = false;  // true for planes that come from maps
   // Memory for buffers. Does not change the result.
   std::uint64_t memory_bytes = std::uint64_t{1} << 30;
   int threads = 1;

@@ -43,8 +43,9 @@ std::string ChosenForm::to_text(bool has_own_maps) const {
   if (has_lobe_colours && errors.contains("lobe_colours_4")) {
     const FormError &own = errors.at("lobe_colours_4"), &mean = errors.at("mean_colour_4");
     const std::size_t there = most_different(own, mean);
-    text += fmt::format(" that have colours ({} the error is {:.1f} % with them, and {:.1f} % with one colour)",
-                        text_of(views[there]), own.by_view[there], mean.by_view[there]);
+    text += fmt::format(
+        " that have colours ({} the error is {:.1f} % with colours per lobe, and {:.1f} % with one colour per texel)",
+        text_of(views[there]), own.by_view[there], mean.by_view[there]);
   }
   return text;
 }

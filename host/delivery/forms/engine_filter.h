@@ -14,8 +14,9 @@ struct EngineFilter {
   enum class Term {
     kNone,
     kChange,         // three.js: adds the largest change of any component to perceptual roughness
-    kVariance,       // Filament: adds 2 `variance` times the squares of both changes, at most `limit`, to alpha^2
-    kPerceptual,     // Godot: adds the same amount to the square of perceptual roughness
+    kVariance,       // Filament: increases alpha^2 by 2 `variance` times the sum of the squares of both changes, but
+                     // at most by `limit`
+    kPerceptual,     // Godot: increases the square of perceptual roughness by the same amount
     kGreaterChange,  // Babylon.js: uses the greater change c. The least roughness under lights is cbrt(c^2);
                      // 3/4 of c is added to the alpha of reflections
   };

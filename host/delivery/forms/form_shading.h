@@ -28,7 +28,7 @@ struct FormSurface {
 
 /// Shades one unit normal. `view` is a unit vector towards the eye.
 FormLight shaded_normal(const glm::dvec3& normal, const FormSurface& surface, const glm::dvec3& view);
-/// Shades the part of a normal lobe, (a r, a) of amplitude 1, as @multum/three does (lobe_shading.js).
+/// Shades the lobe of normals (a r, a) as @multum/three does (lobe_shading.js). The result is for amplitude 1.
 FormLight shaded_lobe(const glm::dvec4& lobe, const FormSurface& surface, const glm::dvec3& view);
 
 /// Returns the roughness that @multum/three uses where the geometry's normal changes from pixel to pixel. This

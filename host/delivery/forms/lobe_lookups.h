@@ -29,8 +29,8 @@ class LobeLevels {
   /// Returns the level at which addLobes() reads a place of a pixel, before clamping. `along_x` and `along_y` are the
   /// changes of the place across its part of the pixel.
   double level_of(const glm::dvec2& along_x, const glm::dvec2& along_y, double bias) const;
-  /// Returns the number of columns and rows into which multum_point_grid() divides `count` places of a pixel, a power
-  /// of two.
+  /// Returns the columns and rows of the grid in which multum_point_grid() arranges the `count` shading points of a
+  /// pixel. `count` is a power of two.
   glm::ivec2 grid(int count, const glm::dvec2& along_x, const glm::dvec2& along_y) const;
   /// Returns all lobes, (a r, a).
   std::vector<glm::dvec4> at(const glm::dvec2& place, double level) const;

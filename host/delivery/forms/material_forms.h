@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Measures the possible forms of a material's normals in a model by their errors in pictures that are drawn as engines
-// draw them. Chooses the cheapest form whose error exceeds the least error by at most a fifth of a percentage point.
+// Compares the possible forms of a material's normals. Draws the model with each form as an engine would, and measures
+// the errors of the pictures. Chooses the cheapest form whose error exceeds the lowest error by at most 0.2 percentage
+// points.
 #pragma once
 
 #include <array>
@@ -87,7 +88,7 @@ class FormMeter {
   /// Changes one level after the other so that the mean error drops most, while the error of each view stays below
   /// `limits`. Levels that only a few pixels use get the form of the last level before them.
   void improve(NormalForm& form, const std::vector<double>& limits) const;
-  /// Returns the error from the references' own sampling, estimated from two halves of the samples.
+  /// Returns the error that the sampling of the references causes, estimated from two halves of the samples.
   FormError noise() const;
   /// Returns the error with 2 x 2 points per pixel and the variance of slopes, as in addPoints() of @multum/three.
   FormError points(const NormalForm& form) const;

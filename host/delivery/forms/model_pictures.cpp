@@ -56,12 +56,12 @@ struct ModelPictures::View {
 
   std::size_t sample_at(int x, int y) const { return size_of(y) * size_of(width * kSamplesPerSide) + size_of(x); }
 
-  // Returns the direction through a place of the picture, in pixels.
+  // Returns the direction of the ray through a place of the picture. The place is given in pixels.
   glm::dvec3 ray(double x, double y) const {
     const double scale = 2.0 * kPlaneHalf / kPictureSide, half = 0.5 * kPictureSide;
     return forward + (x - half) * scale * right - (y - half) * scale * up;
   }
-  // Returns a place of the picture in pixels, and the depth.
+  // Projects a position. Returns its place in the picture, in pixels, and its depth.
   glm::dvec3 projected(const glm::dvec3& position) const {
     const glm::dvec3 seen = position - eye;
     const double depth = glm::dot(seen, forward), scale = 0.5 * kPictureSide / (kPlaneHalf * depth);

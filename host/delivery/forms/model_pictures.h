@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Samples small pictures of a model at some of their pixels. For each pixel, it finds the surface at the middle, which
-// a renderer shades, and the surface at many samples, which the reference shades. A visibility buffer holds the nearest
+// Samples small pictures of a model at some of their pixels. For each pixel, finds the surface at the middle, which a
+// renderer shades, and the surface at many samples, which the reference shades. A visibility buffer holds the nearest
 // triangle at every sample (Burns and Hunt 2013). The pictures show the model from several sides and distances, at the
 // size that a viewer sees.
 #pragma once

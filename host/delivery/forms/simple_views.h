@@ -10,10 +10,10 @@
 
 namespace multum {
 
-/// Returns pictures of one pixel each. `distance` is the number of texels per pixel, a power of two from 1 on. Each
-/// pixel differs from it by up to half an octave. `shape` is "plane" (seen from above), "tilted plane" or "sphere". A
-/// sphere repeats the map twice around it. Maps that are too small for more than a few pixels of a sphere have no
-/// pictures.
+/// Returns pictures of one pixel each. `distance` is the number of texels per pixel, a power of two from 1 on. The
+/// distance of each pixel differs from this number by up to half an octave. `shape` is "plane" (seen from above),
+/// "tilted plane" or "sphere". A sphere repeats the map twice around it. Maps that are too small for more than a few
+/// pixels of a sphere have no pictures.
 std::vector<ModelPicture> simple_views(int width, int height, std::size_t pixels_per_view);
 
 }  // namespace multum

@@ -161,8 +161,8 @@ class GltfConversion {
       for (const auto& [name, texture] : one.storage)
         if (!name.starts_with("lobe")) ++count, plain_count += texture.format == "rgba8" ? 1 : 0;
     if (plain_count > 0)
-      warn(fmt::format("{} of its {} new textures are KTX2 files with 8 bits per channel, which KHR_texture_basisu, "
-                       "the extension that refers to them, does not allow; ",
+      warn(fmt::format("{} of its {} new textures are KTX2 files with 8 bits per channel, a format that the extension "
+                       "for such textures, KHR_texture_basisu, does not allow; ",
                        plain_count, count) +
            engine_line(MaterialFormat::kKtx2, MaterialTexels::kRgba8, "--format uastc"));
     if (format_ == GltfTextureFormat::kPng && count > 0)
@@ -267,7 +267,7 @@ class GltfConversion {
     FittedSource fitted = std::move(*found);
     const ChosenForm form = form_of(forms, number, fitted, baked);
     if (form.normals.is_plain() && !form.has_lobes) {
-      source.kept = "its own mips are equally accurate";
+      source.kept = "the mips of its original textures are equally accurate";
       source.is_plain = true;
       remove_levels(fitted);
       remove_file(baked);

@@ -219,7 +219,8 @@ class Planner {
     if (occlusion->coordinates == rough->coordinates && occlusion->wrap == rough->wrap &&
         !is_animated(number, "occlusionTexture/extensions"))
       return true;
-    made.notes.push_back("occlusion keeps the old roughness image, because their texture coordinates differ");
+    made.notes.push_back(
+        "occlusion still uses the original image, because the texture coordinates of occlusion and roughness differ");
     return false;
   }
 

@@ -50,8 +50,8 @@ ImageReadSettings reading_of(const SourceFitSettings& settings) {
 
 float fourth_power(float v) { return v * v * (v * v); }
 
-// Reads roughness times its factor, occlusion and metalness from an image. Red is occlusion, green is roughness, and
-// blue is metalness. A grey image sets all three.
+// Reads occlusion (red), roughness (green) and metalness (blue) from an image. Roughness is multiplied by the
+// material's factor. A grey image sets all three.
 PlaneStore read_surface(const GltfAsset& asset, const std::string& file, const LobeSource& source, bool is_fourth_power,
                         const SourceFitSettings& settings) {
   ImageReader reader(file, reading_of(settings));
@@ -293,7 +293,7 @@ void prepare(const GltfAsset& asset, const SourceFitSettings& settings, Prepared
       made.kept = fmt::format("its normals have {} x {} texels and its roughness has {} x {}", normal.first,
                               normal.second, surface.first, surface.second);
     if (surface != normal)
-      made.notes.push_back(fmt::format("normals of {} x {} and roughness of {} x {} were resized to one size",
+      made.notes.push_back(fmt::format("normals of {} x {} and roughness of {} x {} were resized to the same size",
                                        normal.first, normal.second, surface.first, surface.second));
   }
   if (normal == std::make_pair(1, 1)) made.kept = "its normal map is a single texel";

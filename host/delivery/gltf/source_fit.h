@@ -84,7 +84,7 @@ std::string why_kept(const GltfAsset& asset, const Error& error);
 /// The fitted textures. A texture that does not exist is null.
 struct FittedSource {
   std::unique_ptr<LevelFile> normal, surface, anisotropy;
-  // The mips that a renderer makes from level 0, which hold normals, with roughness in alpha. Null if `anisotropy` is
+  // The mips that a renderer makes from level 0. They hold normals, and roughness in alpha. Null if `anisotropy` is
   // set.
   std::unique_ptr<LevelFile> averages;
 };

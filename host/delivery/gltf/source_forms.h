@@ -22,7 +22,7 @@ class SourceForms {
               Progress* progress);
   ~SourceForms();
 
-  /// `baked` is a file of the source's lobes, which become a candidate. It is empty if there are no lobes.
+  /// `baked` is a file of the source's lobes, which become a candidate. If there are no lobes, `baked` is empty.
   ChosenForm choose(std::size_t source, const FittedSource& fitted, const std::string& baked);
 
  private:

@@ -39,7 +39,8 @@ struct TextureEncoding {
   bool has_fallback = false;  // true to add a fallback for every format
   bool is_original = false;   // true if level 0 is the unchanged image of the file, which is then the fallback
   UastcSettings uastc;
-  // Compares the material's light with `decoded` levels and the light with the texture's own levels.
+  // Measures how much the light that the material reflects changes if `decoded` levels replace the texture's own
+  // levels.
   std::function<StorageError(const LevelFile& decoded)> measure;
 };
 

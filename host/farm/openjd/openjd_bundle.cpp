@@ -19,8 +19,8 @@ namespace fs = std::filesystem;
 
 // On SIGTERM, multum stops and leaves files from which --resume continues.
 constexpr int kNoticeSeconds = 30;
-// Duration of the work that a farm gives to one process; starting a process, with its OpenCL programs, takes a second
-// or less.
+// Duration of the work that a farm gives to one process. Starting a process, including its OpenCL programs, takes a
+// second or less.
 constexpr int kChunkSeconds = 60;
 
 std::string absolute(const std::string& path) {
@@ -35,7 +35,7 @@ std::vector<std::string> all_absolute(std::vector<std::string> paths) {
   return paths;
 }
 
-// Returns Input, Input2, ..., Output, in the order of the words.
+// Returns a parameter name for each path: Input, Input2 and so on for inputs, Output, Output2 and so on for outputs.
 std::vector<std::string> parameter_names(const FarmCommand& command) {
   std::vector<std::string> names;
   int inputs = 0, outputs = 0;

@@ -41,7 +41,7 @@ FarmJson openjd_template(const FarmCommand& command);
 FarmJson openjd_parameter_values(const FarmCommand& command);
 FarmJson openjd_asset_references(const FarmCommand& command);
 
-/// Returns absolute paths, sorted, each once.
+/// Returns sorted absolute paths without duplicates.
 std::vector<std::string> openjd_input_files(const FarmCommand& command);
 /// Counts the tasks of all steps: shares, and the steps before and after them.
 int openjd_task_count(const FarmCommand& command);

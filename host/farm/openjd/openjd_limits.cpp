@@ -20,7 +20,7 @@ using Json = nlohmann::ordered_json;
 
 // Limits, each with its section of the specification. Lengths are in Unicode characters.
 constexpr std::size_t kJobNameMax = 128;         // 1.1.1
-constexpr std::size_t kExtensionNameMax = 128;   // 1.1.2, and at least 3
+constexpr std::size_t kExtensionNameMax = 128;   // 1.1.2, where the minimum is 3
 constexpr std::size_t kValueMax = 1024;          // 2.5
 constexpr std::size_t kStepNameMax = 64;         // 3.1
 constexpr std::size_t kRequirementsMax = 50;     // 3.3

@@ -27,7 +27,7 @@ namespace {
 
 namespace asio = boost::asio;
 
-// Every connection and every worker needs a file.
+// Every connection and every worker needs a file descriptor.
 void raise_file_limit(const ServiceSettings& settings) {
   rlimit limit{};
   if (::getrlimit(RLIMIT_NOFILE, &limit) != 0) return;
@@ -147,12 +147,12 @@ class Service {
     signals_.async_wait([this](const boost::system::error_code& error, int number) {
       if (error) return;
       if (is_ending_) {
-        service_log(LogSeverity::kWarning, 0, "second signal: ending at once");
+        service_log(LogSeverity::kWarning, 0, "received a second signal: the daemon ends at once");
         io_.stop();
         return;
       }
       is_ending_ = true;
-      service_log(LogSeverity::kInfo, 0, fmt::format("signal {}: starting no more jobs", number));
+      service_log(LogSeverity::kInfo, 0, fmt::format("received signal {}: no more jobs will start", number));
       sd_notify(0, "STOPPING=1");
       dispatcher_.drain([this] {
         server_.close();

@@ -108,7 +108,7 @@ ChunkCandidates chunk_candidates(const std::vector<std::size_t>& sizes, PyramidC
 namespace {
 
 /// Wavelets take several times as long to decode as cosines, so they are chosen only if they lower the cost by at least
-/// a twentieth.
+/// 5 %.
 constexpr double kWaveletFactor = 1.05;
 
 double comparable_cost(const EncodedChunk& chunk, ImageCoder coder, double lambda) {

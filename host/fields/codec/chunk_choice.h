@@ -30,7 +30,8 @@ struct ChunkCandidates {
   std::vector<CoderAndSide> coders;  // at least one
   std::vector<std::vector<ParameterPyramid::Halvings>> pyramids;
   bool has_greedy = false;
-  std::vector<std::size_t> basis_images;  // ascending; at least one pyramid, has_greedy, or one of these
+  std::vector<std::size_t> basis_images;  // in ascending order; may be empty only if `pyramids` is not empty or
+                                          // has_greedy is set
   bool open_loop = false;
 };
 
@@ -46,9 +47,9 @@ struct ChosenChunk {
   ChunkSettings settings;  // the settings that coded the chunk
 };
 
-/// Returns the chunk with the least error + lambda bits. The first coder tries every pyramid, and larger bases as long
-/// as more images lower the cost. A later coder first tries the best settings so far. A later coder tries other
-/// settings only if it has the lowest cost with the best ones. `step` is as in ChunkEncoder.
+/// Returns the chunk with the least error + lambda bits. Tries every pyramid with the first coder, and larger bases as
+/// long as more images lower the cost. Tries each later coder first with the best settings so far. Tries other settings
+/// of that coder only if it then has the lowest cost. `step` is as in ChunkEncoder.
 ChosenChunk best_chunk(const ChunkSource& source, const WeightsOfLayout& weights_of, const ChunkCandidates& candidates,
                        double lambda, const std::function<void()>& step);
 

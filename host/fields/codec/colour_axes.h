@@ -12,7 +12,8 @@ namespace multum {
 
 struct ColourAxes {
   std::array<float, 3> mean{};
-  /// The rotation whose rows are the axes, the longest first, as a quaternion (w, x, y, z in units of 1/32767).
+  /// The axes as the rows of a rotation. The axis of the largest variance is the first row. The rotation is stored as a
+  /// quaternion (w, x, y, z in units of 1/32767).
   std::array<std::int16_t, 4> quaternion{32767, 0, 0, 0};
 };
 

@@ -131,7 +131,8 @@ std::vector<float> texel_masses(const FilterMatrix& matrix) {
 }
 
 /// Splits each block into sixteen parts and returns the fourth root of the greatest mass divided by the mean mass. On
-/// field_demo1 this correction lowers error + lambda bits by 0.5 %. A square root instead lowers them about as much.
+/// field_demo1 this correction lowers error + lambda bits by 0.5 %. A square root instead of the fourth root lowers
+/// them about as much.
 std::vector<float> partly_seen_factors(const CoefficientLayout& layout, const std::vector<float>& masses) {
   constexpr float kExponent = 0.25f, kShareMin = 0.02f;
   const BlockGrid grid{layout.width, layout.height, layout.side};

@@ -15,7 +15,7 @@
 
 namespace multum {
 
-/// Side, in texels, of the squares over which the shares of layers are averaged.
+/// Side, in texels, of the squares over which layer_shares() averages.
 constexpr std::size_t kShareCell = 16;
 
 /// Returns the weight of each coefficient's squared error in the picture of each pose: cosines [pose][block][v][u],
@@ -24,17 +24,18 @@ constexpr std::size_t kShareCell = 16;
 std::vector<std::vector<float>> coefficient_energies(const std::vector<FilterMatrix>& matrices,
                                                      const CoefficientLayout& layout);
 
-/// Returns the factor for the energies of each partly visible block's cosines, where the errors of coefficients add up.
-/// `masses` comes from texel_masses(). The result of coefficient_energies() already includes this factor.
+/// Returns one factor per block for the energies of the block's cosines. The factor exceeds 1 in partly visible blocks,
+/// because the errors of their coefficients add up. `masses` comes from texel_masses(). The result of
+/// coefficient_energies() already includes this factor.
 std::vector<float> partly_seen_factors(const CoefficientLayout& layout, const std::vector<float>& masses);
 
 /// Returns the weights of the finest texels in the picture, including the coarser levels: A^T 1.
 std::vector<float> texel_masses(const FilterMatrix& matrix);
 
-/// Returns how visible errors of each layer's gamma-coded texture are in the gamma-coded sum of the layers. There is
-/// one squared visibility per cell of kShareCell x kShareCell texels, row by row. The value is (L_i / L)^(2 - 2 / 2.2)
-/// times the squared coverage, averaged over the pixels that show the cell. Invisible cells get the mean of the visible
-/// cells. Each of the `layers` is the radiance of all levels, [texel][3].
+/// Returns the visibility of errors: how much an error of each layer's gamma-coded texture changes the gamma-coded sum
+/// of the layers. There is one squared visibility per layer and cell of kShareCell x kShareCell texels, row by row. The
+/// value is (L_i / L)^(2 - 2 / 2.2) times the squared coverage, averaged over the pixels that show the cell. Invisible
+/// cells get the mean of the visible cells. Each of the `layers` is the radiance of all levels, [texel][3].
 std::vector<std::vector<float>> layer_shares(const FilterMatrix& matrix,
                                              const std::vector<const std::vector<float>*>& layers);
 

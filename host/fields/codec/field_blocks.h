@@ -19,7 +19,7 @@ namespace multum {
 
 struct FieldBlock {
   std::vector<int> begin, size;      // range of the box along each parameter
-  std::vector<std::size_t> varying;  // parameters that change the textures, ascending
+  std::vector<std::size_t> varying;  // parameters that change the textures, in ascending order
 
   /// Returns the sizes along `varying`, or a single 1 if nothing varies.
   std::vector<std::size_t> chunk_sizes() const;

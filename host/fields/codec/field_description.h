@@ -16,7 +16,7 @@ struct PackedLayer {
   std::size_t object = 0;  // index into the field's objects
   std::string name;
   std::vector<FieldBlock> blocks;
-  std::vector<int> unseen;  // samples without a texture of the layer for this object, ascending
+  std::vector<int> unseen;  // samples without a texture of the layer for this object, in ascending order
 
   bool is_seen(std::size_t sample) const;
   /// Returns the block that contains a point of the grid.

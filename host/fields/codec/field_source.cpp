@@ -210,7 +210,7 @@ class ObjectReading {
     return matrix;
   }
 
-  /// Returns the shares of each layer in a sample.
+  /// Returns the result of layer_shares() for a sample.
   std::vector<std::vector<float>> shares_of(std::size_t sample, const FilterMatrix& matrix) {
     std::vector<std::vector<float>> radiances;
     for (const InferredLayer& layer : object_.layers) {

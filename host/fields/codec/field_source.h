@@ -19,7 +19,7 @@ namespace multum {
 /// The weights of errors in an object's textures.
 struct ObjectWeights {
   std::vector<std::size_t> pose_of_sample;
-  std::vector<std::vector<std::vector<float>>> shares;  // [sample][layer][cell]: layer_shares
+  std::vector<std::vector<std::vector<float>>> shares;  // [sample][layer][cell]: results of layer_shares()
   std::map<CoderAndSide, PoseEnergies> energies;
   double pixels = 0.0;  // number of covered pixels in all samples
 };

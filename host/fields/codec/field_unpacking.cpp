@@ -127,7 +127,7 @@ void PackedFieldFile::check_head(std::size_t number, const TextureChunkFormat& f
       fits =
           fits && static_cast<int>(format.width) == mapping.width && static_cast<int>(format.height) == mapping.height;
     }
-  if (!fits) refuse_file(path_, section_name(number) + " has other texture sizes than its description");
+  if (!fits) refuse_file(path_, section_name(number) + " has texture sizes that differ from its description");
 }
 
 std::unique_ptr<TextureChunk> PackedFieldFile::decode_chunk(std::size_t number, std::span<const std::uint8_t> bytes,

@@ -10,7 +10,7 @@ namespace multum {
 
 class RangeEncoder {
  public:
-  /// `probability` is that of a 1, in units of 1/65536, from 1 to 65535.
+  /// `probability` is the probability of a 1, in units of 1/65536, from 1 to 65535.
   void encode(bool bit, std::uint32_t probability);
 
   /// Returns the number of bits of the symbols so far, with an error of at most 32 bits.

@@ -19,8 +19,8 @@ namespace {
 /// for cosines, and 2, 3.5 and 4.5 for wavelets. Wavelet coefficients become zero below a whole step, cosine
 /// coefficients below half a step.
 constexpr double kDctStep = 2.8, kWaveletStep = 3.5;
-/// Smallest weight ratio that makes steps coarser at high frequencies, which are hardly visible. No step is finer than
-/// the first.
+/// High frequencies are hardly visible and get coarser steps. In this rule, their weight counts as at least this
+/// fraction of the first frequency's weight. No step is finer than the first step.
 constexpr double kWeightRatioMin = 1.0 / 60.0;
 constexpr float kOffsetUnit = 1.0f / 64.0f;
 
@@ -201,7 +201,7 @@ std::vector<std::vector<Share>> shares_of_images(const ImagePlan& plan) {
 }
 
 /// Returns the weight of an image's error in a sample. In a pyramid level, the shares t of a sample's images sum to 1,
-/// so the square of the sum of their errors e is at most sum t e^2. Images of a basis are orthogonal.
+/// so the square of their combined error, sum t e, is at most sum t e^2. Images of a basis are orthogonal.
 float error_share(const TextureChunkFormat& format, const Share& share) {
   return format.basis.empty() ? share.weight : share.weight * share.weight;
 }

@@ -26,7 +26,7 @@ struct InferredTexture {
 /// half float become 65504. Writes a temporary file and renames it when it is complete. Throws Error(kEnvironment).
 void write_inferred_texture(const InferredTexture& texture, const std::string& path);
 
-/// Rounds values to what a reader of the written file gets.
+/// Rounds values to the values that a reader of the written file gets.
 void round_to_half(std::vector<float>& values);
 
 /// Throws Error(kInput) naming the file and its fault.

@@ -33,8 +33,8 @@ struct TextureMapping {
   std::size_t degenerate_pixels = 0;  // visible pixels of triangles that are edge-on, or only a line in the texture
 };
 
-/// Returns how many whole periods move a triangle to its side of the cuts. Visible triangles never cross a cut; for
-/// other triangles the middle decides. `uvs` has one entry per vertex, `indices` three per triangle.
+/// Returns the number of whole periods by which a triangle is moved to its side of the cuts. Visible triangles never
+/// cross a cut; for other triangles the middle decides. `uvs` has one entry per vertex, `indices` three per triangle.
 glm::dvec2 cut_shift(const std::vector<glm::vec2>& uvs, const std::vector<std::uint32_t>& indices, std::size_t triangle,
                      const TextureMapping& mapping);
 

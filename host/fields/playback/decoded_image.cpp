@@ -13,7 +13,7 @@
 namespace multum {
 namespace {
 
-constexpr std::size_t kHalfBytes = 8;  // bytes per texel of an image: RGBA halves
+constexpr std::size_t kHalfBytes = 8;  // bytes per texel of an image: four 16-bit floats, RGBA
 // Bytes per texel while an image is decoded: three colours, a plane, and lines of wavelets.
 constexpr std::size_t kWorkBytes = 20;
 constexpr std::size_t kTextureWorkBytes = 32;  // bytes per texel of a texture: three colours of the finest level, and

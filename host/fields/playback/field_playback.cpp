@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::size_t kMemoryLeast = std::size_t{1} << 20;
 
-/// Gives the bytes back at the end of the block.
+/// Gives the bytes back at the end of its scope.
 class ScopedTake {
  public:
   ScopedTake(MemoryAccount& memory, std::size_t bytes) : memory_(memory), bytes_(bytes) {}

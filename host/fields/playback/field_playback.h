@@ -138,7 +138,7 @@ class FieldPlayback {
     std::size_t images_at_work = 0;                     // includes requested images
     std::atomic<bool> cancelled{false};
     Rank rank;
-    bool is_pending = false;  // the current frame needs images that are not yet decoded from it
+    bool is_pending = false;  // the current frame needs images that are not yet decoded from this chunk
 
     bool is_zero(std::size_t image) const { return !zeros.empty() && zeros[image]; }
   };
@@ -154,7 +154,7 @@ class FieldPlayback {
     std::size_t order = 0;             // order among the jobs of a frame, as in Wanted
   };
   struct Wanted {
-    std::size_t order;  // 0 for coefficients, 1 for a sum or a texture, from 2 on for terms, the coarsest first
+    std::size_t order;  // 0 for coefficients, 1 for a sum or a texture; terms have 2, 3 and so on, the coarsest first
     ImageKey key;
     auto operator<=>(const Wanted&) const = default;
   };

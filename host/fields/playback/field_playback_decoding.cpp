@@ -9,7 +9,7 @@
 
 namespace multum {
 
-// ---- asking
+// ---- requests
 
 void FieldPlayback::request() {
   const Lock lock(mutex_);
@@ -164,7 +164,7 @@ void FieldPlayback::decode_chunk(Lock& lock, Chunk& chunk) {
   chunk.state = ChunkState::kRead;
   if (decoded != nullptr) {
     chunk.coefficient_bytes = chunk.head_bytes + decoded->memory_bytes();
-    MULTUM_CHECK(memory_.take(chunk.coefficient_bytes));  // cannot fail: less than the request had taken
+    MULTUM_CHECK(memory_.take(chunk.coefficient_bytes));  // cannot fail, because the request had taken more bytes
     chunk.decoded = std::move(decoded);
     chunk.zeros = std::move(zeros);
     chunk.state = ChunkState::kDecoded;

@@ -60,13 +60,14 @@ void FieldPlayback::forget_all() {
   }
 }
 
-/// Forgets images until `bytes` fit. Images that no known frame wants go first, the nearest to expiry first. For
-/// `distance` 0 it also forgets images that later frames want, the latest first, and coefficients that the current
-/// frame does not need. If all of this is not enough, forgets nothing and returns false.
+/// Forgets images until `bytes` fit. Begins with images that no known frame wants, in the order of their expiry. If
+/// `distance` is 0, continues with images that later frames want, beginning with the latest frame, and with
+/// coefficients that the current frame does not need. If all of these would not free enough, forgets nothing and
+/// returns false.
 bool FieldPlayback::make_room(std::size_t bytes, std::size_t distance) {
   struct Victim {
     bool is_wanted;
-    double life;  // frames until expiry; if wanted, minus the number of frames ahead
+    double life;  // frames until expiry; for a wanted image, the negative number of frames until it is wanted
     std::map<ImageKey, Image>::iterator image;
     Chunk* chunk;  // the chunk whose coefficients can be forgotten; null for an image
     std::size_t bytes;

@@ -46,7 +46,7 @@ std::optional<TurnedSizes> turned_sizes(const glm::dmat3& m) {
 }
 
 glm::dquat turn_between(const glm::dquat& from, const glm::dquat& to, double share) {
-  return glm::slerp(from, to, share);  // the shorter way round
+  return glm::slerp(from, to, share);  // along the shorter arc
 }
 
 glm::dmat4 linear_between(const glm::dmat4& from, const glm::dmat4& to, double share) {

@@ -3,7 +3,7 @@
 // expression of the time, or by a range that it runs through during the path.
 //
 //      path    name = value [, name = value ...]        names are the field's parameters; others stay 0
-//      value   sum [.. sum]                             a..b: a + (b - a) of the path's share that has passed
+//      value   sum [.. sum]                             a..b: a + (b - a) * (share of the path that has passed)
 //      sum     product [+ product | - product ...]
 //      product factor [* factor | / factor ...]
 //      factor  number | t | pi | ( sum ) | sin ( sum ) | cos ( sum ) | - factor
@@ -38,7 +38,8 @@ class ParameterPath {
   };
 
   std::vector<std::string> names_;
-  std::vector<std::vector<Step>> values_;  // steps of each parameter, operands before their operators; no steps give 0
+  std::vector<std::vector<Step>> values_;  // steps of each parameter, operands before their operators; without steps
+                                           // the value is 0
 };
 
 }  // namespace multum

@@ -18,8 +18,8 @@ class RecordedPath {
 
   /// Returns the time from the first position to the last, at least 0.
   double seconds() const { return times_.back() - times_.front(); }
-  /// Returns the value of every parameter `seconds`, at least 0, after the first position. The path starts again after
-  /// its end.
+  /// Returns the values of all parameters at the time `seconds` after the first position. `seconds` is at least 0. The
+  /// path starts again after its end.
   std::vector<double> at(double seconds) const;
 
  private:
@@ -27,7 +27,8 @@ class RecordedPath {
   std::vector<std::vector<double>> positions_;
 };
 
-/// Returns whether --path names a file of a recorded path: expressions never end in .json.
+/// Returns whether the value of --path is the file of a recorded path. The name of such a file ends in .json;
+/// expressions never do.
 bool is_recorded_path(const std::string& path);
 /// Throws Error(kInput) naming the file.
 RecordedPath read_recorded_path(const std::string& path, const std::vector<std::string>& names);

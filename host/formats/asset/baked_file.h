@@ -12,8 +12,8 @@
 
 namespace multum {
 
-/// Blinn-Phong exponent for shading files with roughness, the sharpest exponent in the tests of the formulas. It adds
-/// no width to roughness above 0.1, and keeps mirrors finite.
+/// The Blinn-Phong exponent with which files with roughness are shaded. This exponent is the largest one in the tests
+/// of the formulas. A highlight with this exponent adds no width to roughness above 0.1, and keeps mirrors finite.
 constexpr float kRoughnessExponent = 1e5f;
 
 constexpr int kWeightCountMax = 4;  // the number of channels of a texture
@@ -25,8 +25,8 @@ struct BakedProvenance {
   std::string source_hash;     // SHA-256 of the normal map's file and of data from other tiles
   std::string settings;        // JSON with every setting that changes the file
   std::string settings_hash;   // SHA-256 of `settings`
-  std::string measured_error;  // JSON with relative L1 error of file against source (docs/evidence/ACCURACY.md); may be
-                               // empty
+  std::string measured_error;  // JSON with the relative L1 error of the file compared with its source
+                               // (docs/evidence/ACCURACY.md); may be empty
   std::string content_hash;  // SHA-256 of all channel values (docs/reference/file_format.md, "Checksum"); set by write
                              // and read
   std::string reading = {};  // JSON with findings about the source's files; empty in files of older programs

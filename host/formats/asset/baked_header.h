@@ -13,7 +13,7 @@
 
 namespace multum {
 
-// Attributes whose values are known only after the pixels are written. They are filled in at the end.
+// Attributes whose values are known only after the pixels are written. These values are filled in at the end.
 constexpr char kMeasuredErrorAttribute[] = "multum:measuredError";  // only in the first part, because it is long
 constexpr char kContentHashAttribute[] = "multum:contentHash";      // in every part
 constexpr int kContentHashDigits = 64;

@@ -149,7 +149,7 @@ void BakedReader::read_by_library(const TileRows& rows, float* values) {
     } catch (const std::bad_alloc&) {
       throw;
     } catch (const std::exception& error) {
-      throw Error(ErrorCode::kInput, fmt::format("{}: {}: cannot read part {}, level {}, a tile of row {}: {}. {}",
+      throw Error(ErrorCode::kInput, fmt::format("{}: {}: cannot read a tile of part {}, level {}, tile row {}: {}. {}",
                                                  path_, kDamaged, part.name, rows.level, y, error.what(), kWriteAnew));
     }
 }
@@ -162,7 +162,7 @@ void BakedReader::check_tile_rows(const TileRows& rows, const float* values) {
     const std::size_t first = static_cast<std::size_t>(begin - rows.row_begin) * row_values;
     const std::size_t count = static_cast<std::size_t>(end - begin) * row_values;
     if (row_checksums_->is_same(rows.part, rows.level, tile_row, values + first, count)) continue;
-    const std::string place = fmt::format("part {}, level {}, tiles of row {} (texel rows {} to {})",
+    const std::string place = fmt::format("part {}, level {}, tile row {} (texel rows {} to {})",
                                           parts_[rows.part].name, rows.level, tile_row, begin, end - 1);
     if (check_ == TexelCheck::kRefuse)
       throw Error(ErrorCode::kInput,
@@ -172,8 +172,8 @@ void BakedReader::check_tile_rows(const TileRows& rows, const float* values) {
   }
 }
 
-// Checks the checksum of the whole file. Row checksums are missing in older files, and in files to which another
-// program gave other tiles.
+// Checks the checksum of the whole file. Row checksums are missing in older files. Row checksums also do not apply if
+// another program has rewritten the file with tiles of another size.
 void BakedReader::check_content_hash() {
   is_content_checked_ = true;
   const std::string& stated = header_.provenance.content_hash;

@@ -230,8 +230,8 @@ class BakedWriter::Work {
     for (const auto& at : level.parts) at->values = std::vector<float>();
   }
 
-  // Describes the channels to OpenEXR. Floats are read directly from memory, and halfs through `halfs_`, one channel at
-  // a time. The values are rounded first, so the checksum covers exactly the stored values.
+  // Describes the channels to OpenEXR. Floats are read directly from memory, and 16-bit floats through `halfs_`, one
+  // channel at a time. The values are rounded first, so the checksum covers exactly the stored values.
   Imf::FrameBuffer slices(PartLevel& at, const Level& level) {
     Imf::FrameBuffer buffer;
     const std::size_t channels = at.part->channels.size(), texels = at.values.size() / channels;

@@ -48,12 +48,14 @@ class BakedWriter {
   BakedWriter(const BakedWriter&) = delete;
   BakedWriter& operator=(const BakedWriter&) = delete;
 
-  /// Takes rows in order from row 0 within a level. Levels come in any order. Blocks while more than about 16 MiB wait.
+  /// Takes rows in order from row 0 within a level. Levels come in any order. Blocks while more than about 16 MiB of
+  /// rows wait.
   void write(int first_row, std::unique_ptr<const BakedRows> rows);
   /// Finishes the file after every row of every stored level was written. Waits for the writer's thread, fills in the
   /// last attributes, syncs, and gives the file its name. `measured_error` is JSON of at most
-  /// options.measured_error_bytes. Progress counts no units, and can cancel until the file has its name. Throws
-  /// Error(kEnvironment) and leaves no file if one of the `findings` on scanned rows failed.
+  /// options.measured_error_bytes. Counts no units of progress. The progress callback can cancel until the file is
+  /// renamed to its final name. Throws Error(kEnvironment) and leaves no file if one of the `findings` on scanned rows
+  /// failed.
   void commit(const std::string& measured_error, const std::function<std::vector<VerifyFinding>()>& findings,
               Progress* progress);
   /// Returns the checksum of the content (docs/reference/file_format.md); call commit() first.

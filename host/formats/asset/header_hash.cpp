@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Reads the attributes from the file's bytes, not through OpenEXR. The hash therefore covers types that OpenEXR does
-// not know and bits that it ignores.
+// not know and bits that OpenEXR ignores.
 #include "host/formats/asset/header_hash.h"
 
 #include <algorithm>
@@ -100,7 +100,7 @@ VerifyFinding header_finding(const std::string& path) {
   const auto stated = std::find_if(attributes.begin(), attributes.end(), looks_like_it);
   if (stated == attributes.end())
     return {"header", true,
-            fmt::format("found no {}, which older programs did not write; attributes are not checked",
+            fmt::format("the file has no {}, which older programs do not write, so its attributes are not checked",
                         kHeaderHashAttribute)};
   if (stated->part != 0 || stated->name != kHeaderHashAttribute || stated->type != "string")
     return {"header", false,

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Places the texels of a mip pyramid in one list, with the finest level first, and each level from its top row. Levels
-// are ROUND_DOWN, as in OpenGL: level l is max(1, width >> l) by max(1, height >> l), down to 1 x 1.
+// Places the texels of a mip pyramid in one list. The finest level comes first. Within a level, the top row comes
+// first. Levels are ROUND_DOWN, as in OpenGL: level l is max(1, width >> l) by max(1, height >> l), down to 1 x 1.
 #pragma once
 
 #include <algorithm>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The filter with which renderers should read baked files, and with which errors are measured. It makes up to N
-// trilinear lookups ("taps") along the longer axis of a pixel's footprint, with a level bias.
+// The filter with which renderers should read baked files, and with which errors are measured. The filter averages at
+// most N trilinear lookups ("taps"), with a level bias, along the longer axis of a pixel's footprint.
 // runtime_gl/shaders/common/texture_filter.glsl explains the formulas. docs/evidence/FILTER.md shows how the defaults
 // were chosen.
 #pragma once

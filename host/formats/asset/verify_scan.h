@@ -32,7 +32,7 @@ struct WorstTexel {
   std::string text() const;
 };
 
-/// Returns a finding. Its detail is `good`, or "`bad` by 1.2e-03 at level 2, texel (3, 4)".
+/// Returns a finding. The finding's detail is `good`, or "`bad` by 1.2e-03 at level 2, texel (3, 4)".
 VerifyFinding excess_finding(const std::string& check, const WorstTexel& worst, const std::string& good,
                              const std::string& bad);
 VerifyFinding structure_finding(const BakedHeader& header, const std::string& kind);

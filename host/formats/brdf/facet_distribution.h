@@ -17,7 +17,8 @@ inline double mean_channel(const glm::dvec3& channels) { return (channels.x + ch
 /// Returns f per solid angle. The argument is e = 1 - n.h, 0..2, because n.h would lose precision for a narrow f.
 glm::dvec3 facet_density(const Brdf& brdf, double e);
 
-/// Returns the exponent of an equally wide Blinn-Phong. The variance of slopes along each axis is 1 / exponent.
+/// Returns the exponent of the Blinn-Phong lobe with the same width. The variance of slopes along each axis is 1 /
+/// exponent.
 double equivalent_exponent(const Brdf& brdf);
 
 /// Returns the integral of f over the sphere. Normalized densities give 1; GGX (normalized by projected area) and

@@ -22,7 +22,7 @@ constexpr double kPull = 0.06;      // weight of a logarithm's difference from t
 constexpr int kSweepCount = 3;      // number of sweeps after the first, in which a cell has only two neighbours
 constexpr double kWidthMin = 0.01;  // smallest s; below it, shapes do not depend on s
 constexpr double kSpreadMin = 1e-9, kSpreadMax = 1.0 - 1e-5;
-constexpr double kLeastPart = 1e-6;  // values below this share of the largest value get no more weight
+constexpr double kLeastPart = 1e-6;  // weights stop growing where the exact value is below this share of its maximum
 
 // Gauss-Legendre quadrature on [-1, 1].
 struct Rule {

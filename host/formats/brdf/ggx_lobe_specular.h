@@ -11,8 +11,8 @@
 
 namespace multum {
 
-/// Returns the mean of max(n . w, 0) over a vMF of spread `d`. `t` is the cosine between its mean direction and w. Like
-/// multum_vmf_mean_cosine() of runtime_gl/shaders/common/movmf_shading.glsl.
+/// Returns the mean of max(n . w, 0) over a vMF of spread `d`. `t` is the cosine between its mean direction and w. Uses
+/// the formula of multum_vmf_mean_cosine() of runtime_gl/shaders/common/movmf_shading.glsl.
 double shaded_mean_cosine(double d, double t);
 
 /// One lobe under GGX with one roughness.

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Alternating least squares: fits f for fixed g, then g for fixed f, each as a weighted quotient. It minimizes the sum
-// over cells and channels of (rho - k_d / pi - f g)^2 / (rho + 0.01 of its mean), weighted by the solid angles of both
-// angles times their cosines. So neither the peak nor the other cells are neglected. f may not grow with theta_h;
-// growing neighbours are replaced by their weighted mean. Facet distributions do not grow, a sum of vMFs around h
-// cannot grow, and pooling smooths a thousand scattered samples. All channels share one g, because three separate g
-// with few samples each caused coloured fringes. k_d / pi is the mean of rho outside the highlight (theta_h from 45 to
-// 75 degrees, theta_d below 45), and at most the mean of all cells.
+// Alternating least squares: fits f for fixed g, then g for fixed f, each as a weighted quotient. The fit minimizes the
+// sum over cells and channels of (rho - k_d / pi - f g)^2 / (rho + 0.01 of its mean), weighted by the products of solid
+// angles and cosines for both angles. So neither the peak nor the other cells are neglected. f may not grow with
+// theta_h; growing neighbours are replaced by their weighted mean. This has three reasons: facet distributions do not
+// grow with theta_h, a sum of vMFs around h cannot grow, and pooling smooths a thousand scattered samples. All channels
+// share one g, because three separate g with few samples each caused coloured fringes. k_d / pi is the mean of rho
+// outside the highlight (theta_h from 45 to 75 degrees, theta_d below 45), and at most the mean of all cells.
 #include "host/formats/brdf/measured_factors.h"
 
 #include <algorithm>
@@ -31,7 +31,7 @@ double theta_of_column(int column) { return kHalfPi * column / (kColumns - 1); }
 std::size_t index(int row, int column) { return static_cast<std::size_t>(row * kColumns + column); }
 
 // Fills entries without measurements. Interpolates linearly between neighbours, and repeats the last measured entry
-// beyond it.
+// after the end of the measurements.
 void fill(std::vector<double>& values, const std::vector<bool>& known) {
   int before = -1;
   const int count = static_cast<int>(values.size());

@@ -201,7 +201,7 @@ double fit_kappas(std::vector<Fitted>& channels, std::vector<double>& kappas) {
   return fit_all(channels, kappas);
 }
 
-// Returns the relative L1 error over solid angle, summed over the channels. It can compare fits with different
+// Returns the relative L1 error over solid angle, summed over the channels. This error can compare fits with different
 // tolerances.
 double relative_difference(const std::vector<Fitted>& channels) {
   double sum = 0.0;

@@ -50,8 +50,8 @@ void check_no_luminance(const std::string& path, const ImagePart& part) {
 
 constexpr int kColourChannelCountMax = 64;
 
-// Returns the number of leading colour channels. These are all channels except alpha, 1 to 3, or the first three of
-// many if they are named RGB or XYZ.
+// Returns the number of leading colour channels. The colour channels are all channels except alpha if there are 1 to 3
+// of them. If there are more, they are the first three, provided that these are named RGB or XYZ.
 int colour_channel_count(const std::string& path, const ImagePart& part) {
   const int without_alpha = part.channel_count() - (part.alpha_channel >= 0 ? 1 : 0);
   const bool alpha_last = part.alpha_channel < 0 || part.alpha_channel == part.channel_count() - 1;

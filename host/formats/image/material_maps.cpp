@@ -35,7 +35,8 @@ void check_size(const Wanted& wanted, const RawImageInfo& info) {
                             wanted.what, info.width, info.height, wanted.width, wanted.height));
 }
 
-// Reads channels in parallel. Every thread has rows of its own. The first `wanted.checked` channels must hold 0 to 1.
+// Reads channels in parallel, with separate rows for every thread. The first `wanted.checked` channels must have values
+// from 0 to 1.
 void read_channels(ImageReader& reader, const Wanted& wanted, const std::vector<std::size_t>& channels, int threads,
                    const UseRows& use) {
   const RawImageInfo info = reader.info();
@@ -97,7 +98,7 @@ struct RoughnessSums {
   double difference = 0.0;           // largest minus smallest value of red, green and blue
   std::array<double, 3> colour{};    // sums of values
   std::array<double, 3> squares{};   // sums of squares
-  std::array<double, 2> products{};  // sums of the products green times red and green times blue
+  std::array<double, 2> products{};  // sums of green * red and of green * blue
 
   void add(double value, double value_cosine) {
     cosine += value_cosine;
@@ -200,7 +201,8 @@ const char* name_of(NamedMap map) {
 void warn_of_doubts(const ChannelFile& file, RoughnessReport& report) {
   const NamedMap named = map_by_name(file.path), taken = file.is_gloss ? NamedMap::kGloss : NamedMap::kRoughness;
   const bool is_opposite = file.is_gloss ? named == NamedMap::kRoughness : named == NamedMap::kGloss;
-  // A channel that is given by name can differ from the file's name, such as gloss in the alpha of a specular map.
+  // A channel that the user names may hold another kind of map than the file's name says. For example, the alpha of a
+  // specular map may hold gloss.
   if (is_opposite || (named != NamedMap::kUnknown && named != taken && file.channel.empty())) {
     report.warnings.push_back(fmt::format(
         "{}: its name says that it is a {} map, but it was given as --{}: {}", file.path, name_of(named),
@@ -220,7 +222,7 @@ void warn_of_doubts(const ChannelFile& file, RoughnessReport& report) {
                     file.path, 100.0 * report.share_one));
 }
 
-// Returns the file's ignored statements about its picture, each with the file's name.
+// Returns the file's statements about its picture that the reader ignores, each with the file's name.
 std::vector<std::string> named_notes(const std::string& path, const RawImageInfo& info) {
   std::vector<std::string> notes;
   for (const std::string& note : info.notes) notes.push_back(path + ": " + note);

@@ -3,7 +3,7 @@
 // al. 2007, section 7.3). The values are data, never sRGB. Integers stand for 0 to 1, floats are used unchanged, and
 // values outside 0 to 1 are rejected.
 //
-// Roughness becomes the length of normals. A normal n with a BRDF of half vectors around it is a lobe of mean vector
+// Roughness becomes the length of normals. A normal n with a BRDF of half vectors around it is a lobe with mean vector
 // c n, where c is the mean cosine of those half vectors. Averages of c n over a texel then hold the spread of normals
 // and BRDFs together, because mean cosines multiply under convolution. Perceptual roughness r stands for alpha = r^2
 // and a lobe with the mean cosine
@@ -12,9 +12,9 @@
 //
 // This is normalised Blinn-Phong with s = 2 / alpha^2 - 2, the exponent that matches the peaks of Beckmann and GGX (c
 // = (s + 1) / (s + 2)). Beckmann's slopes have the variance alpha^2 / 2 = 1 - c in each direction. GGX's own mean
-// cosine is 1 / (1 + alpha^2 atanh(b) / b) with b^2 = 1 - alpha^2. It is not used, because GGX's tail, which no single
-// lobe has, would widen the peak: at alpha = 0.1, c is 0.971 and kappa is 34, but the peak has a kappa of 200. At alpha
-// = 1, both mean cosines are 1/2, the value of the uniform hemisphere.
+// cosine is 1 / (1 + alpha^2 atanh(b) / b) with b^2 = 1 - alpha^2. This value is not used, because GGX's long tail,
+// which a single lobe cannot represent, would widen the peak. At alpha = 0.1, c is 0.971 and kappa is 34, but the peak
+// has a kappa of 200. At alpha = 1, both mean cosines are 1/2, the value of the uniform hemisphere.
 #pragma once
 
 #include <optional>
@@ -29,8 +29,8 @@ namespace multum {
 /// Returns c(roughness), from 1 to 1/2, for perceptual roughness from 0 to 1.
 double mean_cosine_of_roughness(double roughness);
 
-/// One channel of a file. `channel` is R, G, B, A or the channel's name. It is empty for the only channel, or for G if
-/// there are several (as in glTF).
+/// One channel of a file. `channel` is R, G, B, A or the channel's name. If `channel` is empty, the only channel is
+/// used, or G if there are several channels (as in glTF).
 struct ChannelFile {
   std::string path;
   std::string channel;
@@ -51,8 +51,8 @@ struct RoughnessReport {
 };
 
 /// Kind of map that words of a file's name state, as in "bricks_gloss.png", "bricks_s.png" and "BricksRoughness2K.png".
-/// The last such word counts. Metalness counts only if no other kind is named, because metalness is packed together
-/// with other maps.
+/// If several words state a kind, the last one counts. Metalness counts only if no other kind is named, because
+/// metalness is packed together with other maps.
 enum class NamedMap { kUnknown, kRoughness, kGloss, kSpecular, kMetalness };
 NamedMap map_by_name(const std::string& path);
 
@@ -62,7 +62,7 @@ constexpr double kMirrorRoughness = 0.1;
 /// roughness. In the three roughness maps of shared/data, less than 0.1 % of the texels are below kMirrorRoughness; in
 /// its six specular maps, 23 to 82 % are.
 constexpr double kMirrorShareMax = 0.1;
-/// The same limit for a file whose name agrees with its use. It is higher, because polished surfaces exist. In
+/// The same limit for a file whose name agrees with its use. This limit is higher, because polished surfaces exist. In
 /// pc_seaside-rocks01-gloss.jpg, the only gloss map of shared/data, 48 % of the texels are below kMirrorRoughness.
 constexpr double kMirrorShareMaxNamed = 0.75;
 /// The largest share of texels with roughness 1 that a gloss map may have. The gloss map of shared/data has 0 %, and
@@ -75,13 +75,13 @@ constexpr double kDullShareMax = 0.1;
 constexpr double kColourCorrelationMin = 0.6;
 constexpr double kColourDifferenceMin = 0.01;
 
-/// Scales each unit normal by c from the roughness map, which must have the same size as the normals. Throws
-/// Error(kInput), which names the file, what was found and what was expected.
+/// Multiplies each unit normal by c(roughness) from the roughness map, which must have the same size as the normals.
+/// Throws Error(kInput), which names the file, what was found and what was expected.
 RoughnessReport shorten_by_roughness(PlaneStore& normals, const ChannelFile& file, const SpillPolicy& spill,
                                      int threads);
 
-/// Maps of a material of one lobe; an empty path means no map. The default channels are as in glTF: red of an
-/// occlusion map, green of a roughness map, blue of a metalness map.
+/// Maps of a material that has one lobe per texel. An empty path means no map. The default channels are as in glTF: red
+/// of an occlusion map, green of a roughness map, blue of a metalness map.
 struct LobeMaterialFiles {
   ChannelFile roughness, occlusion, metalness;
 };

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads object-index images. Their grey values are the indices of the objects that pixels show; 0 means no object.
+// Reads object-index images. The grey value of a pixel is the index of the object that the pixel shows; 0 means no
+// object.
 #pragma once
 
 #include <string>

@@ -34,7 +34,8 @@ class PlaneStore {
 
   int width() const { return width_; }
   int height() const { return height_; }
-  /// Returns whether these are normals that a roughness map has shortened (host/formats/image/material_maps.h).
+  /// Returns whether these are normals whose lengths include the roughness of a map
+  /// (host/formats/image/material_maps.h).
   bool is_shortened() const { return is_shortened_; }
   void set_shortened(bool is_shortened) { is_shortened_ = is_shortened; }
   /// Moves the planes out of the store, which must be in memory and is empty afterwards.
@@ -56,7 +57,7 @@ class PlaneStore {
   int width_;
   int height_;
   bool is_shortened_ = false;
-  // The memory of the planes. It is not initialized to 0, so that the writing threads touch it first.
+  // The memory of the planes. The memory is not initialized to 0, so that the writing threads touch it first.
   std::array<std::unique_ptr<float[]>, 3> owned_;
   std::array<const float*, 3> planes_{};  // null if the planes are in the file
   std::optional<ScratchFile> file_;

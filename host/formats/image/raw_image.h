@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Holds an image's values in the file's own type, in memory or in a scratch file, and returns rows as floats. The
-// values need a half or a quarter of the memory of floats. They are written once while the file is read, and are read
-// several times.
+// values need a half or a quarter of the memory of floats. The values are written once while the file is read, and are
+// read several times.
 #pragma once
 
 #include <cstddef>

@@ -25,7 +25,7 @@ int continued(int texel, int size, WrapMode wrap) {
   return std::clamp(texel, 0, size - 1);
 }
 
-// Three planes, and the lengths of the vectors if the planes hold normals.
+// Three planes. If the planes hold normals, also the lengths of these normals.
 struct Row {
   explicit Row(std::size_t width)
       : planes{std::vector<float>(width), std::vector<float>(width), std::vector<float>(width)}, lengths(width) {}

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // The surface between texels. Renderers interpolate a magnified normal map, so a distant pixel shows the interpolated
-// surface. Its normals spread less than the texels: for white noise, the variance is (2/3)^2 times as large. A bake of
-// the surface takes one of its points for each texel, 0.2113 texels from the texel's centre along x and along y. These
-// are the points of the two-point Gauss rule between centres (Abramowitz and Stegun 25.4.30), which is exact for
-// polynomials of degree 3. So the means and variances of the interpolated surface are exact, at the cost of a bake of
-// the texels. The signs of x and y select one of four points:
+// surface. The normals of the interpolated surface have a smaller variance than the normals of the texels. For white
+// noise, the variance is (2/3)^2 times as large. A bake of the surface takes one of its points for each texel, 0.2113
+// texels from the texel's centre along x and along y. These are the points of the two-point Gauss rule between centres
+// (Abramowitz and Stegun 25.4.30), which is exact for polynomials up to degree 3. So the means and variances of the
+// interpolated surface are exact, and the bake takes no longer than a bake of the texels. The signs of x and y select
+// one of four points:
 //
 //   texels of one of level 1     (+, s)  (-, -s)     s alternates between 1 and -1 along x
 //                                (-, s)  (+, -s)
@@ -28,9 +29,9 @@ struct MapWrap {
   WrapMode s = WrapMode::kPeriodic, t = WrapMode::kPeriodic;
 };
 
-/// Returns the points' normals, in new planes according to `spill`. Each is the weighted mean of four texels, scaled to
-/// the weighted mean of their lengths. This length is 1, or less with a roughness map. If the four texels cancel out,
-/// the nearest texel gives the direction.
+/// Returns the points' normals, in new planes according to `spill`. Each normal is the weighted mean of four texels,
+/// scaled to the weighted mean of their lengths. The mean of the lengths is 1 without a roughness map, and at most 1
+/// with a roughness map. If the four texels cancel out, the nearest texel gives the direction.
 PlaneStore surface_normals(const PlaneStore& texels, const MapWrap& wrap, const SpillPolicy& spill, int threads,
                            Progress* progress);
 

@@ -9,7 +9,7 @@
 
 namespace multum {
 
-/// Row 0 is up, +Y. The middle column is -Z, with +X to its right. Values are row-major and linear.
+/// Row 0 is the upward direction, +Y. The middle column is -Z, with +X to its right. Values are row-major and linear.
 struct EnvironmentMap {
   int width = 0;
   int height = 0;

@@ -28,10 +28,10 @@ SmoothEnvironment smooth_environment(const EnvironmentMap& map);
 constexpr int kHalfVectorOrder = 8;
 
 /// Returns the coefficients of L'(h) = 4 (v.h) (v.h) L(reflect(v, h)), l <= kHalfVectorOrder, for one view direction
-/// (Han et al. 2007, section 8). Their product with a normal distribution convolved with the facets gives the
-/// highlight. Han's formula has one factor v.h, from the change of variables. The other factor v.h replaces n.l. These
-/// two are equal at n = h, so each light is weighted approximately with its cosine. `map` is small (shrink()) and in
-/// the frame of `v`.
+/// (Han et al. 2007, section 8). These coefficients, multiplied by a normal distribution that was convolved with the
+/// facets, give the highlight. Han's formula has one factor v.h, from the change of variables. The other factor v.h
+/// replaces n.l. The factors v.h and n.l are equal at n = h, so each light is weighted approximately with its cosine.
+/// `map` is small (shrink()) and in the frame of `v`.
 std::vector<glm::dvec3> half_vector_light(const EnvironmentMap& map, const glm::dvec3& v);
 
 }  // namespace multum

@@ -64,8 +64,7 @@ EnvironmentMap convolve(const EnvironmentMap& source, double kappa, int width, i
 // cosines.
 PrefilteredLevels prefilter(const EnvironmentMap& map) {
   const double texel = std::numbers::pi / map.height;
-  PrefilteredLevels result{{map}, {texel * texel / 12.0}};  // the spread of level 0 is that of a box, because a texel
-                                                            // is a box
+  PrefilteredLevels result{{map}, {texel * texel / 12.0}};  // level 0 has the spread of a box, because a texel is a box
   for (int k = 1; (map.height >> k) >= 4; ++k) {
     const int width = map.width >> k, height = map.height >> k;  // sizes as in OpenGL
     const double deviation = 2.0 * std::numbers::pi / height;

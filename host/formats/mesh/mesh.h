@@ -31,9 +31,10 @@ struct TriangleMesh {
 };
 
 /// Reads OBJ, glTF, GLB and other formats of assimp. Applies node transforms, and makes missing normals and tangents.
-/// Tangents follow MikkTSpace's convention (tangent_space.h). `uv_set` 0 is TEXCOORD_0; the file's own tangents belong
-/// to the set of its normal maps. Throws Error(kInput), which names the file and the fault: no texture coordinates,
-/// indices out of range, coordinates that are not finite, or a required extension that cannot be read.
+/// Tangents follow MikkTSpace's convention (tangent_space.h). `uv_set` 0 is TEXCOORD_0; if the file has tangents, they
+/// belong to the texture coordinates of its normal maps. Throws Error(kInput), which names the file and the fault: no
+/// texture coordinates, indices out of range, coordinates that are not finite, or a required extension that cannot be
+/// read.
 TriangleMesh read_mesh(const std::string& path, int uv_set = 0);
 
 /// Makes the square from (-size/2, 0, 0) to (size/2, size, 0), with normal +Z and uv 0..1.

@@ -34,7 +34,8 @@ std::size_t array_bytes(const Meshes& meshes);
 template <typename Meshes>
 void take_arrays(const AskedFile& file, const std::byte* memory, Meshes& meshes);
 
-/// The work of the child. Answers a request to open a file, and copies arrays to memory that the other process reads.
+/// Does the work of the child: answers a request to open a file, and copies arrays to memory that the other process
+/// reads.
 template <typename Meshes>
 std::string open_mesh_answer(const Meshes& meshes);
 template <typename Meshes>

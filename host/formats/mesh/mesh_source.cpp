@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Limits of a child (host/foundation/sandbox/decoding_child.h). One corner of a triangle, 20 bytes of an OBJ file,
-// takes about a kilobyte: assimp's vertex, its copy for a placed node, our vertex, and an entry in the table that
-// joins vertices.
+// Limits of a child (host/foundation/sandbox/decoding_child.h). One corner of a triangle takes 20 bytes in an OBJ file,
+// but about a kilobyte in memory: assimp's vertex, its copy for a placed node, our vertex, and an entry in the table
+// that joins vertices.
 //   memory   memory_base + 64 times the size of the file and of a glTF file's buffers
-//   time     time_base + 1 s per MiB of them
+//   time     time_base + 1 s per MiB of these files
 #include "host/formats/mesh/mesh_source.h"
 
 #include <algorithm>

@@ -21,7 +21,8 @@ struct ObjectMesh {
   glm::dmat4 object_to_world{1.0};     // transform from the file; the identity for OBJ
 };
 
-/// Returns the object's transform. It comes from `moved` if `moved` has the object's name; otherwise from the file.
+/// Returns the object's transform. The transform comes from `moved` if `moved` has the object's name, and from the file
+/// otherwise.
 const glm::dmat4& object_place(const ObjectMesh& mesh, const std::map<std::string, glm::dmat4>& moved);
 
 /// Reads every object with triangles, in the file's order. All meshes of one node are one object. `uv_set` 0 is

@@ -11,7 +11,7 @@ namespace multum {
 struct KernelVariant {
   int lobes = 4;          // 1 to 8
   int vector_width = 1;   // 1 for scalars, one work-item per texel (GPUs); 16 for float16 (CPUs)
-  bool weighted = false;  // true if sides are not powers of two, so that texels cover fractions of finest texels
+  bool weighted = false;  // true if sides are not powers of two, so that texels cover fractions of texels of level 0
   bool planar = false;    // true if lobes are planar Gaussians (kernels/device/planar_family.clh)
   int sh_order = 0;       // order of spherical harmonics, 1..20; 0 for a kernel without harmonics
 };

@@ -57,7 +57,7 @@ std::optional<std::size_t> choose_device(const std::vector<DeviceInfo>& devices,
 class DeviceState;
 struct LaunchShape;
 
-/// Memory on the device. It can be moved, and the destructor frees it.
+/// Memory on the device. The object can be moved. Its destructor frees the memory.
 class DeviceBuffer {
  public:
   DeviceBuffer() = default;
@@ -168,12 +168,12 @@ class Device {
   /// Starts to build these programs in parallel, in this order, except for cached ones. kernel() waits for the program
   /// that it needs. Does nothing without a cache folder (program_cache.h).
   void prepare(const std::vector<ProgramChoice>& programs);
-  /// Returns a kernel of kernels/FILE.cl. Its program is built with the variant's options or loaded from the program
-  /// cache.
+  /// Returns a kernel of kernels/FILE.cl. The kernel's program is built with the variant's options or loaded from the
+  /// program cache.
   Kernel kernel(const std::string& file, const std::string& kernel_name, const KernelVariant& variant);
 
   /// Edits the sources of programs that are built from now on. An empty list ends the edits. Existing kernels stay
-  /// unchanged. Edits show what a guard prevents (host/lab/selftest). They are never used for a bake.
+  /// unchanged. Edits show what a guard prevents (host/lab/selftest). Edits are never used for a bake.
   void edit_kernels(std::vector<SourceEdit> edits);
   bool kernels_are_edited() const;
 

@@ -25,8 +25,8 @@ void set_kernel_caches(const KernelCacheFolders& folders);
 /// Makes missing folders, and replaces each folder that cannot be written by a private one. The private folder has mode
 /// 0700 and a random name below $TMPDIR or /tmp, and is removed when the program ends. MULTUM_CACHE_DIR and
 /// POCL_CACHE_DIR then name the private folder, for child processes too. Warns once, with the folder and the reason.
-/// This function is called before the first platform is used. A program whose children open devices calls it before it
-/// starts them.
+/// This function is called before the first platform is used. A program whose child processes open devices calls this
+/// function before it starts the child processes.
 void prepare_kernel_caches();
 
 /// Returns the reason why PoCL has no cache, with the folders that were tried; empty if PoCL has a cache or was not

@@ -23,7 +23,8 @@ void Kernel::set_bytes(int index, const void* bytes, std::size_t byte_count) {
 void Kernel::enqueue(const WorkSize& size) {
   if (size.global == 0) return;
   // Local sizes are explicit, because PoCL compiles a kernel once per size, and leaves a thread idle when it chooses
-  // the size itself. Teams need their size, so LaunchShape allows them only on devices with room for them.
+  // the size itself. A team needs a local size that equals its number of work-items, so LaunchShape allows teams only
+  // on devices whose work-groups can be that large.
   const std::size_t wanted = size.local != 0 ? size.local : device_->shape.local_size;
   const std::size_t local = std::min(wanted, static_cast<std::size_t>(std::max(1, device_->info.work_group_max)));
   const std::size_t global = (size.global + local - 1) / local * local;

@@ -10,7 +10,7 @@
 //                                                              device busy (movmf_em_texels.cl)
 //   cells of coarse texels   a table per chunk of columns      one shared table, if the device adds longs atomically
 //                                                              (movmf_binning.cl)
-//   copies                   none: buffers are mapped          at most 32 MiB each, while the host makes the next
+//   copies                   none: buffers are mapped          at most 32 MiB each; the host prepares the next one
 //   rows fitted at once      as many as caches hold            an eighth of the device's memory: few, large launches
 //
 // The choices were measured on an NVIDIA H100 (docs/evidence/GPU.md) and on PoCL with two cores
@@ -34,15 +34,15 @@ struct LaunchShape {
   std::size_t strip_local_size;       // local size of the pyramid's kernels
   std::size_t staging_bytes;          // number of bytes of one copy; 0 if nothing is copied
   std::uint64_t window_bytes_max;     // limit for rows fitted at once; 0 if --memory is the limit
-  std::uint64_t window_bytes_useful;  // more bytes are not faster; if 0, the cache size decides
-                                      // (host/bakes/movmf/bake_plan.h)
+  std::uint64_t window_bytes_useful;  // rows fitted at once need no more bytes than this to be fast; if 0, the cache
+                                      // size decides (host/bakes/movmf/bake_plan.h)
 
   bool has_teams() const { return team_texels_max > 0; }
   /// Returns whether teams fit this many texels at once, with at most `sample_capacity` samples each.
   bool fits_by_teams(std::size_t texels, int sample_capacity) const;
 
   static LaunchShape of(const DeviceInfo& info);
-  /// Returns the shape of an accelerator, to try it on this device, which may be a CPU (`multum bake --scalar`).
+  /// Returns the shape for accelerators. `multum bake --scalar` uses it on any device, even a CPU.
   static LaunchShape of_accelerator(const DeviceInfo& info);
 };
 

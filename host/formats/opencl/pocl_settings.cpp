@@ -23,8 +23,8 @@ bool processor_has_avx512() {
 }  // namespace
 
 // By default, PoCL compiles a kernel again for each local size at its first launch, although the program has a version
-// for all sizes. This takes seconds in a first bake. It does not make kernels with one work-item per group faster (PoCL
-// 3.1, AVX-512: bakes of 1024 x 1024 took the same time).
+// for all sizes. This takes seconds in a first bake. Compiling again does not make kernels with one work-item per group
+// faster (PoCL 3.1, AVX-512: bakes of 1024 x 1024 took the same time).
 void ask_pocl_for_one_version_of_kernels() {
   [[maybe_unused]] static const bool asked = prefer_environment("POCL_WORK_GROUP_SPECIALIZATION", "0", false);
 }

@@ -150,9 +150,9 @@ void prepare_program(DeviceState& state, const std::string& file, const std::str
   std::error_code ignored;
   if (std::filesystem::exists(source.path, ignored)) return;  // load_program() reads it, or builds it again
   tell_of_building(state);
-  // Every thread has its own context. PoCL builds only one program at a time per context. It reads its function library
-  // once per context, which takes half as long as building a small program. The state exists longer than its builds,
-  // which read only its constant members.
+  // Every thread has its own context. PoCL builds only one program at a time per context. PoCL reads its function
+  // library once per context, which takes half as long as building a small program. The state exists longer than its
+  // builds, which read only its constant members.
   state.builds.add(key, [&state, file, source, options](cl::Context& context) {
     if (context() == nullptr) context = make_context(state.device);
     return build_binary(state, context, file, source, options);

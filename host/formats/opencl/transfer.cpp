@@ -34,7 +34,7 @@ void release(DeviceState& state, StagingBuffer& staging) {
   staging = StagingBuffer();
 }
 
-// Returns the next of the two buffers, with at least `byte_count` bytes. It can be written at once.
+// Returns the next of the two buffers, with at least `byte_count` bytes. The caller can write to this buffer at once.
 StagingBuffer& next_staging(DeviceState& state, std::size_t byte_count) {
   StagingBuffer& staging = state.staging[state.next_staging];
   state.next_staging = (state.next_staging + 1) % state.staging.size();
@@ -173,7 +173,7 @@ void Device::write_ranges(const std::vector<BufferRange>& ranges, const WithByte
              "clEnqueueWriteBuffer");
     state().count_upload(ranges[i].count);
   }
-  flush();  // the queue keeps its order, so the last copy finishes last
+  flush();  // the queue works in order, so the last copy finishes last
 }
 
 void Device::move_down(const std::vector<BufferMove>& moves) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The project's test map, in each quarter of which another simplification fails. A seed and an even size reproduce the
-// map, so every figure in docs/evidence/ACCURACY.md can be reproduced anywhere.
+// The project's test map. It has four quarters, and in each of them a different simplification fails. A seed and an
+// even size reproduce the map, so every figure in docs/evidence/ACCURACY.md can be reproduced anywhere.
 #pragma once
 
 #include <cstdint>
@@ -26,13 +26,13 @@ inline constexpr Choices<Quarter> kQuarters = {{"armour", Quarter::kArmour},
 /// `size` is even and at least 16. Top left: armour of overlapping hemispherical scales (period 24 texels). Top right:
 /// carved rings (wavelength 16, 55 % cut). Bottom left: V-grooves (period 12, rotated 30 degrees, slopes +-1, 20 %
 /// flat) with red and blue facets. Bottom right: fine noise whose slope grows to the right (rms 0.45 on average). If
-/// `alone` is set, only that quarter fills the map.
+/// `alone` is set, that quarter fills the whole map.
 FourQuarterMap make_four_quarter_map(int size, std::uint64_t seed, std::optional<Quarter> alone = std::nullopt);
 
 /// Writes PREFIX_normal.png (16 bits, n / 2 + 1/2) and PREFIX_albedo.png (16 bits, sRGB) of the same map. Writes
 /// atomically and by rows, so the map need not fit into memory. By default, green points down (four_quarter_map.cpp
-/// gives the reason). If it is read with green up, its normals are those of make_four_quarter_map(). kUp flips green,
-/// as glTF requires. Throws Error(kEnvironment).
+/// gives the reason). If PREFIX_normal.png is read with green up, its normals are those of make_four_quarter_map(). kUp
+/// flips green, as glTF requires. Throws Error(kEnvironment).
 void write_four_quarter_map(int size, std::uint64_t seed, const std::string& prefix,
                             std::optional<Quarter> alone = std::nullopt, GreenAxis green = GreenAxis::kDown);
 

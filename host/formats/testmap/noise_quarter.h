@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // The noise quarter of the four-quarter map, row by row: white noise filtered by a Gaussian of 0.8 texels, periodic.
-// Slopes are central differences, scaled to rms 0.45, then by 0.4 .. 1.6 from left to right. SplitMix64 and Box-Muller
-// are implemented here, so that a seed gives the same map with every standard library. Only the last bits of log, sin
-// and cos can differ. Rounding to 16 bits hides these differences, except for ties.
+// Slopes are central differences. The slopes are scaled to an rms of 0.45, then multiplied by a factor that grows from
+// 0.4 at the left to 1.6 at the right. SplitMix64 and Box-Muller are implemented here, so that a seed gives the same
+// map with every standard library. Only the last bits of log, sin and cos can differ. Rounding to 16 bits hides these
+// differences, except when a value is close to the midpoint of two codes.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +14,7 @@
 
 namespace multum {
 
-/// Slopes of one row. Rows grow downwards, and so does y.
+/// Slopes of one row. Row numbers and y grow downwards.
 struct NoiseSlopes {
   std::vector<double> x;
   std::vector<double> y;

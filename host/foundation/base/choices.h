@@ -25,7 +25,7 @@ auto find_choice(const List& choices, const std::string& name)
   return std::nullopt;
 }
 
-/// Returns the names in such a list.
+/// Returns the names in Choices or in another list of pairs.
 template <typename List>
 std::vector<std::string> choice_names(const List& choices) {
   std::vector<std::string> names;

@@ -46,10 +46,10 @@ int exit_code(ErrorCode code) {
 }
 
 int run_guarded(const char* program, int (*body)(int, char**), int argc, char** argv) {
-  // The signal would end the program in the middle of its work. If it is ignored, a write beyond the file size limit
-  // (ulimit -f) fails with EFBIG, as a write to a full disk fails with ENOSPC. When this program starts another
-  // program, the other program gets the default action back (spawn_process()). This project's programs run this line
-  // themselves.
+  // SIGXFSZ would end the program in the middle of its work. If the program ignores SIGXFSZ, a write beyond the file
+  // size limit (ulimit -f) fails with EFBIG, as a write to a full disk fails with ENOSPC. Other programs that this
+  // program starts get the default action back (spawn_process()). If such a program belongs to this project, it then
+  // runs this line itself.
   std::signal(SIGXFSZ, SIG_IGN);
   begin_whole_lines();
   try {

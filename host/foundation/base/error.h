@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The three kinds of trouble, which are never mixed (docs/contributing/ARCHITECTURE.md, "Errors"):
+// The three kinds of errors, which are handled in different ways (docs/contributing/ARCHITECTURE.md, "Errors"):
 //   programmer error      MULTUM_CHECK / MULTUM_DCHECK stop the program;
 //   bad input or machine  throw Error{code, message}: which file, what was found, what was expected;
 //   numerical trouble     is clamped by a documented rule and counted in the report, never thrown.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Converts float to IEEE half, rounded to nearest with ties to even. Implemented here because drivers differ: llvmpipe
-// (measured with Mesa 22.3.6) truncates floats that are uploaded to an RGBA16F texture, so they are too small by half a
-// step on average.
+// (measured with Mesa 22.3.6) truncates floats that are uploaded to an RGBA16F texture. The stored values are then too
+// small by half a step on average.
 #pragma once
 
 #include <algorithm>
@@ -17,7 +17,7 @@ inline std::uint16_t float_to_half(float value) {
   const std::uint32_t magnitude = bits & 0x7fffffffu;
   if (magnitude > 0x7f800000u) return static_cast<std::uint16_t>(sign | 0x7e00u);
   if (magnitude >= 0x477ff000u) return static_cast<std::uint16_t>(sign | 0x7c00u);  // values >= 65520 round to infinity
-  if (magnitude < 0x38800000u) {  // below 2^-14, halfs are subnormal; adding 1/2 makes the float unit round to
+  if (magnitude < 0x38800000u) {  // 16-bit floats below 2^-14 are subnormal; adding 1/2 makes the float unit round to
                                   // multiples of 2^-24
     const float shifted = std::bit_cast<float>(magnitude) + 0.5f;
     return static_cast<std::uint16_t>(sign | (std::bit_cast<std::uint32_t>(shifted) - 0x3f000000u));
@@ -26,8 +26,8 @@ inline std::uint16_t float_to_half(float value) {
   return static_cast<std::uint16_t>(sign | ((magnitude - 0x38000000u + 0xfffu + odd) >> 13));
 }
 
-/// Returns the half nearest to a number, with ties to even. Larger numbers are clamped to the largest half, 65504. The
-/// function has no branches, so that the compiler can turn loops over it into vector instructions.
+/// Returns the half nearest to a number, with ties to even. Numbers beyond the range of 16-bit floats are clamped to
+/// 65504 or -65504. The function has no branches, so that the compiler can turn loops over it into vector instructions.
 inline std::uint16_t clamped_to_half(float value) {
   const auto bits = std::bit_cast<std::uint32_t>(value);
   const std::uint32_t magnitude = std::min(bits & 0x7fffffffu, 0x477fe000u);

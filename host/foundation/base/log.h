@@ -11,14 +11,15 @@ enum class LogLevel { kQuiet, kNormal, kVerbose };
 void set_log_level(LogLevel level);
 LogLevel log_level();
 
-/// Reports a doubt about `subject` that does not stop the work. `subject` is a file, or the library that reported the
-/// doubt. Unless quiet, shows "warning: SUBJECT: MESSAGE", so that users know which of many files is meant.
+/// Reports a possible problem with `subject`, after which the work continues. `subject` is a file, or the library that
+/// reported the problem. Unless quiet, shows "warning: SUBJECT: MESSAGE", so that users know which of many files is
+/// meant.
 void log_warning(const std::string& subject, const std::string& message);
 /// Like log_warning(), for a text that begins with its subject: a text from HeldWarnings or from a report.
 void log_named_warning(const std::string& warning);
-/// Logs findings and decisions. They are shown unless the log is quiet.
+/// Logs findings and decisions. These messages are shown unless the log is quiet.
 void log_info(const std::string& message);
-/// Logs plans, caches and timings. They are shown with -v.
+/// Logs plans, caches and timings. These messages are shown only with -v.
 void log_verbose(const std::string& message);
 
 }  // namespace multum

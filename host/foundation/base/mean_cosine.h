@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Converts mean cosines of von Mises-Fisher lobes, in double.
+// Converts mean cosines of von Mises-Fisher lobes to kappas, in double precision.
 #pragma once
 
 #include <algorithm>

@@ -27,7 +27,7 @@ std::size_t edit_distance(const std::string& a, const std::string& b) {
 
 std::string nearest_name(const std::string& name, const std::vector<std::string>& known) {
   std::string nearest;
-  std::size_t least = std::max<std::size_t>(2, name.size() / 2);  // distances above this value mean another word
+  std::size_t least = std::max<std::size_t>(2, name.size() / 2);  // names at a larger distance are probably other words
   for (const std::string& candidate : known) {
     // The distance is at least the difference in length. Without this test, a name of several megabytes would take
     // minutes.

@@ -19,12 +19,12 @@ namespace multum {
 std::string text_of_path(std::string_view path);
 std::vector<std::string> texts_of_paths(const std::vector<std::string>& paths);
 
-/// Inverse of text_of_path(). A text without characters from U+EF80 to U+EFFF is its own path.
+/// Inverse of text_of_path(). Returns a text without characters from U+EF80 to U+EFFF unchanged.
 std::string path_of_text(std::string_view text);
 std::vector<std::string> paths_of_texts(const std::vector<std::string>& texts);
 
-/// Returns a valid UTF-8 text for a message that quotes paths. Some of the paths may already be texts. UTF-8 stays
-/// unchanged.
+/// Returns a valid UTF-8 text for a message that quotes paths. text_of_path() may already have converted some of the
+/// paths. Valid UTF-8 stays unchanged.
 std::string text_of_message(std::string_view message);
 
 /// Returns whether text_of_path() leaves the path unchanged, which is never true for a path that is not UTF-8.

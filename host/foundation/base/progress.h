@@ -38,7 +38,7 @@ class Progress {
   ProgressEvent event_{"", 0, 0};
 };
 
-// The functions above for an optional Progress. They do nothing if it is null.
+// The functions above for an optional Progress. They do nothing if the pointer is null.
 inline void progress_start(Progress* p, std::uint64_t units) {
   if (p != nullptr) p->start(units);
 }

@@ -3,7 +3,7 @@
 // minimum of several rounds, because other load only adds time. Processor time covers all threads of this process.
 //
 // Elapsed time shows how long a user of this machine waits. Work shows the cost of settings. Other programs hardly
-// change it, so work can rank settings on a busy machine.
+// change the amount of work, so it can rank settings on a busy machine.
 #pragma once
 
 #include <functional>
@@ -47,8 +47,8 @@ class RunClock {
 
 constexpr int kTimedRounds = 3;
 
-/// Runs all of `runs` once per round, for `rounds` (at least 1) rounds. Work that only a first run does, such as
-/// compiling kernels, must be finished before. Progress counts one unit per run, and may cancel between two runs.
+/// Runs all of `runs` once per round, for `rounds` (at least 1) rounds. Work that only the first run would do, such as
+/// compiling kernels, must be done before the call. Progress counts one unit per run, and may cancel between two runs.
 std::vector<RunTime> time_in_turns(const std::vector<std::function<void()>>& runs, int rounds, Progress* progress,
                                    const DeviceSeconds& device_seconds = {});
 

@@ -25,8 +25,8 @@ struct ShareName {
 /// Error(kEnvironment).
 void write_share_record(const ShareName& share, const std::string& key, const nlohmann::json& content);
 
-/// Reads a record. If the record is missing or damaged, or belongs to another share or key, throws Error(kEnvironment),
-/// which names the file, its fault and the option that makes it.
+/// Reads a record. If the record is missing or damaged, or belongs to another share or key, throws Error(kEnvironment).
+/// The message names the file, the fault, and the option with which the share is made again.
 nlohmann::json read_share_record(const ShareName& share, const std::string& key);
 
 }  // namespace multum

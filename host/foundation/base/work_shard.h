@@ -9,8 +9,8 @@
 
 namespace multum {
 
-/// Shares `first` to `last` of `count`, counted from 1. Pieces are assigned to shares in turn, so that neighbouring
-/// pieces, which often have the same size, belong to different shares.
+/// The shares from number `first` to number `last`, of `count` shares; numbers start at 1. Pieces are assigned to
+/// shares in turn, so that neighbouring pieces, which often have the same size, belong to different shares.
 struct WorkShard {
   int first = 1, last = 1, count = 1;
 

@@ -66,7 +66,8 @@ double smith_visibility(float width, double n_l, double n_v, double, double) {
 }
 
 // Sheen of cloth: Estevez and Kulla 2017, "Production Friendly Microfacet Sheen BRDF", with alpha = roughness^2. V is
-// that of Ashikhmin and Premoze 2007, as in KHR_materials_sheen, Filament and three.js. f is 0 at the normal.
+// the one of Ashikhmin and Premoze 2007, which KHR_materials_sheen, Filament and three.js also use. f is 0 at the
+// normal.
 constexpr BrdfMember kCharlieMembers[] = {kRoughness};
 constexpr Text kCharlieFlags[] = {"MULTUM_CHARLIE", "MULTUM_VISIBILITY"}, kCharlieFiles[] = {"charlie.glsl"};
 

@@ -14,7 +14,8 @@ namespace multum {
 
 enum class BrdfKind { kLambert, kBlinnPhong, kTorranceSparrow, kCookTorrance, kGgx, kCharlie, kMeasured };
 
-/// The field of struct Brdf that stores a member (kBrdfNumbers of host/formats/brdf/brdf.h). Families share fields.
+/// The fields of struct Brdf in which the families store their numbers (kBrdfNumbers of host/formats/brdf/brdf.h lists
+/// the fields). Two families can use the same field.
 enum class BrdfField { kExponent, kSigma, kRoughness, kF0 };
 
 struct BrdfMember {
@@ -51,7 +52,8 @@ struct BrdfFamily {
   double (*exponent)(float width) = nullptr;
   /// V at cosines of at least 0, with the shader's limits at grazing angles. Null if V is 1.
   double (*visibility)(float width, double n_l, double n_v, double n_h, double v_h) = nullptr;
-  std::span<const std::string_view> shader_flags = {}, shader_files = {};  // files of runtime_gl/shaders/brdf
+  std::span<const std::string_view> shader_flags = {}, shader_files = {};  // names of flags, and names of files in
+                                                                           // runtime_gl/shaders/brdf
   bool shader_takes_terms = false;  // true for the sum of terms.glsl, with one shader term per term of the fit
 
   /// True if F is Schlick's term, and the diffuse part is multiplied by 1 - F.
@@ -59,7 +61,7 @@ struct BrdfFamily {
   bool has_width() const { return !members.empty(); }
 };
 
-/// Returns the families in the order of help texts; the index of each is its kind.
+/// Returns the families in the order of help texts; the index of a family is its BrdfKind.
 std::span<const BrdfFamily> brdf_families();
 const BrdfFamily& brdf_family(BrdfKind kind);
 /// Finds a family by name; returns null for an unknown name.

@@ -256,8 +256,8 @@ Rows fit_rows() {
        .surfaces = kJob},
       {.name = "align",
        .kind = Kind::kNumber,
-       .help = "set the weight of the prior that aligns lobes with the lobes of parent and neighbours; 0 turns the "
-               "prior off",
+       .help = "set the weight of the prior that aligns lobes with the lobes of the parent texel and of neighbouring "
+               "texels; 0 turns the prior off",
        .low = 0,
        .high = 10,
        .default_text = "0.1",
@@ -384,7 +384,7 @@ Rows run_rows() {
        .surfaces = kOnCommandLine},
       {.name = "onto",
        .kind = Kind::kFile,
-       .help = "start from this file, which was baked before the edit; it may be the output",
+       .help = "start from this file, which was baked before the edit; the output may be the same file",
        .surfaces = kOnCommandLine},
       {.name = "force",
        .help = "bake even if the output was baked from the same file with the same settings",

@@ -27,16 +27,16 @@ Parameter channel_parameter(const char* name, const char* help) {
 
 Rows export_rows() {
   Parameter roughness = channel_parameter("roughness",
-                                          "read the perceptual roughness of the surface (0 to 1) from the only "
-                                          "channel, or green, of this map of the same size");
+                                          "read the perceptual roughness of the surface (0 to 1) from this map of the "
+                                          "same size: from its only channel, or from green");
   Parameter gloss =
       channel_parameter("gloss", "read the gloss of the surface from this map of the same size; roughness = 1 - gloss");
   roughness.excludes = {"gloss", "base_roughness"};
   gloss.excludes = {"roughness", "base_roughness"};
-  Parameter occlusion =
-      channel_parameter("occlusion", "also average the only channel, or red, of this occlusion map of the same size");
-  Parameter metalness =
-      channel_parameter("metalness", "also average the only channel, or blue, of this metalness map of the same size");
+  Parameter occlusion = channel_parameter(
+      "occlusion", "also average this occlusion map of the same size: its only channel, or its red channel");
+  Parameter metalness = channel_parameter(
+      "metalness", "also average this metalness map of the same size: its only channel, or its blue channel");
   occlusion.excludes = metalness.excludes = {"roughness_alone"};
   Parameter roughness_alone = {.name = "roughness_alone",
                                .help =

@@ -15,8 +15,8 @@ std::vector<Parameter> target_parameters() {
   std::vector<Parameter> rows = {
       {.name = "ratio",
        .kind = ParameterKind::kNumber,
-       .help = "make the file at least this many times smaller than raw 24-bit frames (default: 384, or less if 384 "
-               "would add more than 3 times the error of the inferred textures)",
+       .help = "make the file at least this many times smaller than raw 24-bit frames (default: 384, or less if a "
+               "ratio of 384 would add an error of more than 3 times the error of the inferred textures)",
        .low = 1,
        .high = 1e6,
        .surfaces = kPackJob},
@@ -35,7 +35,7 @@ std::vector<Parameter> target_parameters() {
        .surfaces = kPackJob},
       {.name = "lambda",
        .kind = ParameterKind::kNumber,
-       .help = "set the squared error that is worth one bit",
+       .help = "set lambda, the increase of the squared error that is accepted to save one bit",
        .low = 1e-4,
        .high = 1e9,
        .surfaces = kPackJob}};
@@ -94,10 +94,6 @@ const ParameterTable& pack_parameters() {
                     .default_text = "closed",
                     .choices = {"closed", "open"},
                     .surfaces = kPackJob});
-    rows.push_back(
-        memory_parameter("stay within this resident memory; with less memory, fewer chunks are coded at once, textures "
-                         "are read again, and the result is the same",
-                         kLeastPackMemory, "a quarter of the memory of the machine", kPackJob));
     rows.push_back(
         memory_parameter("stay within this resident memory; less memory is slower, but does not change the result",
                          kLeastPackMemory, "a quarter of the memory of the machine", kPackJob));

@@ -132,7 +132,7 @@ enum class MaterialForm {
 inline constexpr Choices<MaterialForm> kMaterialForms = {
     {"auto", MaterialForm::kAuto}, {"averages", MaterialForm::kAverages}, {"one-lobe", MaterialForm::kOneLobe}};
 
-/// for: the engine that the pictures of form auto imitate (host/delivery/forms/engine_filter.h).
+/// for: the engine whose pictures are imitated when `form` is auto (host/delivery/forms/engine_filter.h).
 enum class Engine { kThree, kBabylon, kPlayCanvas, kFilament, kGodot, kUnity, kUnreal };
 inline constexpr Choices<Engine> kEngines = {{"three", Engine::kThree},           {"babylon", Engine::kBabylon},
                                              {"playcanvas", Engine::kPlayCanvas}, {"filament", Engine::kFilament},

@@ -11,7 +11,7 @@
 namespace multum {
 
 struct Confinement {
-  /// Files, or folders with their contents. Missing ones are skipped.
+  /// Files, or folders with their contents. Missing files and folders are skipped.
   std::vector<std::string> readable, writable;
 };
 

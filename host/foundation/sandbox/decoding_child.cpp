@@ -14,7 +14,7 @@
 namespace multum {
 namespace {
 
-// Keeps a child between two files.
+// Keeps a child process for the next file.
 class IdleChildren {
  public:
   std::unique_ptr<HelperProcess> take(const std::string& program) {

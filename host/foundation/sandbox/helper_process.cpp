@@ -101,8 +101,8 @@ bool is_ready_to_run(pid_t pid) {
   return false;
 }
 
-// Returns whether inherited limits may leave a child less memory than HelperLimits allow. Its libraries also need
-// address space: 360 MB were measured (OpenImageIO and assimp of Debian 12).
+// Returns whether inherited limits may leave a child less memory than HelperLimits allow. The child's libraries also
+// need address space: 360 MB were measured (OpenImageIO and assimp of Debian 12).
 bool may_lack_memory(std::uint64_t memory_max) {
   constexpr std::uint64_t kLibraries = std::uint64_t{1} << 29;
   rlimit space = {}, data = {};
@@ -116,8 +116,8 @@ std::string text_of(std::chrono::milliseconds time) {
   return time.count() % 1000 == 0 ? fmt::format("{} s", time.count() / 1000) : fmt::format("{} ms", time.count());
 }
 
-// Returns the most informative line that a program printed before its end. This is a line about an exception or a
-// sanitizer, or the last line if there is none.
+// Returns the most informative line that a program printed before its end. The line is about an exception or a
+// sanitizer, or is the last line if there is no such line.
 std::string essence(std::string_view said) {
   constexpr std::size_t kLengthMax = 200;
   std::string_view last, chosen;
@@ -190,12 +190,12 @@ int HelperProcess::wait_for_end() {
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
   }
   kill_and_wait();
-  throw HelperEnded("stopped answering and was ended", false);
+  throw HelperEnded("stopped answering and was terminated", false);
 }
 
 void HelperProcess::end(const std::string& why) {
   kill_and_wait();
-  throw HelperEnded(why + " and was ended", false);
+  throw HelperEnded(why + " and was terminated", false);
 }
 
 void HelperProcess::reap() {
@@ -206,9 +206,9 @@ void HelperProcess::reap() {
   std::string how;
   bool lacked_memory = false;
   if (WIFSIGNALED(status) && WTERMSIG(status) == SIGXCPU) {
-    how = "used up its processor time and was ended";
+    how = "used up its processor time and was terminated";
   } else if (WIFSIGNALED(status)) {
-    how = fmt::format("was ended by signal {} ({})", WTERMSIG(status), ::sigdescr_np(WTERMSIG(status)));
+    how = fmt::format("was terminated by signal {} ({})", WTERMSIG(status), ::sigdescr_np(WTERMSIG(status)));
     lacked_memory = WTERMSIG(status) == SIGKILL || may_lack_memory(memory_max_);
   } else {
     how = fmt::format("ended with exit code {}", WEXITSTATUS(status));

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Runs a child for work that may end a process: libraries that crash on broken files. Requests and answers are messages
-// over a socket. Results are in shared memory. The child's memory and time are limited. A crash, missing answers and
-// excess memory of the child become exceptions in this process.
+// Runs work in a child process if the work may crash, as libraries do on some broken files. Requests and answers are
+// messages over a socket. Results are in shared memory. The child's memory and time are limited. A crash, missing
+// answers and excess memory of the child become exceptions in this process.
 //
 //   this process                        the child (host/foundation/sandbox/helper_service.h)
 //   ask("...")      -- socket, fd 3 -->  answer("...")
@@ -30,7 +30,7 @@ struct HelperLimits {
   std::chrono::milliseconds time_max;
 };
 
-/// Thrown if the child has ended; what() tells how: "was ended by signal 11 (Segmentation fault)".
+/// Thrown if the child has ended; what() tells how: "was terminated by signal 11 (Segmentation fault)".
 class HelperEnded : public std::runtime_error {
  public:
   HelperEnded(const std::string& how, bool lacked_memory) : std::runtime_error(how), lacked_memory_(lacked_memory) {}

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Confines reading and writing to files below some folders, regardless of names and links, and even if a name changes
-// after its check. A file is opened only beneath its root's descriptor, by a name without links (openat2).
+// Confines reading and writing to files below some folders, whatever names and links are used, and even if a name
+// changes after its check. A file is opened only beneath its root's descriptor, by a name without links (openat2).
 #pragma once
 
 #include <memory>
@@ -24,8 +24,8 @@ class PathRoots {
   /// Returns the file's path without links or dots. Throws Error(kUsage) if the path is not absolute, missing, not a
   /// file, or outside the roots. The message reveals nothing about files outside.
   std::string input(const std::string& path) const;
-  /// Like input(), except that the path is for a result. Its folder must exist. The path itself may be a file, a folder
-  /// or missing, but not a link.
+  /// Like input(), except that the path is for a result. The path's folder must exist. The path itself may be a file, a
+  /// folder or missing, but not a link.
   std::string output(const std::string& path) const;
   bool is_inside(const std::string& canonical) const;
   const std::vector<std::string>& roots() const { return roots_; }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Cuts the text into keys, headers and values in the same way as toml++. After the first error, toml++ stops, so
-// differences between the scan and toml++ do not matter there.
+// Cuts the text into keys, headers and values in the same way as toml++. At the first error, toml++ stops. So it does
+// not matter how the scan divides the text after an error.
 //
 //     [a.b]                              depth 2                          items 1 (the table) + 2
 //     c.d = [1, {e.f = "x.y"}]  # g.h    depth 2 + 2 + 1 (array) + 1 (table) + 2    items + 2 + 1 + 1 + 1 + 2 + 1

@@ -334,7 +334,7 @@ void contrast_in_pixels(Device& device, WorstError& worst) {
 std::vector<NumericalCase> product_cases() {
   return {
       {{"empty-and-uneven-rows", "filter_matrix_spmv", "a row without entries keeps the old value of the output",
-        "each sum begins at 0, and incomplete blocks of 8 entries are padded with entries of weight 0", 1e-6,
+        "each sum begins at 0, and incomplete blocks of 8 entries are padded with entries that have weight 0", 1e-6,
         "of the sum of magnitudes", "21 products are added in pairs, so each of them is rounded only a few times"},
        empty_and_uneven_rows,
        {},
@@ -414,7 +414,7 @@ std::vector<NumericalCase> inference_cases() {
       {{"conjugate_gradient", "is_free[i] * (q[i] + diagonal[i] * p[i])", "(q[i] + diagonal[i] * p[i])"}}, {});
   add("contrast-of-1e6", "rounding errors of bright texels exceed the values of dark texels",
       "partial sums are added in double precision, and values never leave their bounds", 1e-2,
-      "absolute error of values up to 1", "pixels of weight 1e-6 have an equally small effect on the result",
+      "absolute error of values up to 1", "pixels with weight 1e-6 have an equally small effect on the result",
       contrast_in_pixels, {},
       {{"conjugate_gradient", "step[i] += alpha * direction;", "step[i] += rint(32.0f * alpha * direction) / 32.0f;"}});
   return cases;

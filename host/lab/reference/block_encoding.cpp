@@ -37,7 +37,7 @@ int decoded(int code, const LineFormat& format) {
   return wide;
 }
 
-using Codes = std::array<int, 6>;  // codes of both ends, channel by channel
+using Codes = std::array<int, 6>;  // codes of both endpoints, channel by channel
 
 // Chooses the best index for each texel.
 double error_of(const LineTexels& line, const LineFormat& format, const Codes& codes) {
@@ -63,8 +63,8 @@ double error_of(const LineTexels& line, const LineFormat& format, const Codes& c
   return sum;
 }
 
-// Starts with two of the texels as ends, with random changes. Then descends in steps of one code, or of both codes of a
-// channel.
+// Starts with two of the texels as endpoints, and changes them at random. Then descends in steps that change one code,
+// or both codes of a channel.
 double line_error(const LineTexels& line, const LineFormat& format, int start_count, std::mt19937& random) {
   if (line.texels.empty()) return 0.0;
   const int top = (1 << format.bits) - 1;
@@ -105,7 +105,7 @@ LineTexels texels_of(const BlockColours& colours, unsigned mask) {
   return line;
 }
 
-// Codes one channel separately, and the other two channels together.
+// Encodes one channel separately, and the other two channels together.
 double separate_error(const BlockColours& colours, std::size_t alone, const LineFormat& pair, const LineFormat& one,
                       std::mt19937& random) {
   LineTexels two{2, {}}, single{1, {}};

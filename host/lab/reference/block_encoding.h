@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Computes the lowest possible errors of blocks of 4 x 4 texels in double, to test kernels/block_encoding.cl. For BC4,
-// all ends are tried. For the modes of BC7, a search has many starts, which is too slow for an encoder.
+// all pairs of endpoints are tried. For the modes of BC7, a search begins at many starting values, which would be too
+// slow in an encoder.
 #pragma once
 
 #include <array>

@@ -55,7 +55,8 @@ std::vector<CaseTopic> fit_topics() {
 
 std::vector<CaseTopic> shading_topics() {
   return {
-      {"storage: half floats support kappa only up to 1000, and all lobes share one range of 16-bit integers",
+      {"storage: 16-bit floats can represent kappa only up to 1000, and as 16-bit integers, all lobes of a texel share "
+       "one range",
        {"half-single-directions", "half-sharpest-spreads", "snorm16-single-directions", "snorm16-sharpest-spreads",
         "planar-variance-in-half", "planar-variance-in-snorm16"}},
       {"exponents up to 1e5",

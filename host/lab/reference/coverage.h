@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Computes by definition the finest texels that each texel covers. Finest texels at its borders count by the covered
-// fraction (docs/contributing/ALGORITHMS.md, "Notation").
+// Computes by definition the finest texels that each texel covers. Finest texels at the border of a texel are weighted
+// by their covered fraction (docs/contributing/ALGORITHMS.md, "Notation").
 #pragma once
 
 #include <algorithm>

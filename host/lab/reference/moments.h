@@ -22,7 +22,8 @@ struct TexelMoments {
 /// area within the texel. `albedo` may be null.
 TexelMoments moments_of_texel(const NormalMap& map, const ColourMap* albedo, int width, int height, int x, int y);
 
-/// Returns normalised Blinn-Phong at the unit half vector, without a cosine. Toksvig's rule reduces its exponent.
+/// Returns the normalised Blinn-Phong highlight at the unit half vector, without the cosine factor. Toksvig's rule
+/// reduces its exponent.
 double toksvig(const glm::dvec3& mean_normal, const glm::dvec3& half_vector, double s);
 
 /// Returns the Gaussian density of slopes with covariance Sigma + I/s at the half vector's slope. If `with_jacobian` is

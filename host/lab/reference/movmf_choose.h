@@ -28,8 +28,8 @@ SampleSums operator*(double weight, const SampleSums& sums);
 SampleSums sums_of_sample(const glm::dvec3& sample, bool planar);
 SampleSums sums_of_lobe(const glm::dvec3& lobe, double amplitude, bool planar);
 
-/// Returns the sums around lobe j of a texel, weighted as in the kernel: parent[j], and neighbours[.][j] of each
-/// neighbour.
+/// Returns the weighted sums of the lobes around lobe j of a texel. These lobes are parent[j], and neighbours[.][j] of
+/// each neighbour. The weights are the weights of the kernel.
 std::vector<SampleSums> sums_around(const std::vector<SampleSums>& parent,
                                     const std::vector<std::vector<SampleSums>>& neighbours);
 

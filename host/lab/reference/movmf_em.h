@@ -32,7 +32,7 @@ struct EmOptions {
   double kappa_cap;
   double kappa_cap_slope;
   std::vector<glm::dvec3> prior;  // the sum C sum_k a_k mu_k of each lobe; empty if there is no prior
-  double copies = 1.0;            // factor for log densities when a sample is divided among lobes
+  double copies = 1.0;            // factor of the log densities that divide a sample among the lobes
 };
 
 /// A(kappa) = coth kappa - 1/kappa, and its inverse by bisection, for every kappa > 0.

@@ -34,7 +34,8 @@ struct Shown {
   double length, weight;
 };
 
-// A vMF with mean cosine A, without the factor 1/(2 pi). At the gap u, its value is peak exp(-kappa u).
+// The value of a vMF with mean cosine A, without the factor 1/(2 pi). At the cosine 1 - u, the value is the peak times
+// exp(-kappa u). The number u is called the gap.
 struct Product {
   double kappa, value;     // kappa, and the value at the gap u
   double by_gap, by_mean;  // derivatives with respect to -u and to A
@@ -112,8 +113,8 @@ double squares_of(const std::vector<RefinedLobe>& lobes, const std::vector<Shown
   return energy;
 }
 
-// Returns half of the derivative of the squares: the products of lobes with lobes, minus the products of lobes with
-// samples.
+// Returns half of the derivative of the sum of squares: the products of lobes with lobes, minus the products of lobes
+// with samples.
 Vector gradient_of(const std::vector<RefinedLobe>& lobes, const std::vector<Shown>& shown) {
   Vector gradient(4 * lobes.size(), 0.0);
   const auto add = [&](std::size_t j, std::size_t brdf, const glm::dvec3& other, double other_length, double factor) {
@@ -134,7 +135,8 @@ Vector gradient_of(const std::vector<RefinedLobe>& lobes, const std::vector<Show
   return gradient;
 }
 
-// Computes products of the derivatives of lobes j and k. With v = 1/kappa for the sum of the spreads, V = exp(-u/v)/v.
+// Computes products of the derivatives of lobes j and k. The product of two lobes is V = exp(-u/v)/v, where v is
+// 1/kappa for the sum of their spreads.
 void add_block(const std::vector<RefinedLobe>& lobes, std::size_t j, std::size_t k, Matrix& matrix) {
   const RefinedLobe &one = lobes[j], &other = lobes[k];
   const double gap = j == k ? 0.0 : std::max(1.0 - glm::dot(one.mu, other.mu), 0.0);

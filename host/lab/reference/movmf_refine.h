@@ -18,13 +18,14 @@ struct MeanLobe {
 struct RefinedTexel {
   std::vector<Sample> samples;
   std::vector<MeanLobe> lobes;                // results of EM
-  std::vector<std::vector<MeanLobe>> beside;  // lobes of up to four neighbouring texels, with as many lobes each
+  std::vector<std::vector<MeanLobe>> beside;  // lobes of up to four neighbouring texels, which have the same number of
+                                              // lobes
 };
 
-/// Runs `steps` steps on the lobes of a texel and returns them.
+/// Refines the lobes of a texel in `steps` steps, and returns the refined lobes.
 std::vector<MeanLobe> refine(const RefinedTexel& texel, int steps);
 
-/// Returns the minimised function for some lobes of the texel, without constant squares.
+/// Returns the value of the minimised function for the given lobes of the texel, without its constant terms.
 double refined_energy(const RefinedTexel& texel, const std::vector<MeanLobe>& lobes);
 
 /// Returns the error by which refined lobes are compared with EM's lobes: the sum of the relative L1 errors of the

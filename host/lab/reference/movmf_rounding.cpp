@@ -34,7 +34,7 @@ Bracket bracket_half(double value) {
   const auto rounded = static_cast<double>(static_cast<float>(nearest));
   if (rounded == value) return {static_cast<float>(nearest), static_cast<float>(nearest)};
   half other = nearest;
-  // Half floats of one sign have the same order as their bit patterns.
+  // 16-bit floats with the same sign have the same order as their bit patterns.
   const bool nearest_is_inner = std::abs(rounded) < std::abs(value);
   const auto bits = nearest.bits();
   other.setBits(static_cast<unsigned short>(nearest_is_inner ? bits + 1 : bits - 1));
@@ -71,8 +71,8 @@ glm::vec4 round_lobe(const glm::dvec3& r, float a, const BracketOf& bracket_of) 
   return glm::vec4(best, a);
 }
 
-// Performs step 1 for snorm16. Amplitudes become whole steps that sum to 32767. The largest remainders are rounded up;
-// if remainders are equal, the lower lobe comes first.
+// Performs step 1 for snorm16: rounds the amplitudes to integers whose sum is 32767. The amplitudes with the largest
+// remainders are rounded up. If remainders are equal, the lobe with the lower number comes first.
 void round_amplitudes_snorm(std::array<float, kLobeCountMax>& a, int count) {
   double total = 0.0;
   for (int j = 0; j < count; ++j) total += static_cast<double>(a[static_cast<std::size_t>(j)]);

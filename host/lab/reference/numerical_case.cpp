@@ -41,7 +41,8 @@ std::string fault_of_guards(const std::vector<SourceEdit>& without) {
       return blanked;
     };
     if (blank(edit.text) == blank(edit.replacement))
-      return fmt::format("'{}' to '{}' changes a number and removes nothing", edit.text, edit.replacement);
+      return fmt::format("the edit from '{}' to '{}' changes only numbers, so it does not remove a guard", edit.text,
+                         edit.replacement);
     for (const SourceEdit& other : without)
       if (&other != &edit && other.file == edit.file && other.text == edit.text)
         return fmt::format("'{}' is removed twice", edit.text);

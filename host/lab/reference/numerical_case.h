@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Describes a numerical case: one hard input, or a family of them, of one kernel or shader function. A case compares
-// single precision with double precision and states a bound. docs/contributing/STABILITY.md is generated from the
-// cases.
+// Describes a numerical case: one hard input, or a family of hard inputs, of one kernel or shader function. A case
+// compares single precision with double precision and states a bound. docs/contributing/STABILITY.md is generated from
+// the cases.
 //
 // The cases cover the project's hard inputs, such as extreme kappa, dead lobes, and sums over 2^28 texels. Each case
-// names
-// the guard of the formula. A case can be run with its guard removed. If no single line is the guard, the case can be
-// run
-// with a bug, which is called a mutation.
+// names the guard of the formula. A case can be run with its guard removed. If no single line is the guard, the case
+// can be run with a bug, which is called a mutation.
 #pragma once
 
 #include <optional>
@@ -21,7 +19,7 @@ namespace multum {
 /// The bound of cases that count faults or require exact results. With this bound, the error must be 0.
 constexpr double kNothingWrong = 1e-30;
 
-/// Texts and bound of a case.
+/// The texts and the bound of a case.
 struct NumericalCaseText {
   std::string name;           // unique name in lower case, with words joined by '-'
   std::string formula;        // the kernels or shaders tested: "movmf_em_texels", "ggx.glsl, terms.glsl"
@@ -73,7 +71,8 @@ struct NumericalRun {
   bool holds() const;
 };
 
-/// Returns the smaller of two errors, which shows the least need for the guards. Any number is smaller than NaN.
+/// Returns the smaller of two errors, which is the weaker evidence that the guards are needed. Any number is smaller
+/// than NaN.
 double least_error(double a, double b);
 
 /// Says why a case's edits are wrong, or returns an empty string. Each edit of `without` must remove one guard. An edit

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Fits one GGX lobe to the facets that a texel covers, by definition and in double precision, to test
-// kernels/one_lobe.cl. Also shades one lobe, for the errors of exports.
+// kernels/one_lobe.cl. Also shades one lobe, to measure the errors of exports.
 #pragma once
 
 #include <vector>
@@ -25,7 +25,7 @@ struct OneLobeTexel {
   std::vector<double> base_squared;  // alpha^2 of each finest texel, or one value for all
   int width, height, x, y;           // size of the level, and position of the texel
   bool is_anisotropic;
-  int iteration_count;  // iterations of EM; only the closed form if 0
+  int iteration_count;  // number of EM iterations; if 0, only the closed form is computed
   double alpha_min;
 };
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Computes the reference and the model of a pixel, in double and by definition. The reference averages values over the
 // pixel's rectangle at dense points. The model filters the values by trilinear taps, as the equations of OpenGL define.
-// This code is slow, and tests host/bakes/accuracy.
+// This code is slow. Tests compare host/bakes/accuracy with it.
 #pragma once
 
 #include <functional>

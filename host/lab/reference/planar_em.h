@@ -17,21 +17,21 @@
 
 namespace multum::reference {
 
-/// Returns the sample of a finest normal. If a BRDF's width has shortened the normal to c n, scatter is 2 v, but at
-/// most 1 - |p|^2. Here v = (1 - c) / (2 - c) (1 - |p|^2 / 2).
+/// Returns the sample of a finest normal. If the normal was shortened to c n to include the width of a BRDF, its
+/// scatter is 2 v, but at most 1 - |p|^2. Here v = (1 - c) / (2 - c) (1 - |p|^2 / 2).
 glm::dvec3 planar_sample(const glm::dvec3& normal, bool shortened);
 
 /// Runs EM and returns the moments of the last E-step. `lobes` receives the parameters of that E-step.
 std::vector<Moments> fit_planar(const std::vector<Sample>& samples, std::vector<Lobe>& lobes, const EmOptions& options);
 
-/// Returns the sigma^2 of facets with a normalised Blinn-Phong distribution of exponent s, around a normal whose
-/// projection has the square `mean_square`.
+/// Returns the sigma^2 of facets whose distribution is normalised Blinn-Phong with exponent s. The facets surround a
+/// normal whose projection has the squared length `mean_square`.
 double facet_variance(double s, double mean_square);
 
-/// Returns the density per solid angle, at the unit vector h, of a filtered lobe (a mu, a (2 sigma^2 + |mu|^2), a) with
-/// such facets.
+/// Returns the density per solid angle, at the unit vector h, of a filtered lobe (a mu, a (2 sigma^2 + |mu|^2), a). The
+/// facets of the lobe have the sigma^2 of facet_variance().
 double gmm_density(const glm::dvec4& lobe, double s, const glm::dvec3& h);
-/// Returns a max(mu . l, 0), where mu is lifted to the sphere.
+/// Returns `a * max(mu . l, 0)`, where mu is projected up to the sphere.
 double gmm_lambert(const glm::dvec4& lobe, const glm::dvec3& light);
 
 }  // namespace multum::reference

@@ -14,8 +14,8 @@ constexpr double kPi = std::numbers::pi;
 
 /// Computes the part of the integral of f(angle of n and w) vMF(n) dn for which the angle of n and w is between f_low
 /// and f_reach. The polar coordinates around w are the angle a and the azimuth phi. Beyond ten standard deviations,
-/// each factor is below e^-50, so `a` covers only the rest. The azimuth is periodic, so the trapezoid rule converges
-/// exponentially once the step is below the vMF's width.
+/// each factor is below e^-50, so `a` covers only angles within ten standard deviations. The azimuth is periodic, so
+/// the trapezoid rule converges exponentially once the step is below the vMF's width.
 double convolve(const std::function<double(double)>& f, double f_low, double f_reach, double kappa, double theta,
                 int rings) {
   const double reach = 10.0 / std::sqrt(kappa);

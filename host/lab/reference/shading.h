@@ -33,15 +33,15 @@ double mean_cosine(double kappa, double theta);
 double convolved_vmf(double kappa_f, double kappa, double theta);
 
 /// A highlight over a vMF of normals. With its cosine, it is the integral of f(angle of n and h) vMF(n; mu, kappa)
-/// max(n . l, 0) dn. Without its cosine, the last factor is omitted. f is 0 or small where a vMF of concentration
-/// `facet_kappa` around h is small.
+/// max(n . l, 0) dn. Without its cosine, the last factor is omitted. f is 0 or small where a vMF around h with
+/// concentration `facet_kappa` is small.
 struct Highlight {
   double with_cosine, without_cosine;
 };
 Highlight highlight(const std::function<double(double)>& f, double facet_kappa, double kappa, const glm::dvec3& mu,
                     const glm::dvec3& h, const glm::dvec3& l);
 
-/// GGX, and the visibility V = G / (4 n.l n.v) that belongs to it in glTF and in Cook and Torrance 1982.
+/// GGX, and the visibility V = G / (4 n.l n.v) that belongs to GGX in glTF and in Cook and Torrance 1982.
 double ggx(double alpha, double theta);
 double convolved_ggx(double alpha, double kappa, double theta);
 double smith_visibility(double alpha, double n_l, double n_v);

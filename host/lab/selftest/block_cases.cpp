@@ -121,7 +121,7 @@ std::vector<NumericalCase> block_cases() {
         "if the endpoints of a block are 0 and 255, the values between them are far apart",
         "the encoder also tries blocks of six values, which contain 0 and 255 in addition to their endpoints", 0.3,
         unit + ", in excess of the lowest possible error",
-        "the encoder's search steps are smaller than the rounding error of the values"},
+        "the steps of the encoder's search are smaller than the rounding error of the values"},
        values_at_the_limits,
        {{"block_encoding", "has_limits = other.error < ends.error;", ""}}},
       {{"one-value-in-all-texels", "encode_scalar_blocks", "equal or swapped endpoints select the six-value mode",

@@ -209,7 +209,7 @@ std::vector<NumericalCase> sharp_cases() {
         "|r| comes from a sum of a thousand rounded normals, so 1 - |r| has no correct digit at kappa = 1e5",
         "the spread is the mean of 1 - n . mu over the normals n, corrected for the rotation of the direction mu", 3e-7,
         "absolute error of 1/kappa",
-        "the length of mu is rounded by at most 6e-8, and 1 - n . mu has an error of at most 1.2e-7"},
+        "the length of mu has a rounding error of at most 6e-8, and 1 - n . mu has an error of at most 1.2e-7"},
        sharp_lobes_keep_their_kappa,
        {em_edit("const real_v spread = fma(-length, turn, d * inverse);", "const real_v spread = 1.0f - length;")}},
       {{"far-from-every-lobe", "movmf_em_texels, movmf_em_team",
@@ -242,7 +242,8 @@ std::vector<NumericalCase> wide_cases() {
        {},
        {em_edit("fma(-mu_z, z,", "fma(-mu_z, fabs(z),")}},
       {{"lobes-that-die", "movmf_em_texels, movmf_em_team",
-        "the exponent of a share such as 2^-1000 wraps around, so a tiny share becomes a large number",
+        "the binary exponent of a share such as 2^-1000 overflows and wraps around, so a tiny share becomes a large "
+        "number",
         "each share is at least 2^-100 times the largest share, and a lobe with an amplitude below 1e-7 keeps its "
         "direction and spread",
         1e-5, "absolute error of the lobe's amplitude a and of the vector a r", kEmBoundReason},
@@ -254,8 +255,9 @@ std::vector<NumericalCase> wide_cases() {
 std::vector<NumericalCase> input_cases() {
   return {
       {{"one-two-three-normals", "movmf_em_texels, movmf_em_team",
-        "if there are more lobes than normals, some spreads are 0", "the spread has a minimum, and kappa has a maximum",
-        1e-4, "absolute error of the lobe's amplitude a and of the vector a r",
+        "if there are more lobes than normals, some lobes have a spread of 0",
+        "the spread has a minimum, and kappa has a maximum", 1e-4,
+        "absolute error of the lobe's amplitude a and of the vector a r",
         "if eight lobes share two normals, each iteration amplifies the small differences between the lobes"},
        few_normals,
        {},

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Launches movmf_em_texels on given samples from given lobes, and runs the reference on the same inputs (Han et al.
-// 2007, section 7, Algorithm 1). A case states its samples directly, without a map. Private to host/lab/selftest.
+// Launches movmf_em_texels on given samples, starting from given lobes, and runs the reference on the same inputs (Han
+// et al. 2007, section 7, Algorithm 1). A case states its samples directly, without a map. Private to
+// host/lab/selftest.
 #pragma once
 
 #include <cstddef>
@@ -21,11 +22,11 @@ constexpr std::size_t kGroup = MULTUM_GROUP;
 
 /// Explains the bounds of the results of EM.
 constexpr char kEmBoundReason[] =
-    "each added sample is rounded by 6e-8, and EM amplifies such differences less than tenfold";
+    "each added sample has a rounding error of up to 6e-8, and EM multiplies such errors by less than 10";
 
 struct EmTexel {
   std::vector<reference::Sample> samples;  // samples, which are rounded to float for both sides
-  std::vector<reference::Lobe> lobes;      // 1 to 8 lobes of the start, also rounded to float
+  std::vector<reference::Lobe> lobes;      // 1 to 8 lobes from which EM starts, also rounded to float
 };
 
 struct EmSettings {
@@ -72,7 +73,7 @@ std::vector<reference::Lobe> equal_lobes(const std::vector<glm::dvec3>& directio
 /// Makes `count` samples by repeating `normals`.
 std::vector<reference::Sample> repeated(const std::vector<glm::dvec3>& normals, int count);
 
-/// Returns an edit of the kernel.
+/// Returns an edit of the kernel's text.
 SourceEdit em_edit(const std::string& text, const std::string& replacement);
 
 /// Returns a unit vector that is tilted by `degrees` from +z towards an azimuth in radians.

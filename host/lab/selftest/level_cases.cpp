@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests the kernels around EM: starts from a parent's lobes (movmf_start.cl), the packing of normals and of binned
+// Tests the kernels around EM: the start from a parent's lobes (movmf_start.cl), the packing of normals and of binned
 // normals (movmf_pack.cl), and the finest level (movmf_level_zero.cl).
 #include <fmt/format.h>
 
@@ -143,8 +143,8 @@ void strips_and_odd_sizes(Device& device, WorstError& worst) {
       add_coverage(device, width, height, level, worst);
 }
 
-// Converts normals that were shortened for the width of a BRDF to points of Gaussians with their scatter, one normal
-// per texel. Some normals have length 0, and some are longer than 1.
+// Tests normals that were shortened to include the width of a BRDF. The kernel converts them to points and their
+// scatter for Gaussians. Each texel has one normal. Some normals have length 0, and some are longer than 1.
 void shortened_normals_as_points(Device& device, WorstError& worst) {
   for (const double length : {0.0, 1e-30, 1e-6, 0.5, 0.99, 1.0, 1.1}) {
     std::vector<float> planes[3];
@@ -330,7 +330,7 @@ std::vector<NumericalCase> level_cases() {
        {{"movmf_pack", "MAX_V(length, (real)(1e-6f))", "length"}}},
       {{"uneven-cells-side-by-side", "movmf_binned_pack",
         "data after the last cell of a texel counts as samples of the texel",
-        "every texel is padded with samples of weight 0 up to the largest number of samples", kNothingWrong,
+        "every texel is padded with samples that have weight 0, up to the largest number of samples", kNothingWrong,
         "wrong values", "values are only copied"},
        uneven_cells_by_any_parts,
        {{"movmf_pack", "i < count ? vload4(i, in) : (float4)(0.0f, 0.0f, 1.0f, 0.0f)", "vload4(i, in)"}}},

@@ -111,8 +111,8 @@ double exact_lean(const MultumFilteredMoments& m, double s, const glm::vec4& h) 
   return reference::lean(wide_moments, glm::dvec3(h), s, false);
 }
 
-// Tests second moments that rounding left below the square of the mean, for slopes up to the largest slope, 20. Only
-// the BRDF's own variance remains, so no value exceeds the peak of the BRDF.
+// Tests second moments that are smaller than the square of the mean because of rounding, for slopes up to the largest
+// slope, 20. Only the BRDF's own variance remains, so no value exceeds the peak of the BRDF.
 void variance_below_0(Device& device, WorstError& worst) {
   for (const float mean : {0.0f, 0.5f, 3.0f, 20.0f})
     for (const float missing : {0.0f, 1e-7f, 1e-5f, 0.1f})
@@ -199,7 +199,8 @@ void toksvig_of_every_length(Device& device, WorstError& worst) {
     }
 }
 
-// Tests stored levels whose share is 0, or a small share left by rounding. Only the value of the normal map remains.
+// Tests stored levels whose share of the result is 0, or nearly 0 because of rounding. The result is then the value of
+// the normal map.
 void no_share(Device& device, WorstError& worst) {
   for (const float share : {0.0f, 1e-45f, 1e-30f, 1e-8f})
     for (const int shading : {MULTUM_SHADE_TOKSVIG, MULTUM_SHADE_LEAN, MULTUM_SHADE_LEAN_JACOBIAN}) {
@@ -261,11 +262,12 @@ std::vector<NumericalCase> moment_cases() {
           "0.0f)",
           "(base + variance_s) * (base + variance_t) - covariance * covariance")});
   add("steep-slopes-under-sharp-highlights",
-      "half floats near 400 have steps of 0.25, but a highlight of exponent s = 1e5 needs moments in steps of 1e-5",
-      "moments are stored in 32 bits, so their rounding at slope b broadens the highlight by at most 2^-22 s b^2 of "
+      "16-bit floats near 400 have steps of 0.25, but a highlight with exponent s = 1e5 needs moments in steps of 1e-5",
+      "moments are stored in 32 bits, so at slope b, rounding makes the highlight wider by at most 2^-22 s b^2 times "
       "its width",
       1.0, "times the allowed error, which is 2^-22 (s b^2 + sqrt(s) (1 + b)) + 1e-6 of the peak at slope b",
-      "the mean squared slope and the square of the mean slope are each rounded by 2^-24 b^2", steep_and_sharp, {},
+      "the mean squared slope and the square of the mean slope each have a rounding error of up to 2^-24 b^2",
+      steep_and_sharp, {},
       {moment_shade_edit("max(ss - s_mean * s_mean, 0.0f)", "max(rint(ss * 4.0f) * 0.25f - s_mean * s_mean, 0.0f)")});
   add("half-vectors-at-the-horizon",
       "the slope of a half vector at the horizon is infinite, and the distance between slopes is infinity minus "
@@ -277,12 +279,14 @@ std::vector<NumericalCase> moment_cases() {
       "a mean normal longer than 1 gives a gloss above 1 or below 0, and normalising a mean of length 0 divides 0 by 0",
       "the length is 1 minus a spread between 0 and 1, and a mean of length 0 gets an arbitrary direction", 1e-5,
       "of the peak",
-      "the mean direction mu and the half vector h are rounded by 6e-8, and the exponent multiplies the error of the "
+      "the mean direction mu and the half vector h have rounding errors of up to 6e-8, and the exponent multiplies the "
+      "error of the "
       "angle",
       toksvig_of_every_length,
       {moment_shade_edit("clamp((lobe.w - length) / max(lobe.w, AMPLITUDE_SHADED_MIN), 0.0f, 1.0f)",
                          "((lobe.w - length) / max(lobe.w, AMPLITUDE_SHADED_MIN))")});
-  add("moments-of-no-share", "without the factor, moments with share 0 are as bright as moments with share 1",
+  add("moments-of-no-share",
+      "if the result is not multiplied by the share, moments with share 0 are as bright as moments with share 1",
       "shares up to 1e-6 are not used as divisors, and the result is multiplied by the share", 1e-5, "relative error",
       "only the share and the constant factor 16/(2 pi) are rounded", no_share,
       {moment_shade_edit(": m.share * shade_lean(", ": shade_lean(")});

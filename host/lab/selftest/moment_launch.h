@@ -15,7 +15,7 @@ namespace multum {
 /// Returns the planes of each normal, [normal][plane].
 std::vector<std::vector<float>> finest_moments(Device& device, const std::vector<glm::vec3>& normals, bool shortened);
 
-/// Shades Blinn-Phong of exponent s at each unit half vector, and then Lambert at the first half vector. `shading` is
+/// Shades Blinn-Phong with exponent s at each unit half vector, and then Lambert at the first half vector. `shading` is
 /// one of the constants MULTUM_SHADE_....
 std::vector<double> shade_moments(Device& device, const MultumFilteredMoments& moments, int shading, double s,
                                   const std::vector<glm::vec4>& half_vectors);

@@ -221,7 +221,7 @@ std::vector<NumericalCase> exponential_cases() {
        {},
        {probe_edit("0x3f3504f3", "0x3f800000")}},
       {{"log-of-one-minus-e", "device/vmf_shading.clh",
-        "the cosine t = 1 - e is rounded by 6e-8, and the highlight exponent s = 1e5 multiplies this error",
+        "the cosine t = 1 - e has a rounding error of 6e-8, which the highlight exponent s = 1e5 multiplies",
         "below e = 0.1, log(1 - e) is computed as the series of -2 atanh(e / (2 - e))", 1e-6, "relative error",
         "the omitted terms of the series add only 3e-9, and four rounded operations follow"},
        one_minus_log,
@@ -243,8 +243,8 @@ std::vector<NumericalCase> kappa_cases() {
         "kappa / (1 - exp(-2 kappa)) does not overflow, and EM keeps kappa above 0.05, where the difference keeps its "
         "digits",
         4e-6, "absolute error of log2",
-        "a logarithm near 20 is rounded by 1e-6, and at kappa = 0.05 the rounding error of exp, 6e-8, is divided by "
-        "0.095"},
+        "a logarithm near 20 has a rounding error of up to 1e-6, and at kappa = 0.05, the rounding error of exp, 6e-8, "
+        "is divided by 0.095"},
        log_peak,
        {probe_edit("return log2_v(amplitude * kappa / (1.0f - exp2_v(kappa * (-2.0f * MULTUM_LOG2E))));",
                    "return log2(amplitude * kappa / (exp(kappa) - exp(-kappa))) + kappa * MULTUM_LOG2E;")}},
@@ -270,8 +270,8 @@ std::vector<NumericalCase> kappa_cases() {
       {{"vmf-spread-12-decades", "device/vmf_shading.clh",
         "near kappa = 0, the difference 1/kappa - 2/(exp(2 kappa) - 1) loses its digits by cancellation",
         "below kappa = 0.1, two terms of the series are used", 2e-5, "relative error",
-        "at kappa = 0.1, both terms are near 10 and their difference is near 1, so the difference has ten times the "
-        "rounding error of a term"},
+        "at kappa = 0.1, both terms are near 10 but their difference is near 1, so its relative error is ten times as "
+        "large as the relative rounding error of a term"},
        vmf_spreads,
        {probe_edit("if (kappa < 0.1f) return", "if (false) return")}},
       {{"highlight-cosines-of-every-width", "device/vmf_shading.clh, probe_highlight_cosine",

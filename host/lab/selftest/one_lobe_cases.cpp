@@ -184,8 +184,9 @@ std::vector<NumericalCase> one_lobe_cases() {
                        const std::vector<SourceEdit>& edits) {
     cases.push_back(
         {{name, "one_lobe_finest, one_lobe_samples, one_lobe_fit", without, guard, 2e-4,
-          "absolute error of the normal, or a tenth of the relative error of the roughness alpha",
-          "each of 5 EM steps adds 64 terms in float, which causes an error of about 1e-6 of the lobe's width"},
+          "error, which is the larger of two numbers: the absolute error of the normal, and a tenth of the relative "
+          "error of the roughness alpha",
+          "each of 5 EM steps adds 64 terms in float, which causes an error of about 1e-6 times the lobe's width"},
          run,
          edits,
          {},

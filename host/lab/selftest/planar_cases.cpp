@@ -38,7 +38,8 @@ glm::dvec3 point(double degrees, double azimuth = 0.3) {
 
 constexpr double kTilts[] = {0.0, 30.0, 60.0, 80.0, 89.0, 90.0};
 
-// Returns a texel of a thousand normals within `width` degrees of a tilt.
+// Returns a texel with a thousand normals. The angles between the normals and one tilted direction are at most about
+// `width` degrees.
 EmTexel narrow_texel(double degrees, double width) {
   EmTexel texel{{}, equal_lobes({point(degrees)}, 100.0)};
   for (int i = 0; i < 1000; ++i)
@@ -57,7 +58,8 @@ void variance_at_the_rim(Device& device, WorstError& worst) {
     }
 }
 
-// Tests one repeated point and a distant mean. D/S and Steiner's term are equal except for rounding.
+// Tests one repeated point and a distant mean. The mean squared distance from the mean and the squared shift of the
+// mean (Steiner's theorem) are equal except for rounding.
 void variance_never_negative(Device& device, WorstError& worst) {
   for (int i = 0; i < 60; ++i) {
     const EmTexel texel = {repeated({point(1.5 * i, 0.1 * i)}, 7), equal_lobes({point(89.0 - i, 2.0)}, 3.0)};
@@ -104,8 +106,8 @@ void few_points(Device& device, WorstError& worst) {
     }
 }
 
-// Tests the cap of a texel with three lobes. Two lobes share the points, and the third lobe has no points. The sums are
-// those of an E-step, relative to mu.
+// Tests the upper limit of 1/sigma^2 in a texel with three lobes. Two lobes share the points, and the third lobe has no
+// points. The sums are the sums of an E-step, relative to mu.
 void caps_of_narrow_texels(Device& device, WorstError& worst) {
   constexpr std::size_t kChunks = 64, kSums = 5;
   for (const double degrees : kTilts)
@@ -240,16 +242,17 @@ void stored_variance(StorageEncoding encoding, bool naive, WorstError& worst) {
 }
 
 NumericalCase storage_case(StorageEncoding encoding, const std::string& name) {
-  return {{"planar-variance-in-" + name, "gmm_quantize",
-           "twice the variance is a difference of two rounded numbers, which are both near 1 at the unit circle, so "
-           "all digits cancel",
-           "the third value, the mean square, is rounded last to match the rounded mean, and for a single direction it "
-           "is rounded down",
-           0.251, "error of the variance (relative at the encoding's limit, absolute for single directions)",
-           "at the encoding's limit, half a rounding step of the third value is a quarter of twice the variance"},
-          [=](Device&, WorstError& worst) { stored_variance(encoding, false, worst); },
-          {},
-          [=](WorstError& worst) { stored_variance(encoding, true, worst); }};
+  return {
+      {"planar-variance-in-" + name, "gmm_quantize",
+       "twice the variance is a difference of two rounded numbers, which are both near 1 at the unit circle, so "
+       "all digits cancel",
+       "the third value, the mean square, is rounded last to match the rounded mean, and for a single direction it "
+       "is rounded down",
+       0.251, "error of the variance (relative at the encoding's limit, absolute for single directions)",
+       "at the encoding's limit, rounding the third value changes twice the variance by up to a quarter of its value"},
+      [=](Device&, WorstError& worst) { stored_variance(encoding, false, worst); },
+      {},
+      [=](WorstError& worst) { stored_variance(encoding, true, worst); }};
 }
 
 std::vector<NumericalCase> fit_cases() {
@@ -278,7 +281,8 @@ std::vector<NumericalCase> fit_cases() {
        far_from_every_gaussian,
        {em_edit("exp2_in_range_v(MAX_V(e[j] - largest, (real_v)(LOG_SHARE_MIN)))", "exp2(e[j])")}},
       {{"planar-lobes-that-die", kFormula,
-        "the exponent of a share such as 2^-1000 wraps around, so a tiny share becomes a large number",
+        "the binary exponent of a share such as 2^-1000 overflows and wraps around, so a tiny share becomes a large "
+        "number",
         "each share is at least 2^-100 times the largest share, and a lobe with an amplitude below 1e-7 keeps its mean "
         "and variance",
         1e-5, kUnit, kEmBoundReason},

@@ -121,7 +121,7 @@ void texels_keep_their_bits(Device& device, WorstError& worst) {
   }
 }
 
-// Fills three planes behind `kBefore` other planes, which must not change.
+// Fills three planes that follow `kBefore` other planes, which must not change.
 void features_keep_their_bits(Device& device, WorstError& worst) {
   constexpr int kBefore = 5;
   for (MultumBoxBand band : kOddBands) {
@@ -355,8 +355,8 @@ std::vector<NumericalCase> pyramid_cases() {
   add("highlights-narrower-than-texels",
       "1 - n . h has a rounding error of 6e-8, which the highlight exponent s = 1e5 multiplies",
       "1 - n . h is computed as |n - h|^2 / 2", 2e-5,
-      "the normal n and the half vector h are rounded by 6e-8, and |n - h| is only about 0.004 in a highlight of "
-      "exponent 1e5",
+      "the normal n and the half vector h have rounding errors of up to 6e-8, and |n - h| is only about 0.004 in a "
+      "highlight with exponent 1e5",
       highlights_of_1e5,
       {{"reflectance_pyramid", "return 0.5f * fma(dx, dx, fma(dy, dy, dz * dz));",
         "return 1.0f - fma(dx + w.x, w.x, fma(dy + w.y, w.y, (dz + w.z) * w.z));"}});
@@ -367,7 +367,8 @@ std::vector<NumericalCase> pyramid_cases() {
         "*sum = *sum + value;\n  return;\n  const float total = *sum + value;"}});
   add("light-from-behind", "a light darkens surfaces that face away from the light",
       "a light below the surface, with n . l <= 0, adds nothing", 1e-5,
-      "the normal n and the half vector h are rounded by 6e-8, and |n - h| is about 0.2 in a highlight of exponent 50",
+      "the normal n and the half vector h have rounding errors of up to 6e-8, and |n - h| is about 0.2 in a highlight "
+      "with exponent 50",
       light_from_behind, {{"reflectance_pyramid", "if (cosine <= 0.0f) continue;", ""}});
   return cases;
 }

@@ -91,7 +91,7 @@ glm::vec3 random_direction(SplitMix64& random) {
   return glm::vec3(side * std::cos(phi), side * std::sin(phi), z);
 }
 
-// Compares each coefficient of each normal with the definition at `meant`. The normals can have any length.
+// Compares each coefficient of each normal with its definition, evaluated at `meant`. The normals can have any length.
 void add_basis(Device& device, int order, const std::vector<glm::vec3>& normals, const std::vector<glm::dvec3>& meant,
                WorstError& worst) {
   const std::vector<std::vector<float>> found = project_sh(device, order, normals);
@@ -306,9 +306,10 @@ std::vector<NumericalCase> sh_cases() {
        ringing,
        {{"sh_shade", "return max(sum, 0.0f);", "return sum;"}}},
       {{"harmonics-of-opposite-tilts", "sh_shade",
-        "highlights vanish without normalisation, or if the mean direction has length 0",
+        "without normalisation, or with a mean direction of length 0, highlights vanish",
         "no guard is needed, because the series represents both tilts", 2e-5, "of the peak of one tilt",
-        "the errors of the basis functions count twice, weighted by the lobe's coefficients"},
+        "the basis functions have errors both in the coefficients and in the evaluation, weighted by the coefficients "
+        "of the lobe"},
        opposite_tilts,
        {},
        {},

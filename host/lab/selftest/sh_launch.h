@@ -11,12 +11,12 @@
 namespace multum {
 
 /// Returns the coefficients of each normal as [normal][l*l + l + m - 1], in the order of sh_project. If `shortened` is
-/// true, the lengths of normals contain a BRDF's width.
+/// true, the lengths of normals encode the width of a BRDF.
 std::vector<std::vector<float>> project_sh(Device& device, int order, const std::vector<glm::vec3>& normals,
                                            bool shortened = false);
 
-/// Shades the same coefficients with Blinn-Phong of exponent s at each unit half vector or, if s is 0, with Lambert at
-/// each light. `share` belongs to stored levels, and the normal map contributes nothing.
+/// Shades the same coefficients with Blinn-Phong (exponent s) at each unit half vector or, if s is 0, with Lambert at
+/// each light. The stored levels have the share `share`, and the normal map contributes nothing.
 std::vector<double> shade_sh(Device& device, int order, const std::vector<float>& coefficients, float share, float s,
                              const std::vector<glm::vec3>& directions);
 

@@ -190,7 +190,7 @@ std::vector<NumericalCase> lobe_cases() {
        {shade_edit("return 0.5f * fma(dx, dx, fma(dy, dy, dz * dz));",
                    "return 1.0f - fma(dx + w.x, w.x, fma(dy + w.y, w.y, (dz + w.z) * w.z));")}},
       {{"the-horizon-and-below", "movmf_shade",
-        "the power of a negative cosine is positive, so surfaces that face away are lit",
+        "the computed power of a negative cosine is positive, so surfaces that face away are lit",
         "the result is 0 if the cosine t is 0 or negative", 6e-4, "of the peak", kReason},
        horizon_and_below,
        {shade_edit("return e < 1.0f ?", "return true ?")}},
@@ -214,21 +214,21 @@ std::vector<NumericalCase> shading_cases() {
   std::vector<NumericalCase> cases = lobe_cases();
   cases.push_back(
       {{"amplitude-to-0", "movmf_shade",
-        "an empty lobe is divided by its amplitude, which is 0, or reflects light from a direction that is only "
-        "rounding "
-        "error",
+        "an empty lobe is divided by its amplitude, which is 0, or reflects light from a direction that only consists "
+        "of rounding errors",
         "lobes with amplitudes up to 1e-6, a thirtieth of the smallest stored amplitude, are ignored", 6e-4,
         "of the peak times the amplitude (light that must be 0 counts as an error of 1)",
         "kappa is computed with an error of 2.3e-4, which changes both the peak and the exponent of the highlight"},
        vanishing_amplitude,
        {shade_edit("shape.amplitude = lobe.w <= AMPLITUDE_SHADED_MIN ? 0.0f : lobe.w;", "shape.amplitude = lobe.w;"),
         shade_edit("if (lobe.w <= AMPLITUDE_SHADED_MIN) return 0.0f;", "")}});
-  cases.push_back({{"terms-of-either-sign", "movmf_shade",
-                    "a sum of positive and negative vMFs can be below 0, and negative light darkens its surroundings",
-                    "the sum over the terms of a lobe is at least 0", 6e-4, "of the sum of the terms' peaks",
-                    "the kappa of every term is computed with an error of 2.3e-4"},
-                   terms_of_either_sign,
-                   {shade_edit("return lobe.w * max(sum, 0.0f);", "return lobe.w * sum;")}});
+  cases.push_back(
+      {{"terms-of-either-sign", "movmf_shade",
+        "a sum of vMFs with positive and negative weights can be below 0, and negative light darkens its surroundings",
+        "the sum over the terms of a lobe is at least 0", 6e-4, "of the sum of the terms' peaks",
+        "the kappa of every term is computed with an error of 2.3e-4"},
+       terms_of_either_sign,
+       {shade_edit("return lobe.w * max(sum, 0.0f);", "return lobe.w * sum;")}});
   cases.push_back(
       {{"lambert-of-every-spread", "movmf_shade",
         "the paper's approximation max(mu . l, 0) ignores the spread of the lobe",

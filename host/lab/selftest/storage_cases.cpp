@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Tests how the rounding of the file encodings affects the spread of a lobe
-// (host/formats/asset/lobes/movmf_quantize.cpp; docs/reference/file_format.md, "Rounding"). No kernel runs, because
-// rounding is the last step in which a kernel's result can lose accuracy.
+// (host/formats/asset/lobes/movmf_quantize.cpp; docs/reference/file_format.md, "Rounding"). No kernel runs here.
+// Rounding is the last step in which the result of a kernel can lose accuracy.
 #include <fmt/format.h>
 #include <half.h>
 

@@ -6,9 +6,9 @@
 // 5, and 54-70 % at kappa <= 1. The rule here uses an exact property of spherical convolution: the convolved lobe has
 // the mean cosine A = |r| c_f, where c_f is the mean cosine of f. One weight blends two shapes that have this mean
 // cosine. A vMF is accurate for broad lobes. A cosine power is accurate for lobes sharper than f, and exact at |r| = 1.
-// The errors, measured by quadrature (tools/lab/fit_shading.py; tests/agreement, ShadingBounds), are at most 7 % from s
-// = 1, 4 % from 2, 2.8 % from 3, 1.8 % from 5, 0.85 % from 20, 0.27 % from 100, at every kappa. The error is largest at
-// kappa 2 to 5.
+// The errors, measured by quadrature (tools/lab/fit_shading.py; tests/agreement, ShadingBounds), are at most 7 % for s
+// >= 1, 4 % for s >= 2, 2.8 % for s >= 3, 1.8 % for s >= 5, 0.85 % for s >= 20 and 0.27 % for s >= 100, for every
+// kappa. The error is largest for kappa from 2 to 5.
 
 // The constant in the fitted weight of the cosine-power shape: w = r^2 / (r^2 + MULTUM_SHAPE_BLEND (1 - |r|) / (1 -
 // c_f)).
@@ -29,7 +29,7 @@ float multum_blinn_phong(float s, float e) {
   return e < 1.0 ? (s + 1.0) / (2.0 * MULTUM_PI) * exp(s * multum_log_one_minus(e)) : 0.0;
 }
 
-// Blinn-Phong of exponent s convolved with the lobe, at the unit half vector h.
+// Returns Blinn-Phong with exponent s, convolved with the lobe, at the unit half vector h.
 //   c_f = (s + 1) / (s + 2);   1 - A = d + (1 - d) / (s + 2), d = 1 - |r|: a sum of small numbers without cancellation
 //   vMF shape:           kappa = A^-1(A)
 //   cosine-power shape:  s' = (2 A - 1) / (1 - A), for which (s' + 1) / (s' + 2) = A; for A < 1/2 there is none, and s'

@@ -11,7 +11,8 @@
 // Over all roughnesses and lobes, its relative L1 error against the exact convolution, over the sphere of h, is at most
 // 4.5 % (tests/gl/ggx_lobe_test).
 
-// Returns P / pi, B, delta and -gamma. The factors 31 / 32, and 31 / 32 over sqrt(3), map to texel centres.
+// Returns P / pi, B, delta and -gamma of host/formats/brdf/ggx_lobe.h. The factors 31 / 32, and 31 / 32 over sqrt(3),
+// map to texel centres.
 vec4 multum_ggx_lobe_shape(sampler2D table, float alpha, float d) {
   float s = sqrt(alpha * alpha + 2.0 * d);
   return textureLod(table, vec2(alpha / s, s) * vec2(0.96875, 0.5593080732) + 0.015625, 0.0);
@@ -50,7 +51,8 @@ float multum_ggx_facet_kappa(float alpha, float kappa, float e) {
   return facets;
 }
 
-// Returns GGX of alpha convolved with the lobe at the unit half vector h, per solid angle, times the amplitude.
+// Returns GGX with the given alpha, convolved with the lobe at the unit half vector h, per solid angle, times the
+// amplitude.
 float multum_movmf_ggx(sampler2D table, vec4 lobe, vec3 h, float alpha) {
   if (lobe.w <= MULTUM_AMPLITUDE_MIN) return 0.0;
   float d = multum_movmf_spread(lobe);
@@ -81,8 +83,9 @@ vec4 multum_ggx_lobe_facets(sampler2D table, vec4 lobe, float alpha) {
 // Gaussians with the variances 0.6 alpha^2 + 0.1 e and 1 / kappa. The mean of their product is `sum`, its spread y is
 // `both / |sum|`, and q = y / (1 + y) replaces the spread of a vMF. The mean of max(n . l, 0) is (m + sqrt(m^2 + 0.15
 // q)) / 2, where m is the mean normal's cosine. The constants are fitted to the whole highlight
-// (tests/gl/ggx_lobe_test); Smith's V of two means causes a larger error than these constants. A lobe without width
-// gives the result for one normal. The code computes with doubled cosines until the end.
+// (tests/gl/ggx_lobe_test); Smith's V, which is computed from two mean cosines, causes a larger error than these
+// constants. A lobe without width gives the result for one normal. The code computes with doubled cosines until the
+// end.
 float multum_ggx_lobe_specular(vec4 facets, vec3 mu, float d, vec3 l, vec3 v, vec3 h, float alpha) {
   float x = alpha * alpha;
   float e = multum_one_minus_cosine(mu, h);

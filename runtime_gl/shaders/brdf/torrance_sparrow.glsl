@@ -5,7 +5,8 @@
 // Returns Torrance-Sparrow's facet distribution of roughness sigma (radians), convolved with the lobe. The distribution
 // is replaced by a vMF of kappa_f = 1 / (2 sigma^2): 1 - A = d + (1 - d) q_f, q_f = 1 - A(kappa_f) = 1/kappa_f -
 // 2/(exp(2 kappa_f) - 1). sigma must be at most 1 (kappa_f >= 1/2). The result is exact at |r| = 1. The relative L1
-// error is at most 3.5 %, where lobe and BRDF are equally broad. The caller multiplies by Fresnel and shadowing.
+// error is at most 3.5 %; it is largest where lobe and BRDF are equally broad. The caller multiplies by Fresnel and
+// shadowing.
 float multum_movmf_torrance_sparrow(vec4 lobe, vec3 h, float sigma) {
   if (lobe.w <= MULTUM_AMPLITUDE_MIN) return 0.0;
   float kappa_f = 0.5 / (sigma * sigma);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Makes random numbers for renderers that choose one lobe, and one of its normals, at random per pixel. The numbers are
-// blue noise over the picture, so neighbouring pixels have different errors. Over a pixel's frames, they are evenly
-// spread.
+// blue noise over the picture, so neighbouring pixels have different errors. Over the frames of one pixel, the numbers
+// are evenly spread.
 
 const float MULTUM_BLUE_NOISE_FRAMES = 1024.0;  // number of frames before the numbers repeat
 

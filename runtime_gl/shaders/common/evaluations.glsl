@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Decides how a pixel spends its evaluations of the material. An evaluation shades one lobe at one point. If the
-// normals under a pixel are similar, evaluations are spent on points, whose lobes are added up to one. If the normals
-// scatter, evaluations are spent on lobes, at as many points as remain. If there are more lobes than evaluations, the
-// most similar lobes are added up. The decision depends on the spread 1 - |r| of the sum of all lobes: from
-// MULTUM_SPREAD_OF_LOBES on, evaluations are spent on lobes. This sum is read by one lookup, two levels finer than the
-// level of the pixel's longer side.
+// normals under a pixel are similar, evaluations are spent on points, and all lobes of a point are added up to one
+// lobe. If the normals scatter, evaluations are spent on lobes, at as many points as the number of evaluations then
+// allows. If there are more lobes than evaluations, the most similar lobes are added up. The decision depends on the
+// spread 1 - |r| of the sum of all lobes: from MULTUM_SPREAD_OF_LOBES on, evaluations are spent on lobes. A single
+// lookup reads this sum, two levels finer than the level of the pixel's longer side.
 //
 //     float points = multum_movmf_spread(sum) > MULTUM_SPREAD_OF_LOBES ? multum_lobe_points(16.0, 4.0) : 16.0;
 //     vec2 grid = multum_point_grid(points, length(dFdx(uv) * size), length(dFdy(uv) * size));
@@ -36,13 +36,13 @@ vec2 multum_point_place(float number, vec2 grid) {
 }
 
 // For materials without lobes: returns the variance of the geometry's unit normal over one of `count` parts of a pixel,
-// summed over both slopes (Kaplanyan et al. 2016; Tokuyoshi and Kaplanyan 2019). Lobes that are turned by the frames of
-// several places already contain this variance.
+// summed over both slopes (Kaplanyan et al. 2016; Tokuyoshi and Kaplanyan 2019). Lobes that are turned by the tangent
+// frames of several places already contain this variance.
 float multum_geometry_variance(vec3 normal_along_x, vec3 normal_along_y, float count) {
   return (dot(normal_along_x, normal_along_x) + dot(normal_along_y, normal_along_y)) / (12.0 * count);
 }
 
-// Returns alpha widened by that variance.
+// Returns alpha, increased by the variance of the geometry's normal.
 float multum_widened_alpha(float alpha, vec3 normal_along_x, vec3 normal_along_y, float count) {
   return sqrt(min(alpha * alpha + multum_geometry_variance(normal_along_x, normal_along_y, count), 1.0));
 }

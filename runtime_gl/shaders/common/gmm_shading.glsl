@@ -20,8 +20,9 @@ float multum_gmm_variance(vec4 lobe) {
   return max(0.5 * (lobe.z - dot(mean, lobe.xy)) / max(lobe.w, MULTUM_AMPLITUDE_MIN), 0.0);
 }
 
-// Returns sigma^2, about the lobe's mean, of facets with the distribution of normalised Blinn-Phong of exponent s. The
-// value is 1/(s + 3) about an upright normal; about a tilted normal, facets are foreshortened in one of two directions.
+// Returns sigma^2, about the lobe's mean, of facets with the distribution of normalised Blinn-Phong with exponent s.
+// The value is 1/(s + 3) about an upright normal; about a tilted normal, facets are foreshortened in one of two
+// directions.
 float multum_gmm_facet_variance(vec4 lobe, float s) {
   vec2 mean = multum_gmm_mean(lobe);
   return (1.0 - 0.5 * min(dot(mean, mean), 1.0)) / (s + 3.0);

@@ -14,9 +14,9 @@
 // multum_normal_map_share() at the end.
 //
 // Every function returns a * integral f(n . w) vMF(n) dn, the spherical convolution of the BRDF's one-angle factor f
-// with the lobe, times the amplitude. A lobe of amplitude 0 (no material, or a lobe that does not occur here) returns
-// 0. The highlight's own cosine max(n . l, 0) also depends on n. multum_movmf_highlight_cosine() returns its mean over
-// f(n . h) vMF(n). docs/contributing/ALGORITHMS.md, "The highlight's cosine", compares it with other methods.
+// with the lobe, times the amplitude. For a lobe of amplitude 0 (no material, or a lobe that does not occur here), the
+// result is 0. The highlight's own cosine max(n . l, 0) also depends on n. multum_movmf_highlight_cosine() returns its
+// mean over f(n . h) vMF(n). docs/contributing/ALGORITHMS.md, "The highlight's cosine", compares it with other methods.
 
 const float MULTUM_PI = 3.14159265358979;
 const float MULTUM_AMPLITUDE_MIN = 1e-6;  // smaller counts as 0; 1/32767, the least stored amplitude, is 30
@@ -28,7 +28,8 @@ float multum_movmf_spread(vec4 lobe) {
   return max(lobe.w - length(lobe.xyz), 0.0) / max(lobe.w, MULTUM_AMPLITUDE_MIN);
 }
 
-// Returns the mean direction mu. For r = 0 it may be any unit vector, because nothing depends on it.
+// Returns the mean direction mu. For r = 0 the result may be any unit vector, because no other value then depends on
+// it.
 vec3 multum_movmf_mean_direction(vec4 lobe) {
   float size = length(lobe.xyz);
   return size > 1e-12 ? lobe.xyz / size : vec3(0.0, 0.0, 1.0);
@@ -65,8 +66,8 @@ float multum_vmf_spread(float kappa) {
 }
 
 // Returns the lobe without a BRDF's width, for diffuse light, which does not depend on roughness. If lobes contain a
-// BRDF's width (multum:roughness), this width has shortened them by a factor. Only the factor's mean over the map is
-// known (multum:meanCosine).
+// BRDF's width (multum:roughness), this width has shortened their mean vectors by a factor. Only the factor's mean over
+// the map is known (multum:meanCosine).
 vec4 multum_movmf_without_roughness(vec4 lobe, float mean_cosine) {
   return vec4(lobe.xyz * min(1.0 / mean_cosine, lobe.w / max(length(lobe.xyz), 1e-12)), lobe.w);
 }
@@ -75,7 +76,7 @@ vec4 multum_movmf_without_roughness(vec4 lobe, float mean_cosine) {
 // and l. With m = |r| t: E max(x, 0) = (m + E|x|) / 2, x = n . l. E|x| is modelled as sqrt(m^2 + v exp(-g)), the shape
 // of the mean of a folded normal distribution, where v = (E|x|)^2 at t = 0 and g is a polynomial in m^2 / v. The
 // relative L1 error over the sphere of l is at most 0.22 % (spherical harmonics to l = 2 have 2-3 %). The result is
-// exact at |r| = 1, max(t, 0), and at r = 0, 1/4.
+// exact at |r| = 1, where it is max(t, 0), and at r = 0, where it is 1/4.
 float multum_vmf_mean_cosine(float d, float t) {
   float r = 1.0 - d;
   float m = r * t;
@@ -92,9 +93,8 @@ float multum_movmf_lambert(vec4 lobe, vec3 l) {
 }
 
 // Returns the normals of the lobe that reflect from l to the eye. Their distribution is f(n . h) vMF(n). If f is a vMF
-// about h of concentration facet_kappa, their distribution is also a vMF. The mean vector of this vMF is facet_kappa h
-// + kappa mu, and the length of this vector is its concentration. Returns the mean direction in xyz and the spread in
-// w.
+// about h with concentration facet_kappa, their distribution is also a vMF. The vector facet_kappa h + kappa mu has the
+// direction of this vMF, and its length is the concentration. Returns the mean direction in xyz and the spread in w.
 vec4 multum_movmf_reflecting_normals(vec4 lobe, vec3 h, float facet_kappa) {
   float d = multum_movmf_spread(lobe);
   vec3 sum = facet_kappa * h + multum_vmf_kappa(d) * multum_movmf_mean_direction(lobe);
@@ -103,10 +103,10 @@ vec4 multum_movmf_reflecting_normals(vec4 lobe, vec3 h, float facet_kappa) {
                                                                                 // that normal
 }
 
-// Returns the highlight's cosine: the mean of max(n . l, 0) over those normals. Multiplied by f convolved with the
-// lobe, it gives the integral of f(n . h) max(n . l, 0). For vMFs the integral is exact except for the 0.22 % above.
-// For Blinn-Phong, replaced by the vMF of the same mean cosine, the relative L1 error over l and the eye is at most 5.5
-// % at s = 1, 1.2 % from 5 and 0.25 % from 20.
+// Returns the highlight's cosine: the mean of max(n . l, 0) over the normals of multum_movmf_reflecting_normals().
+// Multiplied by f convolved with the lobe, this cosine gives the integral of f(n . h) max(n . l, 0). For vMFs, the only
+// error of the integral is the 0.22 % above. Blinn-Phong is replaced by the vMF with the same mean cosine; then the
+// relative L1 error over l and the eye is at most 5.5 % for s = 1, 1.2 % for s >= 5 and 0.25 % for s >= 20.
 float multum_movmf_highlight_cosine(vec4 lobe, vec3 h, vec3 l, float facet_kappa) {
   vec4 normals = multum_movmf_reflecting_normals(lobe, h, facet_kappa);
   return multum_vmf_mean_cosine(normals.w, dot(normals.xyz, l));
@@ -114,8 +114,8 @@ float multum_movmf_highlight_cosine(vec4 lobe, vec3 h, vec3 l, float facet_kappa
 
 // Returns a normal drawn from the lobe's vMF; `xi` is uniform in the unit square. The function is for renderers that
 // keep one normal per pixel, such as deferred renderers. Choose a lobe with its amplitude as probability, draw the
-// normal here, and shade it with the material's own roughness. The mean over frames is the sum over lobes. 1 - cosine
-// by inversion (Ulrich 1984), tangents by Duff et al. 2017.
+// normal here, and shade it with the material's own roughness. The mean over many frames equals the sum over lobes. 1 -
+// cosine is computed by inversion (Ulrich 1984), and tangents as in Duff et al. 2017.
 vec3 multum_movmf_drawn_normal(vec4 lobe, vec2 xi) {
   vec3 mu = multum_movmf_mean_direction(lobe);
   float kappa = max(multum_vmf_kappa(multum_movmf_spread(lobe)), 1e-3);
@@ -132,11 +132,11 @@ vec3 multum_movmf_drawn_normal(vec4 lobe, vec2 xi) {
 
 // Returns the mean of a normal map's normals for a pixel that is smaller than a texel, or slightly larger. Between
 // texels, the filter's mean is as short as if the pixel covered all four texels. If normals turn by g per texel, the
-// length of the mean falls by g^2 / 6 on average. A pixel of w texels sees a variance of g^2 w^2 / 12, which is w^2 / 2
-// of this loss. From w^2 = 2 on, where coarser levels take over, it sees the whole loss. `map_lod` is log2 w, where w
-// is the pixel's longer side. `lobe` is (a r, a); a is less than 1 only at a black border. Do not use this function for
-// files with roughness in their lobes (multum:roughness), because the lengths of these lobes also contain the BRDF's
-// width.
+// length of the mean falls by g^2 / 6 on average. The normals under a pixel that is w texels wide have a variance of
+// g^2 w^2 / 12. This is w^2 / 2 times the loss of length, and for w^2 >= 2, where coarser levels are used, the whole
+// loss counts. `map_lod` is log2 w, where w is the pixel's longer side. `lobe` is (a r, a); a is less than 1 only at a
+// black border. Do not use this function for files with roughness in their lobes (multum:roughness), because the
+// lengths of these lobes also contain the BRDF's width.
 vec4 multum_movmf_magnified(vec4 lobe, float map_lod) {
   float size = length(lobe.xyz);
   if (size <= MULTUM_AMPLITUDE_MIN) return lobe;
@@ -146,8 +146,9 @@ vec4 multum_movmf_magnified(vec4 lobe, float map_lod) {
 
 // Returns the share of the normal map, which is one more lobe in files whose finest stored level L = multum:firstLevel
 // is not 0. The lobe maps begin at L; the levels finer than L come from the normal map. The mips of the normal map must
-// be averages of unit vectors that keep their length (a float or snorm texture with x, y and z, or an unsigned one
-// decoded after filtering). That length is the lobe's spread, as in Toksvig's rule, and at level 0 it is 1.
+// be averages of unit vectors, and must not be normalised. Use a float or snorm texture with x, y and z, or an unsigned
+// one that is decoded after filtering. The length of an average gives the lobe's spread, as in Toksvig's rule; at level
+// 0 the length is 1.
 //
 //     float lod = textureQueryLod(lobe_map[0], uv).y;               // ES 300: EXT_texture_query_lod or derivatives
 //     float share = multum_normal_map_share(lod);
@@ -156,8 +157,8 @@ vec4 multum_movmf_magnified(vec4 lobe, float map_lod) {
 //
 // `lod` is the level of detail of the lobe maps before clamping: 0 at L, -1 at L - 1. The normal map's share is 0 from
 // L on, 1 up to L - 1, and linear in between, as in trilinear filtering. All functions above are linear in (a r, a), so
-// a share of a lobe is shaded to the same share of its light. The normal map's own level of detail must stop at L - 1
-// (GL_TEXTURE_MAX_LEVEL, or textureLod), because lobes replace its coarser levels. This lobe's colour comes from the
-// albedo map. With an anisotropic sampler, `lod` is for the pixel's shorter side. multum_movmf_magnified() needs the
-// longer side: the larger of dFdx and dFdy of uv times the map's size.
+// a lobe that is multiplied by a share gives the same share of the light. The normal map's own level of detail must
+// stop at L - 1 (GL_TEXTURE_MAX_LEVEL, or textureLod), because lobes replace its coarser levels. This lobe's colour
+// comes from the albedo map. With an anisotropic sampler, `lod` is for the pixel's shorter side.
+// multum_movmf_magnified() needs the longer side: the larger of dFdx and dFdy of uv times the map's size.
 float multum_normal_map_share(float lod) { return clamp(-lod, 0.0, 1.0); }

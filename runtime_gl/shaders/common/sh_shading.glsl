@@ -9,10 +9,10 @@
 //                        of l = m + 1 to the order (host/formats/asset/averages/spherical_harmonics.h, sh_recurrence())
 //
 // and multiplies the bands by the zonal coefficients of its BRDF, a_l = 2 pi integral f(t) P_l(t) dt. Any BRDF of one
-// angle can be used, at run time. The result is cut off above the order. For a sharp highlight the cut-off causes a
-// blur with rings, whose negative parts are clamped. No window is applied to the coefficients: every window that was
-// tried has a higher error wherever the order is sufficient (docs/contributing/ALGORITHMS.md, "Spherical harmonics",
-// has the figures).
+// angle can be used, at run time. The series is cut off above MULTUM_SH_ORDER. This blurs a sharp highlight and
+// surrounds it with rings, whose negative parts are clamped. No window is applied to the coefficients: every window
+// that was tried has a higher error wherever the order is sufficient (docs/contributing/ALGORITHMS.md, "Spherical
+// harmonics", has the figures).
 //
 // kernels/device/spherical_harmonics.clh has the same formulas; tests/agreement compares both with double precision.
 

@@ -8,15 +8,16 @@
 //   longer, shorter   of |d(s, t)/dx| and |d(s, t)/dy|, in texels of level 0
 //   N                 ceil(longer / shorter), at most MULTUM_TAPS
 //   tap i of 0..N-1   at ((i + 1/2) / N - 1/2) times the longer derivative from the middle
-//   level             u_level_bias + log2(longer) of one tap, max(log2(shorter), log2(longer / N) - 0.75) of several
+//   level             u_level_bias + log2(longer) for one tap, max(log2(shorter), log2(longer / N) - 0.75) for several
 //
 // With one tap this is the trilinear filter of OpenGL 4.5, section 8.14. The extension's example differs in two ways.
 // It uses the level of longer / N. For ratios just above a whole number, this level is up to an octave finer than the
-// shorter length, and the picture sparkles across it. And its taps are 1 / (N + 1) apart. A trilinear lookup reaches
-// twice the texel width of its level, so neighbouring taps overlap, and a finer level is enough along the axis. Offsets
-// of 0, 0.5, 0.75 and 1 octave were tried; 0.75 had the lowest error against references of six real maps (2 taps, bias
-// -0.25: 8.5 %, compared with 9.9 % for the example). u_level_bias < 0 sharpens: at -0.79, one tap on a square
-// footprint has the variance of the pixel's own box (docs/evidence/WILLIAMS.md, "The factor").
+// level of the shorter length, and the picture sparkles in the direction of the shorter length. The other difference is
+// that the example's taps are 1 / (N + 1) apart. A trilinear lookup reaches twice the texel width of its level, so
+// neighbouring taps overlap, and a finer level is enough along the axis. Offsets of 0, 0.5, 0.75 and 1 octave were
+// tried; 0.75 had the lowest error against references of six real maps (2 taps, bias -0.25: 8.5 %, compared with 9.9 %
+// for the example). u_level_bias < 0 sharpens: at -0.79, one tap on a square footprint has the variance of the pixel's
+// own box (docs/evidence/WILLIAMS.md, "The factor").
 //
 // With MULTUM_DRIVER_FILTER the driver's sampler does all of this instead.
 #ifndef MULTUM_TAPS

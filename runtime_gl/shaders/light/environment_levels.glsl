@@ -36,7 +36,8 @@ vec3 multum_term_light(vec3 mu, float d, float q, vec3 v, vec3 along, vec3 acros
     float v_h = dot(v, h);
     if (v_h <= 0.0) continue;
     vec3 l = 2.0 * v_h * h - v;
-    // The normals that reflect in this direction are between mu and h, closer to the sharper of the two.
+    // The normals that reflect in this direction are between mu and h. They are closer to h if the facets are sharper
+    // than the lobe.
     float n_l = max(dot(normalize(d * h + q * mu), l), 0.0);
     float weight = (2.0 - abs(p.x)) * (2.0 - abs(p.y)) * v_h * n_l;
     float level = multum_environment_level(min(4.0 * v_h * share * variance, 1.0));

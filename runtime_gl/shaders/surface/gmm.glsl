@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Shades a mixture of MULTUM_LOBE_COUNT planar Gaussians (Tan et al. 2005, section 3), after common/gmm_shading.glsl.
-// lobes.glsl fetches them, and Tan's BRDF shades them. Of a BRDF, uses only its width, u_exponent, and with
-// MULTUM_VISIBILITY its shadowing: I = k_s F sum a_i g(h; mu_i, sigma_i) V max(mu_i . l, 0) + k_d (1 - F) sum a_i
-// max(mu_i . l, 0). With V = 1 / (4 mu.l mu.v) this is the paper's formula.
+// lobes.glsl fetches the Gaussians, and Tan's BRDF shades them. Uses only the width of the scene's BRDF, u_exponent,
+// and with MULTUM_VISIBILITY its shadowing: I = k_s F sum a_i g(h; mu_i, sigma_i) V max(mu_i . l, 0) + k_d (1 - F) sum
+// a_i max(mu_i . l, 0). With V = 1 / (4 mu.l mu.v) this is the paper's formula.
 
 // Returns V at the mean of the normals that reflect towards v: the lobe's Gaussian times that of the facets around h.
 float multum_gmm_visibility(vec4 lobe, float n_l, vec3 v, vec3 h) {

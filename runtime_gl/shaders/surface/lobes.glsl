@@ -3,14 +3,14 @@
 // follow this file. MULTUM_COLOURS: lobes have colours. MULTUM_MEAN_COLOURS: all lobes share the colour of a separate
 // texture. MULTUM_NORMAL_MAP: levels finer than those of the lobes come from the normal map, as one more lobe (a r, a)
 // of a mean normal; MULTUM_ALBEDO_MAP: this lobe has its own colours. MULTUM_BASIS k: everything is multiplied by
-// weight k of the lobes. MULTUM_DRAWN_LOBE: a single normal, drawn at random from the lobes by amplitude for each of
-// u_sample frames. The random numbers come from blue_noise.glsl or, with MULTUM_HASHED, from footprint.glsl, whose
-// numbers are white noise over the picture. MULTUM_SHADE_FIRST: the lobes of all eight texels, each with its weight, so
-// that shading precedes filtering. Lobes that are not aligned need this; taps are then also shaded one by one.
-// MULTUM_MAGNIFIED: between texels of level 0, shows the surface of an interpolated normal map instead of interpolating
-// the texels' light. MULTUM_WHOLE: amplitudes of a texel sum to 1, except for storage errors, and are rescaled to 1.
-// MULTUM_LOBE_LAYERS n: lobes have the format of multum export --lobes, 1 or 2 layers of an array per lobe, whose four
-// channels are converted to (a r, a) (docs/reference/lobe_textures.md, "Lobes for GPUs").
+// weight k of the lobes. MULTUM_DRAWN_LOBE: uses a single normal, drawn at random from the lobes by amplitude for each
+// of u_sample frames. The random numbers come from blue_noise.glsl or, with MULTUM_HASHED, from footprint.glsl, whose
+// numbers are white noise over the picture. MULTUM_SHADE_FIRST: fetches the lobes of all eight texels with their
+// weights, so that each texel is shaded before filtering. Lobes that are not aligned need this flag, which also shades
+// taps one by one. MULTUM_MAGNIFIED: between texels of level 0, shows the surface of an interpolated normal map instead
+// of interpolating the texels' light. MULTUM_WHOLE: amplitudes of a texel sum to 1, except for storage errors, and are
+// rescaled to 1. MULTUM_LOBE_LAYERS n: lobes have the format of multum export --lobes, 1 or 2 layers of an array per
+// lobe, whose four channels are converted to (a r, a) (docs/reference/lobe_textures.md, "Lobes for GPUs").
 #ifdef MULTUM_LOBE_LAYERS
 #define MULTUM_FIRST_LOBES u_lobe_layers
 uniform sampler2DArray u_lobe_layers;
@@ -149,8 +149,8 @@ void multum_draw_lobe(inout MultumSurface surface) {
 #endif
 
 #ifdef MULTUM_MAGNIFIED
-// For a pixel smaller than a texel, turns all lobes to the mean normal there: their sum becomes the
-// multum_movmf_magnified() of their old sum.
+// For a pixel smaller than a texel, turns all lobes towards the mean normal there, so that their sum becomes
+// multum_movmf_magnified() of the original sum.
 void multum_magnify(inout MultumSurface surface, float lod) {
   if (lod >= 0.5) return;
   vec4 sum = vec4(0.0);

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Shades a mixture of MULTUM_LOBE_COUNT vMF lobes, which lobes.glsl fetches. MULTUM_ROUGHNESS: the lobes include the
-// BRDF's width. MULTUM_PAPER: max(mu . l, 0) of Han's Algorithm 2 for diffuse and specular light.
+// BRDF's width. MULTUM_PAPER: uses max(mu . l, 0), as in Han's Algorithm 2, for diffuse and specular light.
 
 #ifdef MULTUM_EVALUATIONS
 #define MULTUM_LOBES_ADD_UP
 
-// Adds all parts up to one part, which is stored in the place of the first.
+// Adds up all parts and stores the sum as the first part.
 void multum_add_up(inout MultumSurface surface) {
   vec4 sum = vec4(0.0);
 #ifdef MULTUM_COLOURS
@@ -47,8 +47,9 @@ float multum_spread_of_all(MultumSurface surface) {
 #endif
 
 #ifdef MULTUM_VISIBILITY
-// Returns V of the mean cosines over the lobe's normals that reflect from l to v. These normals are near h. The mean of
-// the normals, which gives n.h, is between h and the lobe's mean, closer to the sharper of the two.
+// Returns V, computed from the mean cosines over the lobe's normals that reflect from l to v. These normals are near h.
+// The mean of the normals, which gives n.h, is between h and the lobe's mean. It is closer to h if the facets are
+// sharper than the lobe.
 float multum_lobe_visibility(vec4 lobe, vec3 l, vec3 v, vec3 h) {
   vec3 facets = multum_lobe_facets(lobe, h);
   float total = max(facets.x + facets.y + facets.z, 1e-20);

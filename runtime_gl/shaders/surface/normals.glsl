@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// One normal per fragment, in one of four ways (exactly one is defined):
+// Shades one normal per fragment in one of four ways. Exactly one of these flags is defined:
 //   MULTUM_REFERENCE  the finest map's nearest texel    MULTUM_TOKSVIG  |averaged normal| -> gloss (Toksvig 2004)
 //   MULTUM_MIP        averaged normal, normalised       MULTUM_LEAN     slope moments (Olano and Baker 2010):
 //                                                       density of slopes; MULTUM_JACOBIAN: / cos^3, normalised
@@ -10,8 +10,8 @@
 // roughness map, averaged as in an engine. MULTUM_BASIS k: everything is multiplied by weight k. MULTUM_COLOURS: the
 // map has colours. MULTUM_NORMAL_MAP: levels finer than the stored ones come from the normal map. The normal map has no
 // moments of slopes, so these levels are shaded by Toksvig's rule, before mixing. MULTUM_ALBEDO_MAP: their colours come
-// from the albedo map. MIP, TOKSVIG and LEAN read a baked file of moments, or mips of the finest map, which are the
-// same.
+// from the albedo map. MIP, TOKSVIG and LEAN read a baked file of moments, or mips of the finest map, which contain the
+// same values.
 uniform sampler2D u_normals;  // unit normal for REFERENCE, otherwise averaged normal, with w = E[b_s b_t] for LEAN
 #ifdef MULTUM_LEAN
 uniform sampler2D u_slopes;  // E[b_s], E[b_t], E[b_s^2], E[b_t^2]
@@ -128,12 +128,12 @@ MultumSurface multum_fetch_surface(vec2 st, MultumFootprint footprint) {
 }
 #endif
 
-// Smaller means are places without material, beyond the border of a map that wraps black. Normals above the surface
-// never have a mean of 0.
+// Where the length of the mean is smaller, there is no material, because the place is beyond a black border of the map.
+// Normals above the surface never have a mean of 0.
 const float MULTUM_MEAN_MIN = 1e-12;
 
 // Returns the material's Blinn-Phong exponent. For a roughness p, alpha = p^2, the peak equals that of Beckmann's and
-// GGX's distributions: s = 2 / alpha^2 - 2. The exponent is limited to that for mirrors.
+// GGX's distributions: s = 2 / alpha^2 - 2. The exponent is limited to u_exponent.
 float multum_exponent(MultumSurface surface) {
 #ifdef MULTUM_ROUGHNESS_MAP
   float alpha = surface.roughness * surface.roughness;
@@ -154,14 +154,14 @@ float multum_slope_exponent(MultumSurface surface) {
 }
 
 #ifdef MULTUM_TURNED
-// Returns a mean normal whose normals also turn with the geometry: a vMF of variance v / 2 along each axis has
-// 1 - |r| = v / 2.
+// Returns a mean normal, shortened by the variance v of the geometry's normals: a vMF with the variance v / 2 along
+// each axis has 1 - |r| = v / 2.
 vec3 multum_turned_mean(vec3 mean) { return mean / (1.0 + 0.5 * multum_turn_variance); }
 
-// Returns the moments of slopes with that variance added along each axis.
+// Returns the moments of slopes with the geometry's variance added along each axis.
 vec4 multum_turned_slopes(vec4 slopes) { return slopes + vec4(0.0, 0.0, vec2(0.5 * multum_turn_variance)); }
 
-// Returns Blinn-Phong's exponent with that variance added; 1 / s is the variance along each axis.
+// Returns Blinn-Phong's exponent with the geometry's variance added; 1 / s is the variance along each axis.
 float multum_turned_exponent(float s) { return s / (1.0 + 0.5 * multum_turn_variance * s); }
 #else
 #define multum_turned_exponent(s) (s)
@@ -239,7 +239,7 @@ MultumReflection multum_reflect(MultumSurface surface, vec3 l, vec3 v, vec3 h) {
 }
 
 #ifdef MULTUM_ENVIRONMENT
-// Treats a mean normal as a lobe of its length; MIP treats it as one normal.
+// Treats a mean normal as a lobe whose mean vector has its length; MIP treats it as one normal.
 MultumReflection multum_reflect_environment(MultumSurface surface, vec3 v) {
   vec3 mean = surface.normal.xyz;
   if (length(mean) <= MULTUM_MEAN_MIN) return MultumReflection(vec3(0.0), vec3(0.0));

@@ -112,7 +112,7 @@ class LookPage {
     this.setMeans(means);
     this.setLobes(file);
     this.setExported(exported);
-    // Only multum export can fit the one-lobe export; the page cannot.
+    // The page cannot fit one lobe per texel, so this choice needs the files of multum export.
     for (const id of ["left", "right"])
       [...byId(id).options].find(({ value }) => value === "export").disabled = exported === null;
     byId("lock").replaceChildren(...[[-1, "by distance"], ...means.map((_, level) => [level, `level ${level}`])].map(

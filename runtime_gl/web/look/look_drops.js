@@ -51,7 +51,8 @@ function normalsOfImage(image) {
 }
 
 /**
- * Returns the distance of x and y of `level`, a level of meanNormals(), from `means` (x, y). y is multiplied by `sign`.
+ * Returns the root mean square difference between x and y of `level`, a level of meanNormals(), and of `means`. First
+ * multiplies the y of `level` by `sign`.
  */
 function normalsApart(level, means, sign) {
   let sum = 0;
@@ -109,8 +110,9 @@ class Drops {
   }
 
   /**
-   * Returns the JSON of each glTF, or an Error if it is damaged, and whether they use a file. The files of a damaged
-   * glTF are unknown, so every picture and every unknown file then counts as used.
+   * Returns `models`, the JSON of each glTF or an Error if it is damaged, and `isCompanion`, a function that tells
+   * whether a glTF uses a file. The files of a damaged glTF are unknown, so every
+   * picture and every file of an unknown type then counts as used.
    */
   async gltfModels(list, kinds) {
     const models = new Map(), named = new Set();

@@ -2,8 +2,8 @@
 // Decodes NAME.ndf.exr of vMF lobes (docs/reference/file_format.md) for a GPU, in a worker: the lobes in the layout of
 // multum export --lobes --texels rgba16f (host/delivery/export/lobes/lobe_encoding.cpp), and the normals of level 0.
 // Reads the part of OpenEXR ("OpenEXR File Layout", openexr.com) that multum writes: tiled parts with one level or mip
-// levels, with halfs and floats, and with the compressions none, RLE, ZIPS and ZIP. Checks all sizes in a file before
-// it allocates memory for them.
+// levels, with 16-bit and 32-bit floats, and with the compressions none, RLE, ZIPS and ZIP. Checks all sizes in a file
+// before it allocates memory for them.
 //
 //   magic, version | header of each part | 8 bytes per tile: its offset, parts and levels in order | tiles
 //   tile: part (only in multi-part files), tile x, tile y, level x, level y, size: 4 bytes each | data
@@ -114,7 +114,7 @@ function exrPart(attributes, width, height, levelCount) {
     tileCount: levels.reduce((sum, { across, down }) => sum + across * down, 0) };
 }
 
-/** Returns the plan of a file: its header's facts, its parts by name, and the start of the tables of tiles. */
+/** Returns a file's structure: data of its header, its parts by name, and the place of the tables of tiles. */
 function exrPlan(bytes) {
   if (bytes.length < 8 || EXR_MAGIC.some((one, i) => bytes[i] !== one)) exrRefuse("no magic number of OpenEXR",
     "NAME.ndf.exr");
@@ -216,11 +216,11 @@ const EXR_FROM_HALF = Float64Array.from({ length: 65536 }, (_, bits) => {
 });
 
 const exrFloat = new Float32Array(1), exrBits = new Uint32Array(exrFloat.buffer);
-/** Returns the nearest half, ties to even, of a value whose magnitude is at most 2. */
+/** Returns the nearest 16-bit float, ties to even, of a value whose magnitude is at most 2. */
 function exrHalf(value) {
   exrFloat[0] = Math.abs(value);
   const magnitude = exrBits[0], sign = value < 0 ? 0x8000 : 0;
-  if (magnitude < 0x38800000) { // such halves have steps of 2^-24; adding 1/2 rounds to these steps
+  if (magnitude < 0x38800000) { // 16-bit floats below this value have steps of 2^-24; adding 1/2 rounds to them
     exrFloat[0] += 0.5;
     return sign | (exrBits[0] - 0x3f000000);
   }
@@ -270,7 +270,7 @@ async function exrLevel(bytes, part, level, wanted, tick) {
   return planes;
 }
 
-/** Writes halves x, y, s, a of a lobe's texels to `out`. s is chosen so that the rounded x, y and a keep the spread. */
+/** Writes x, y, s, a of a lobe's texels to `out` as 16-bit floats. s is chosen so that rounding keeps the spread. */
 function exrEncodeLobe({ R, G, B, A }, out) {
   for (let i = 0; i < A.length; ++i) {
     const amplitude = exrHalf(Math.max(A[i], 0)), kept = EXR_FROM_HALF[amplitude];

@@ -19,8 +19,8 @@ vec3 look_shaded(vec2 st, mat3 to_world, vec3 position, vec3 v) {
 }
 `;
 
-// multum-view's plane has its map once per unit, with row 0 at y = 60. Rays intersect the plane, because SwiftShader
-// draws polygons from behind the eye to the horizon with an error of up to half a pixel.
+// multum-view's plane has its map once per unit, with row 0 at y = 60. The plane is drawn by intersecting it with rays,
+// because SwiftShader has an error of up to half a pixel for polygons that reach from behind the eye to the horizon.
 const LOOK_MAIN = `
 uniform vec3 u_eye;
 uniform mat3 u_rays;  // matrix from a pixel's place (across, up: -1 to 1) and 1 to its ray
@@ -107,7 +107,7 @@ void main() {
 
 class LookGl {
   /**
-   * `shaders` has texts by name, and `table` the halves of GGX over lobes. Throws Error if the browser lacks a feature.
+   * `shaders` has texts by name. `table` has GGX over lobes in 16-bit floats. Throws Error if a feature is missing.
    */
   constructor(canvas, shaders, table) {
     const gl = canvas.getContext("webgl2",

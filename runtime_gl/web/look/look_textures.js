@@ -113,7 +113,7 @@ const kappaOf = (length) => {
   return Math.min(1e9, Math.max(1e-9, (3 * r - r ** 3) / (1 - r * r)));
 };
 
-/** The perceptual roughness by each engine's rule, for the length of a mean normal and the base roughness. */
+/** Functions that return the perceptual roughness in an engine, from a mean normal's length and the base roughness. */
 const ENGINE_RULES = {
   unreal: ["Unreal", (length, roughness) => {
     const a2 = Math.max(roughness, 1e-3) ** 4;

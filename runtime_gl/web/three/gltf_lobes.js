@@ -12,7 +12,7 @@ const NAME = "MULTUM_lobes";
  *     loader.register((parser) => new GltfLobes(parser, renderer));
  *
  * The result of GLTFLoader has the LobeTextures in `userData.lobes`; dispose of them with the model. `options` are as
- * in addLobes(). Materials with normal maps and no lobes are shaded at as many points (addPoints()). Maps get the
+ * in addLobes(). Materials with normal maps and no lobes get addPoints() with the same `evaluations`. Maps get the
  * renderer's most anisotropic filter. Loading fails if the extension is damaged. A material that cannot have lobes
  * keeps its own textures, with a warning on the console.
  */

@@ -9,8 +9,8 @@ const TAPS_MAX = 16;
 // Features of MeshPhysicalMaterial that need more data about normals than lobes provide.
 const REFUSED = ["anisotropy", "sheen", "retroreflectivity", "diffuseRoughness"];
 const GRIDS = { 1: "ivec2(1)", 2: "ivec2(2, 1)", 4: "ivec2(2)", 8: "ivec2(4, 2)", 16: "ivec2(4)" }; // by evaluations
-// The least spread of a pixel's normals, two levels finer, at which evaluations are spent on lobes (README.md,
-// "Evaluations").
+// The least spread of a pixel's normals at which evaluations are spent on lobes; the spread is read two levels finer
+// (README.md, "Evaluations").
 const LOBES_FROM = { auto: 0.002, points: 2, lobes: -1 };
 const states = new WeakMap(); // changed materials: { lobes, own, onBeforeCompile, customProgramCacheKey }
 
@@ -83,7 +83,8 @@ function restore(material) {
 }
 
 /**
- * Makes `material` draw `lobes` (LobeTexture) where its normal map is filtered. Its roughness is the surface's own.
+ * Makes `material` draw `lobes` (LobeTexture) where its normal map is filtered. The roughness of
+ * `material` must be that of the surface itself, without the effect of filtered normals.
  *
  * `evaluations` is the number of evaluations of the material's light per pixel: 1, 2, 4, 8 or 16. `spend` says on what
  * they are spent: "points", "lobes", or "auto", which decides for each pixel. `taps` is the number of trilinear lookups

@@ -48,9 +48,9 @@ vec3 multum_finest_normal(vec2 st, float level) {
 `;
 
 // A pixel's light is the mean of MULTUM_EVALUATIONS evaluations; each shades one lobe at one point. If normals are
-// similar, evaluations are spent on points of three.js's own material, from 4 evaluations on. Otherwise they are spent
-// on lobes or, near the level of the map, on points whose lobes are added up to one. If there are more lobes than
-// evaluations, the most similar lobes are added up.
+// similar and there are at least 4 evaluations, three.js's own material is shaded at several points. Otherwise
+// evaluations are spent on lobes, or on points if the level is close to the levels of the normal map. All lobes of such
+// a point are added up to one. If there are more lobes than evaluations, the most similar lobes are added up.
 //
 // Lobes are read at points, each over its part of the footprint, and turned by the frame of each place before they are
 // added up. A map that was baked for a model with few polygons compensates for the turns of the model's interpolated
@@ -177,9 +177,10 @@ void multum_fetch_lobes(float count, vec2 part, float side) {
 #endif
 }
 
-// Decides how to spend a pixel's evaluations, by the spread of all normals about it, one level finer than its own. Four
-// neighbouring pixels share derivatives and must read textures together, because the lookups need these derivatives.
-// These pixels use one place between them, so that all four decide in the same way.
+// Decides how to spend a pixel's evaluations. The decision depends on the spread of the normals around the pixel, read
+// one level finer than the pixel's own level. Four neighbouring pixels share derivatives and must read textures
+// together, because the lookups need these derivatives. These pixels use one place between them, so that all four
+// decide in the same way.
 void multum_decide() {
 #if MULTUM_EVALUATIONS >= 2
   MultumFootprint footprint = multum_part_footprint(vec2(1.0));
@@ -200,8 +201,8 @@ void multum_decide() {
 ivec2 multum_points() { return multum_lobes_pay ? MULTUM_LOBE_POINTS : MULTUM_POINTS; }
 
 // Reads all other maps over a point's part of the pixel. If evaluations are spent on lobes, there are fewer points. A
-// point's maps are then means over several places, so that the number of places stays the same. The maps are read with
-// the point's first lobe.
+// point's maps are then means over several places, so that the number of places stays the same. The maps are read when
+// the point's first lobe is shaded, and reused for its other lobes.
 vec4 multum_map(int number, sampler2D map, vec2 st, vec2 along_x, vec2 along_y) {
   if (multum_maps_are_read) return multum_read_maps[number];
   ivec2 points = multum_points(), places = MULTUM_POINTS / points;
@@ -337,7 +338,7 @@ void RE_Direct_RectArea_Multum(const in RectAreaLight rectAreaLight, const in ve
 #endif
 `;
 
-// normalScale gives only the direction of green; lobes contain the scale.
+// Only the signs of normalScale are used, for the direction of green, because lobes already contain the scale.
 const NORMAL = `
 multum_weight = multum_take_lobe(multum_evaluation, normal, faceDirection);
 if (dot(multum_lobe.xyz, multum_lobe.xyz) > 1e-12) normal = normalize(multum_lobe.xyz);
@@ -346,13 +347,13 @@ diffuseColor.rgb *= multum_tint;
 #endif
 `;
 
-// Lobes contain the change of the geometry's normals.
+// Lobes already contain the variance of the geometry's normals.
 const GEOMETRY = `
 if (multum_is_plain) ${VARIANCE}
 `;
 
 /**
- * Returns the fragment shader of a physical material with lobes. `defines` are by name, and `chunks` those of three.js.
+ * Returns the fragment shader of a physical material with lobes. `defines` and three.js's `chunks` are keyed by name.
  */
 export function fragmentWithLobes(fragment, defines, chunks, revision) {
   const edit = (name, chunk) => {

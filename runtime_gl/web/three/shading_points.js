@@ -38,7 +38,7 @@ ${each((name) => `multum_derive_${name}()`)}}
 void multum_move(vec2 by) {  // offset from the pixel's middle, in pixels
 ${each((name) => `multum_move_${name}(by)`)}}
 `;
-// Handles maps without lobes.
+// Defines, for materials without lobes, the functions that differ for lobes.
 const PLAIN = `
 void multum_decide() {}
 vec4 multum_map(int number, sampler2D map, vec2 st, vec2 along_x, vec2 along_y) {
@@ -79,12 +79,12 @@ const END = `
   diffuseColor.a = multum_alpha;
   vec3 outgoingLight = multum_light;
 `;
-// The decision is made for the whole pixel by its mean alpha.
+// The alpha test is made once for the whole pixel, with its mean alpha.
 const ALPHA_TESTS = ["alphatest_fragment", "alphahash_fragment"];
 
-// The variance of a box filter over the point's part of the pixel (Kaplanyan et al. 2016; Tokuyoshi and Kaplanyan
-// 2019).
-// three.js instead adds the largest change of a component to the roughness.
+// GEOMETRY is three.js's line, which adds the largest change of a normal's component to the roughness. VARIANCE
+// replaces this line; it adds the variance of the normals over the point's part of the pixel, for a box filter
+// (Kaplanyan et al. 2016; Tokuyoshi and Kaplanyan 2019).
 const GEOMETRY = "material.roughness += geometryRoughness;";
 export const VARIANCE = `{
   vec3 along_x = dFdx(nonPerturbedNormal), along_y = dFdy(nonPerturbedNormal);
@@ -96,8 +96,8 @@ export const VARIANCE = `{
  * Returns the fragment shader of a physical material that is shaded at MULTUM_EVALUATIONS points of each pixel. Maps
  * are sampled MULTUM_MAP_BIAS octaves coarser than for the whole pixel. `defines` are by name. `lobes`, if given, is
  * GLSL with multum_decide(), multum_shift() and multum_map(), whose first parameter numbers the lookups. `geometry` is
- * the effect of the change of the geometry's normals on roughness. `edit(name, text)` returns the replacement of a
- * chunk's text.
+ * GLSL that adds the variance of the geometry's normals to the roughness. `edit(name, text)` returns the replacement of
+ * a chunk's text.
  */
 export function fragmentAtPoints(fragment, chunks, revision,
   { defines, lobes = null, geometry = VARIANCE, edit = (name, text) => text }) {

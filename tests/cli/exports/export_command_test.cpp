@@ -307,7 +307,7 @@ TEST_F(ExportCommandTest, OpenImageIoReadsDds) {
 }
 
 // Errors are measured on decoded blocks with the z that a shader computes. In this rough map the normals of a block
-// differ much.
+// differ greatly.
 TEST_F(ExportCommandTest, MeasuresWhatIsStored) {
   make_map("big", 128);
   std::map<std::string, double> errors;
@@ -393,7 +393,7 @@ TEST_F(ExportCommandTest, WritesAPage) {
       << "launches of the page's bake must not count for the export";
   if (program_works("ffmpeg", "-version")) EXPECT_EQ(decode_base64(data["video"])->substr(0, 4), "\x1a\x45\xdf\xa3");
   else expect_says(result.err, {"ffmpeg", "no moving pictures"});
-  // The export, the page and the bake of lobes each read the map, but the line about it is printed once.
+  // The export, the page and the bake of lobes each read the map, but the message about the map is printed only once.
   std::istringstream said(result.err);
   std::set<std::string> lines;
   for (std::string line; std::getline(said, line);) EXPECT_TRUE(lines.insert(line).second) << line;

@@ -237,7 +237,7 @@ TEST_F(ExportEnginesTest, ThreeReadsUastc) {
       for (std::size_t i = 0; i < texels.size() / 4; ++i)
         for (std::size_t c = 0; c < static_cast<std::size_t>(expected.channels); ++c)
           error += std::abs(texels[4 * i + c] - expected.values[i * static_cast<std::size_t>(expected.channels) + c]);
-      // Axes of anisotropy differ much between neighbouring texels.
+      // Axes of anisotropy differ greatly between neighbouring texels.
       EXPECT_LT(error / static_cast<float>(expected.values.size()), texture == "anisotropy" ? 0.06f : 0.03f)
           << "level " << l;
     }

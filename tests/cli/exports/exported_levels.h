@@ -22,7 +22,8 @@ struct Picture {
 /// Fails the test if the image cannot be read.
 Picture read_picture(const std::string& path);
 
-/// Returns a level's bytes from a file without supercompression: by the index in KTX2, in file order in DDS.
+/// Returns a level's bytes from a file without supercompression. In KTX2 the index gives their place; in DDS the levels
+/// are in file order.
 std::string level_of(const std::string& bytes, TexelFormat format, int width, int height, int level);
 
 /// Returns texels as a shader reads them, four values each.

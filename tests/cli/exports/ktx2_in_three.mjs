@@ -22,7 +22,7 @@ const PAGE = `<!doctype html><script type="importmap">{"imports": {"three": "/mo
   const loader = new KTX2Loader().setTranscoderPath("/modules/three/examples/jsm/libs/basis/").detectSupport(renderer);
   const gl = renderer.getContext();
 
-  // Draws a level one pixel per texel, without filtering.
+  // Draws a level at one pixel per texel, without filtering.
   function texelsOf(map, level, width, height) {
     const target = new THREE.WebGLRenderTarget(width, height, { type: THREE.FloatType });
     const material = new THREE.ShaderMaterial({

@@ -65,9 +65,9 @@ StorageError storage_error(const MovmfMipmap& baked, const MovmfMipmap& stored) 
 
 TEST_F(LobeExportTest, StoresTheLobes) {
   const MovmfMipmap baked = read_movmf_mipmap(path("map.ndf.exr"));
-  // These errors are expected: halves have 11 bits, 8 bits of a lobe's range give 1/255 / sqrt(12) per channel, and BC4
-  // gives a seventh of a block's span. Blocks of the coarsest levels are not full, so all levels of a map of 64 x 64
-  // take more than 4/3 of the first level.
+  // These errors are expected: 16-bit floats have 11 bits of precision, 8 bits of a lobe's range give 1/255 / sqrt(12)
+  // per channel, and BC4 gives a seventh of a block's span. Blocks of the coarsest levels are not full, so all levels
+  // of a map of 64 x 64 take more than 4/3 of the first level.
   const struct {
     const char* texels;
     double bytes_ratio;

@@ -17,7 +17,8 @@ def run(*words):
 
 
 def scene_of(maps, budget=""):
-    """Returns a scene with a painted wall for each map: its name, the beginning of its file name, more lines."""
+    """Returns a scene with a painted wall for each map. A map is given by its name, the beginning of its file name, and
+    more lines."""
     head = f"""[camera]
 resolution = [96, 72]
 {budget}

@@ -207,7 +207,8 @@ class MapShardTest(unittest.TestCase):
         self.assertEqual((whole["shares"], "band_seconds" in whole), (0, False))
         half = 0.6 * whole["processor_seconds"]
         self.assertEqual(json.loads(self.plan("--share-seconds", half, "--json").stdout)["shares"], 2)
-        # The plan has at most as many shares as the map has room for, and none for a bake that cannot be divided.
+        # The plan never has more shares than the map can be divided into. It has no shares for a bake that cannot be
+        # divided.
         many = json.loads(self.plan("--share-seconds", 0.001, "--json").stdout)["shares"]
         self.assertEqual(self.plan("--shards", many).returncode, 0)
         self.assertEqual(self.plan("--shards", many + 1).returncode, 2)

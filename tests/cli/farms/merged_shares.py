@@ -87,7 +87,7 @@ class MergedSharesTest(unittest.TestCase):
             others = {path: path.stat().st_mtime_ns for path in times
                       if path.exists() and path != result and path != self.record(2) and path.suffix != ".json"}
             self.assertEqual(others, {path: times[path] for path in others})  # no other result was made again
-        for _ in range(2):  # twice, because a farm may repeat it
+        for _ in range(2):  # twice, because a farm may repeat the merge
             self.succeed("--merge", 3)
             self.assertEqual(hashes(self.out), self.whole)
 

@@ -169,7 +169,7 @@ class BundleTest(FarmTest):
         self.assertIn("rock_1002.png", task.failures[0])
 
     def test_a_canceled_task_goes_on_where_it_stopped(self):
-        self.succeed("testmap", self.folder / "large", "--size", 2048)  # takes some seconds: lines come one per second
+        self.succeed("testmap", self.folder / "large", "--size", 2048)  # takes some seconds; prints one line per second
         file = self.folder / "out/large.ndf.exr"
         bundle, _ = self.bundle("bake", self.folder / "large_normal.png", "-o", file)
         [step] = bundle.steps()
@@ -264,7 +264,7 @@ class BundleTest(FarmTest):
             self.assertEqual(done.returncode, 2, done.stderr)
             self.assertIn(b"is not UTF-8", done.stderr)
             self.assertFalse((self.folder / "bundle").exists())
-        # In a set of tiles, no part of the file name gives this tile.
+        # The name of a tile in a set is refused too if it is not UTF-8.
         os.rename(odd, folder + b"/o\xff_1001.png")
         self.assertEqual(subprocess.run(
             [farm_programs.multum(), "openjd", "-o", self.folder / "bundle", "bake", folder + b"/o\xff_<UDIM>.png",
@@ -294,7 +294,7 @@ class BundleTest(FarmTest):
 
 
 class MergedBundleTest(FarmTest):
-    """Shares followed by a merge: chunks in any order, one of them twice, give the files of one process."""
+    """Runs shares and then a merge. Chunks in any order, one of them twice, give the files of one process."""
     maps = 3
 
     def check(self, words, shards):

@@ -39,7 +39,7 @@ class Row:
     before: tuple = ()  # commands that make its inputs in `out`
     timed: tuple = ("report.json", "report.html")  # results that contain times and so differ between runs
     until: str = ""     # a stage that must have begun before the stop
-    share: float = 0.3  # share of its run time before the stop
+    share: float = 0.3  # the share of its run time after which it is stopped
 
 
 MAP = ("{maps}/map_normal.png",)
@@ -52,7 +52,7 @@ ROWS = (
     Row("bake gmm", ("bake", *MAP, *ONE, "--ndf", "gmm", "--resume"), PARTIAL),
     Row("bake refine", ("bake", *MAP, *ONE, "--refine", "--resume"), PARTIAL),
     Row("bake target", ("bake", *MAP, "-o", "{out}/map.ndf.exr", "--target-error", "0.5", "--ndf", "vmf", "--brdf",
-                        "lambert", "--resume"), (*PARTIAL, "map.ndf.exr"), share=0.1),  # mostly draws a picture
+                        "lambert", "--resume"), (*PARTIAL, "map.ndf.exr"), share=0.1),  # mostly draws pictures
     Row("bake budget", ("bake", *MAP, "-o", "{out}/map.ndf.exr", "--budget-ms", "1e6"), until="choose settings"),
     Row("bake several", ("bake", *MAP, "{maps}/second_normal.png", "-o", "{out}", "--no-measure", "--resume"),
         (*PARTIAL, "map_normal.ndf.exr")),

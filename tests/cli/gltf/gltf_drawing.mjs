@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Draws models by three.js in headless Chromium, far and near. Compares each far picture with the mean of many samples
+// Draws models with three.js in headless Chromium, far and near. Compares each far picture with the mean of many
+// samples
 // per pixel of the first model, which shows its highlights without mips.
 //
 //   node gltf_drawing.mjs CHROMIUM SCREENSHOT PLAN

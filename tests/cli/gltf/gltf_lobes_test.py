@@ -107,7 +107,7 @@ class GltfLobesTest(FolderCase):
         # Storing the lobes adds this error to a picture.
         self.assertLess(points["rgba8"], 0.5 * points["bc"])
         self.assertLess(points["rgba16f"], 0.1 * points["bc"])
-        # Without an option, blocks are chosen unless their error is visible.
+        # Without an option, block compression is chosen unless its error is visible.
         for steepness, expected, texels in ((0.1, "bc", BC5), (0.6, "rgba8", RGBA8)):
             after, report = self.convert(plain_model(normal=bumps(64, 64, steepness)), "--lobes", form="png")
             storage = report["textures"][0]["storage"]["lobes"]
@@ -145,9 +145,9 @@ class GltfLobesTest(FolderCase):
         self.assertEqual(self.lobes_of(after, 0), self.lobes_of(after, 1))  # the same map, without roughness in it
 
     def coloured(self, *colours):
-        """Converts steep facets with one material for each of `colours`. With "with", facets that look right are
-        bright; with "against", any facets are; with "small", the colours have another size. Returns the file, its first
-        lobes, the report."""
+        """Converts steep facets with one material for each of `colours`. With "with", facets that face right are
+        bright; with "against", facets are bright at random; with "small", the colours have another size. Returns the
+        file, its first lobes and the report."""
         side, rng = 64, random.Random(5)
         slopes = [[(rng.gauss(0, 0.6), rng.gauss(0, 0.6)) for _ in range(side)] for _ in range(side)]
         chance = [[rng.random() < 0.5 for _ in range(side)] for _ in range(side)]
@@ -294,8 +294,8 @@ class GltfLobesTest(FolderCase):
         return found
 
     def draw(self):
-        """From far away, lobes have a lower error, relative to many samples per pixel, than one lobe; plain mips have
-        the highest error."""
+        """From far away, several lobes have a lower error than one lobe, and plain mips have the highest error. The
+        reference takes many samples per pixel."""
         run = self.run_gltf("in.glb", "mips.glb", "--lobes")
         self.assertEqual(run.returncode, 0, run.stderr)
         view = {"angle": 20, "target": [0, 0, 0], "width": 64, "height": 64, "samples": 12, "frames": 1, "edges": 0,

@@ -105,7 +105,7 @@ class Model:
 
 
 def glb_of(text, data, length=None, json_length=None, data_length=None):
-    """Returns a GLB of these chunks; given lengths replace the right ones."""
+    """Returns a GLB of these chunks. If lengths are given, they replace the correct ones."""
     text += b" " * (-len(text) % 4)
     padded = data + b"\0" * (-len(data) % 4)
     chunks = struct.pack("<I4s", len(text) if json_length is None else json_length, b"JSON") + text

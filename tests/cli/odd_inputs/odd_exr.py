@@ -109,7 +109,7 @@ def write_exr(parts):
     for i, part in enumerate(parts):
         offsets = {}
         order = reversed(range(len(chunks[i]))) if part.decreasing else range(len(chunks[i]))
-        for k in order:  # in file order; the table is by rows
+        for k in order:  # chunks in file order; the table of offsets is in the order of rows
             offsets[k] = at + len(body)
             body += (struct.pack("<i", i) if is_multi else b"") + chunks[i][k]
         table += b"".join(struct.pack("<Q", offsets[k]) for k in sorted(offsets))

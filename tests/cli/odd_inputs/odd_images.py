@@ -86,8 +86,8 @@ def passes_of(width, height, is_interlaced):
 
 def write_png(width, height, colour_type, depth, samples, random, palette=None, transparent=None, chunks=(),
               interlace=False):
-    """`samples` are interleaved codes, or indices for palettes. `chunks` are (kind, body) between header and
-    palette."""
+    """`samples` are interleaved codes, or indices for palettes. `chunks` are pairs (kind, body) to write between header
+    and palette."""
     n = CHANNELS[colour_type]
     data = b""
     for columns, rows in passes_of(width, height, interlace):

@@ -174,7 +174,7 @@ def linear_from_srgb(v):
 
 
 def colours_of(picture, transfer):
-    """[texel] of linear (r, g, b); values that are not a reflectance become 0."""
+    """Returns [texel] of linear (r, g, b); values that are not a reflectance become 0."""
     def linear(v):
         return transfer(v) if math.isfinite(v) and v >= 0.0 else 0.0
 

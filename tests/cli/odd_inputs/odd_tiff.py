@@ -32,7 +32,8 @@ class Layout:
 
 
 def lzw_encoded(data):
-    """TIFF 6.0, section 13: codes of 9 to 12 bits, highest bit first; the code length grows one code early."""
+    """TIFF 6.0, section 13: codes of 9 to 12 bits, highest bit first. The length of codes grows one code earlier than
+    needed."""
     codes, table, size, text = [(256, 9)], {bytes([i]): i for i in range(256)}, 258, b""
     width = 9
     for byte in data:
@@ -117,7 +118,8 @@ def encoded_row(samples, picture, layout, step):
     codes = float_row(samples, bits) if picture.kind == "float" else [sample % (1 << bits) for sample in samples]
     if layout.predictor == 2:
         codes = [(code - (codes[i - step] if i >= step else 0)) % (1 << bits) for i, code in enumerate(codes)]
-    if layout.predictor == 3:  # the highest bytes of all samples, then the next ones; then differences of bytes
+    if layout.predictor == 3:  # stores the highest bytes of all samples, then the next ones, and takes differences of
+                               # these bytes
         planes = b"".join(bytes(code >> bits - 8 - 8 * k & 255 for code in codes) for k in range(bits // 8))
         return bytes(byte - (planes[i - step] if i >= step else 0) & 255 for i, byte in enumerate(planes))
     if bits % 8 == 0:

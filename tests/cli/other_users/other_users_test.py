@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
 """Tests two users of one machine. One plants links, folders and pipes where the other bakes. The other user loses no
-file, and no output is led elsewhere. Needs root to become both users; otherwise it says so and is skipped (exit code
-77).
+file, and no output is redirected to another place. Needs root to become both users; otherwise it says so and is skipped
+(exit code 77).
 
   other_users_test.py MULTUM [unittest's arguments]
 """

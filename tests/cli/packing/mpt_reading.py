@@ -108,19 +108,19 @@ class PackedField:
         return data
 
     def layers(self):
-        """(object, layer) of the description, as sections number them."""
+        """Returns (object, layer) of the description, numbered as in sections."""
         return [(item, layer) for item in self.description["objects"] for layer in item["layers"]]
 
     def chunk(self, layer, block):
-        """None if no sample of the block has a texture."""
+        """Returns the chunk of a block, or None if no sample of the block has a texture."""
         for section in self.sections:
             if (section.kind, section.layer, section.block) == (1, layer, block):
                 return TextureChunk(self.bytes_of(section))
         return None
 
     def place_of(self, layer, sample):
-        """(block, texture of its chunk) of a sample, an index into the description; None if the sample has no
-        texture."""
+        """Returns (block, texture of the block's chunk) for a sample, which is an index into the description. Returns
+        None if the sample has no texture."""
         described = self.layers()[layer][1]
         if sample in described["unseen"]:
             return None
@@ -137,7 +137,7 @@ class PackedField:
 # Chunks.
 
 class TextureChunk:
-    """`width`, `height`, `sizes` of the block; texture() of each sample."""
+    """Has `width`, `height` and `sizes` of the block; texture() returns the texture of a sample."""
 
     def __init__(self, data):
         reader = ByteReader(data)
@@ -235,7 +235,7 @@ class TextureChunk:
         return terms
 
     def texture(self, sample):
-        """[height][width][3], gamma-coded, 255 for a radiance of 1."""
+        """Returns [height][width][3], gamma-coded, with 255 for a radiance of 1."""
         colours = np.zeros((self.height, self.width, 3), SINGLE)
         for p in range(3):
             samples = np.full((self.height, self.width), SINGLE(self.offsets[p]) / SINGLE(64))
@@ -279,7 +279,7 @@ def box_weights(fine):
 
 
 def mip_levels(finest):
-    """[height][width][3] of every level of radiance, finest first."""
+    """Returns [height][width][3] for every level of radiance, finest first."""
     levels = [finest]
     while levels[-1].shape[:2] != (1, 1):
         height, width = levels[-1].shape[:2]

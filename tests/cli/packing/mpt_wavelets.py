@@ -21,7 +21,7 @@ def wavelet_depth(width, height):
 
 
 def wavelet_bands(width, height):
-    """(x, y, width, height, depth, kind)"""
+    """Returns (x, y, width, height, depth, kind) for each band."""
     depth = wavelet_depth(width, height)
     bands = [(0, 0, halved(width, depth), halved(height, depth), max(depth, 1), 0)]
     for d in range(depth, 0, -1):
@@ -36,7 +36,7 @@ def wavelet_bands(width, height):
 
 
 class WaveletPlane:
-    """Integers of a plane, and trees[band]: levels of nodes, finest first."""
+    """Holds the integers of a plane, and trees[band], which are levels of nodes, finest first."""
 
     def __init__(self, width, height, bands):
         self.width, self.trees = width, []
@@ -62,7 +62,7 @@ class WaveletStream:
         self.coarser = [places.get((depth + 1, kind)) for _, _, _, _, depth, kind in self.bands]
 
     def image(self, parent, _level):
-        """[plane]; None without coefficients."""
+        """Returns one item per plane, which is None if the plane has no coefficients."""
         planes = [None, None, None]
         for p in range(3):
             bit_planes = min(self.coder.number(("bit planes", min(p, 1))), 20)
@@ -145,7 +145,7 @@ LOW_GAIN = SINGLE(1.149604398)
 
 
 def inverse_lines(coefficients):
-    """Along axis 0: the low half, then the high half."""
+    """Inverts the transform along axis 0, where the low half comes first and then the high half."""
     n = len(coefficients)
     if n < 2:
         return coefficients

@@ -156,7 +156,7 @@ TEST_F(PackCommandTest, TheDefaultRatioGivesWayToTheError) {
   const std::string times = "times the error of the inferred textures";
   const ProgramResult packed = pack("default.mpt", {});
   ASSERT_EQ(packed.exit_code, 0) << packed.err;
-  expect_says(packed.out, {"384:1 would add more than 3 " + times, "--ratio 384 keeps the ratio"});
+  expect_says(packed.out, {"384:1 would add an error of more than 3 " + times, "--ratio 384 forces the ratio"});
   EXPECT_EQ(packed.err.find("warning"), std::string::npos) << packed.err;
   const double inferred = inferred_mse(), added = drawn_mse("default.mpt");
   EXPECT_LT(added, 3.0 * inferred);
@@ -211,7 +211,8 @@ TEST_F(PackCommandTest, BlocksAreStaggeredWhenAsked) {
   EXPECT_LT(drawn_mse("one"), 2.0);
 }
 
-// With --alpha each object's mean error is at most --alpha times the mean of all; without it some object exceeds that.
+// With --alpha, each object's mean error is at most --alpha times the mean error of all objects. Without --alpha, some
+// object exceeds this limit.
 TEST_F(PackCommandTest, AlphaHoldsWhatAnObjectMayBeOff) {
   FieldPackSettings settings;
   settings.folder = path("out");

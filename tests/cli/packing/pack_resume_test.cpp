@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests multum pack within a memory limit and after a stop. It gives the same bytes, whatever it reads again or reuses.
+// Tests multum pack within a memory limit and after a stop. The command gives the same bytes, whatever it reads again
+// or reuses.
 #include <signal.h>
 
 #include <chrono>

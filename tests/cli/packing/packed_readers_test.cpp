@@ -154,7 +154,8 @@ TEST_F(PackedReadersTest, PythonDecodesChunksOfEveryKind) {
 }
 
 // Compares every texture of every sample of the field's description, with its mip levels, with `multum unpack`. The
-// tolerance covers halves, whose error is 2^-11 of a value, or 2^-25 below 2^-14; the other steps use single precision.
+// tolerance covers 16-bit floats, whose error is 2^-11 of a value, or 2^-25 for values below 2^-14. The other steps use
+// single precision.
 TEST_F(PackedReadersTest, PythonFindsTheTexturesThatAreUnpacked) {
   if (std::string(MULTUM_NUMPY_PYTHON).empty()) GTEST_SKIP() << "no numpy (Debian package python3-numpy)";
   pack_traced_scene();

@@ -135,7 +135,7 @@ TEST_F(PlayCommandTest, CamerasMoveBetweenSamplesAndTexturesAreMixedWhenAsked) {
 
 TEST_F(PlayCommandTest, APathThatWasRecordedIsPlayed) {
   // At 2 frames per second, frames show the positions after 0, 0.5, 1, 1.5 and 2 s of 2.5 s. At 0.5 s the path has two
-  // positions, of which the second counts.
+  // positions, and the second one is shown.
   const ProgramResult played = play("recorded", {"--path", MULTUM_RECORDED_PATH, "--rate", "2"});
   ASSERT_EQ(played.exit_code, 0) << played.err;
   const json frames = statistics("recorded")["frames"];

@@ -182,7 +182,8 @@ std::vector<GlslCase> glsl_filter_cases() {
         "for normals that face away, 1 + z loses its digits by cancellation, and the projection of (0, 0, -1) divides "
         "0 by 0",
         "the length of the projection is computed from 1 - z, and the normal (0, 0, -1) maps to a corner", 1e-4,
-        "absolute error of s and t", "the z of normals is rounded by 6e-8, and a few more roundings follow"},
+        "absolute error of s and t",
+        "the z of a normal has a rounding error of up to 6e-8, and a few more roundings follow"},
        {glsl_edit("if (n.z > 0.0) return", "if (true) return")},
        normals_straight_away,
        {"multum_reflectance_place"}},
@@ -208,7 +209,7 @@ std::vector<GlslCase> glsl_filter_cases() {
        {"multum_footprint_longer_lod"}},
       {{"glsl-points-of-no-width", "evaluations.glsl",
         "a length of 0 is used as a divisor, which gives infinity or NaN", "lengths are at least 1e-20", 1e-4,
-        "absolute error of points, places and alpha", "only a few rounding errors contribute"},
+        "absolute error of points, positions and alpha", "only a few rounding errors contribute"},
        {glsl_edit("max(min(along_x, along_y), 1e-20)", "min(along_x, along_y)")},
        points_of_no_width,
        {"multum_lobe_points", "multum_point_grid", "multum_point_place", "multum_geometry_variance",

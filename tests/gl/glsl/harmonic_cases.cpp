@@ -169,7 +169,8 @@ std::vector<GlslCase> glsl_harmonic_cases() {
         "the sum must be correct at the poles, and for directions and means that are not unit vectors",
         "no guard is needed, because the series handles poles and vectors of any length", 2e-5,
         "of the peak of one tilt",
-        "the errors of the basis functions count twice, weighted by the lobe's coefficients"},
+        "the basis functions have errors both in the coefficients and in the evaluation, weighted by the coefficients "
+        "of the lobe"},
        {glsl_edit("float rotated = c * w.x - s * w.y;", "float rotated = c * w.x;")},
        harmonics_of_opposite_tilts,
        {"multum_sh_coefficient", "multum_sh_bands", "multum_sh_facets", "multum_sh_lambert"}},

@@ -333,7 +333,8 @@ std::vector<GlslCase> sample_cases() {
       {{"glsl-densities-at-their-ends", file,
         "if the view is perpendicular to the half vector, a density is divided by v . h = 0",
         "v . h counts as at least 1e-6", 2e-2, "error, relative to the peak or absolute",
-        "1 - (n . h)^2 is rounded in float, and a highlight of exponent 1e5 is so narrow that the rounding is visible"},
+        "1 - (n . h)^2 is rounded in float, and a highlight with exponent 1e5 is so narrow that the rounding is "
+        "visible"},
        {glsl_edit("(4.0 * max(v_h, 1e-6))", "(4.0 * v_h)")},
        densities_at_their_ends,
        {"multum_half_density", "multum_cosine_density", "multum_light_density", "multum_light_hash"}},
@@ -347,7 +348,8 @@ std::vector<GlslCase> sample_cases() {
         "if the light is opposite to the view (l = -v), their sum is 0, and normalising the half vector divides by "
         "zero",
         "the divisor is at least 1e-6, so the half vector is 0 and highlights stay finite", 1e-5, "absolute error",
-        "the normal n and the half vector h are rounded by 6e-8, and the exponent 10 multiplies the error"},
+        "the normal n and the half vector h have rounding errors of up to 6e-8, and the exponent 10 multiplies the "
+        "error"},
        {glsl_edit("sum / max(length(sum), 1e-6)", "normalize(sum)")},
        a_sample_straight_behind,
        {"multum_add_direction", "multum_environment_radiance", "multum_diffuse_integrand",
@@ -361,14 +363,16 @@ std::vector<GlslCase> light_cases() {
         "if the light is opposite to the view (l = -v), their sum is 0, and normalising the half vector divides by "
         "zero",
         "the divisor is at least 1e-6, so the half vector is 0 and highlights stay finite", 1e-5, "absolute error",
-        "the normal n and the half vector h are rounded by 6e-8, and the exponent 20 multiplies the error"},
+        "the normal n and the half vector h have rounding errors of up to 6e-8, and the exponent 20 multiplies the "
+        "error"},
        {glsl_edit("sum / max(length(sum), 1e-6)", "normalize(sum)")},
        light_straight_behind,
        {"multum_half_vector", "multum_outgoing", "multum_radiance"}},
       {{"glsl-a-light-on-the-surface", "lights.glsl",
         "a light at distance 0 has infinite intensity, which is multiplied by a cosine of 0",
         "the squared distance is at least 1e-12", 1e-5, "absolute error",
-        "the normal n and the half vector h are rounded by 6e-8, and the exponent 20 multiplies the error"},
+        "the normal n and the half vector h have rounding errors of up to 6e-8, and the exponent 20 multiplies the "
+        "error"},
        {glsl_edit("max(dot(to_light, to_light), 1e-12)", "dot(to_light, to_light)")},
        a_light_on_the_surface,
        {"multum_lights"}},

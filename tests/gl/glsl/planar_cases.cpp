@@ -189,7 +189,7 @@ std::vector<GlslCase> gaussian_cases() {
       {{"glsl-planar-filtered-variance-below-0", file,
         "rounding and filtering make the mean square smaller than the squared mean, so the variance is negative",
         "the lobe's variance is at least 0, so in the worst case only the facets' variance remains", 2e-3,
-        "of the peak of an upright lobe, times 2 pi",
+        "of 2 pi times the peak of an upright lobe",
         "two roundings of a mean near 1 change a variance of 1e-4 by up to 1.2e-7, which is 0.12 %"},
        {glsl_edit("max(0.5 * (lobe.z - dot(mean, lobe.xy)) / max(lobe.w, MULTUM_AMPLITUDE_MIN), 0.0)",
                   "(0.5 * (lobe.z - dot(mean, lobe.xy)) / max(lobe.w, MULTUM_AMPLITUDE_MIN))")},
@@ -220,8 +220,9 @@ std::vector<GlslCase> moment_cases() {
       {{"glsl-mean-normals-of-every-length", file,
         "a mean normal longer than 1 gives a gloss above 1 or below 0, and normalising a mean of length 0 divides 0 by "
         "0",
-        "the shader uses max(1 - length, 0), and a mean of length 0 reflects nothing", 1e-5, "of the peak times 2 pi",
-        "the mean direction mu and the half vector h are rounded by 6e-8, and the exponent multiplies the error of the "
+        "the shader uses max(1 - length, 0), and a mean of length 0 reflects nothing", 1e-5, "of 2 pi times the peak",
+        "the mean direction mu and the half vector h have rounding errors of up to 6e-8, and the exponent multiplies "
+        "the error of the "
         "angle"},
        {glsl_edit("max(1.0 - size, 0.0)", "(1.0 - size)")},
        toksvig_of_every_length,
@@ -244,11 +245,12 @@ std::vector<GlslCase> moment_cases() {
                   "(base + variance.x) * (base + variance.y) - covariance * covariance")},
        slopes_along_a_line},
       {{"glsl-steep-slopes-under-sharp-highlights", file,
-        "half floats near 400 have steps of 0.25, but a highlight of exponent s = 1e5 needs moments in steps of 1e-5",
-        "moments are stored in 32 bits, so their rounding at slope b broadens the highlight by at most 2^-22 s b^2 of "
+        "16-bit floats near 400 have steps of 0.25, but a highlight with exponent s = 1e5 needs moments in steps of "
+        "1e-5",
+        "moments are stored in 32 bits, so at slope b, rounding makes the highlight wider by at most 2^-22 s b^2 times "
         "its width",
         1.0, "times the allowed error, which is 2^-22 (s b^2 + sqrt(s) (1 + b)) + 1e-6 of the peak at slope b",
-        "the mean squared slope and the square of the mean slope are each rounded by 2^-24 b^2"},
+        "the mean squared slope and the square of the mean slope each have a rounding error of up to 2^-24 b^2"},
        {glsl_edit("max(slopes.zw - slopes.xy * slopes.xy, vec2(0.0))",
                   "max(floor(slopes.zw * 4.0 + 0.5) * 0.25 - slopes.xy * slopes.xy, vec2(0.0))")},
        steep_and_sharp},

@@ -176,7 +176,7 @@ std::vector<GlslCase> glsl_sampling_cases() {
       {{"glsl-numbers-of-the-millionth-frame", "blue_noise.glsl",
         "a large product in float has no fractional part, so all frames use the same random number",
         "frame numbers are reduced modulo 1024", 1e-4, "absolute error",
-        "the largest product is 772, which is rounded by 6e-5"},
+        "the largest product is 772, which has a rounding error of up to 6e-5"},
        {glsl_edit("frame - MULTUM_BLUE_NOISE_FRAMES * floor(frame / MULTUM_BLUE_NOISE_FRAMES)", "frame")},
        numbers_of_the_millionth_frame,
        {"multum_blue_noise"}},

@@ -365,7 +365,8 @@ std::vector<GlslCase> glsl_surface_cases() {
        single_normals_as_lobes,
        {"multum_reflect", "multum_lobe_visibility"}},
       {{"glsl-visibility-of-opposite-half-vectors", "movmf.glsl",
-        "the visibility uses n . h at the lobe's mean, although the facets that reflect are near h",
+        "the visibility is computed with the mean of the lobe as n, although the facets that reflect light have "
+        "normals near h",
         "n . h is computed with a direction between h and the mean, and if h and the mean cancel, the divisor is at "
         "least 1e-6",
         1e-2, unit,
@@ -387,8 +388,8 @@ std::vector<GlslCase> glsl_surface_cases() {
        single_normals_as_means,
        {"multum_mean_cosine", "multum_reflect_mean", "multum_reflect_texel", "multum_reflect"}},
       {{"glsl-exponents-of-roughness", "normals.glsl", "a roughness of 0 gives an infinite exponent",
-        "the exponent is limited to the exponent that stands for a mirror", 1e-6, unit,
-        "a variance near 1/2 is rounded by only 6e-8"},
+        "the exponent is at most the exponent that represents a mirror", 1e-6, unit,
+        "a variance near 1/2 has a rounding error of at most 6e-8"},
        {glsl_edit("clamp(2.0 / max(alpha * alpha, 1e-12) - 2.0, 0.0, u_exponent)", "2.0 / (alpha * alpha) - 2.0")},
        exponents_of_roughness,
        {"multum_exponent", "multum_slope_exponent"}},

@@ -247,7 +247,7 @@ TEST_F(InferredViewTest, RequestsThatCannotBeMetLeaveNothing) {
 
 // ---- sample
 
-// Random halfs.
+// Random 16-bit floats.
 InferredTexture random_texture(const TextureMapping& mapping, std::uint64_t seed) {
   InferredTexture texture{mapping.width, mapping.height, {}, "{}"};
   SplitMix64 random(seed);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests pyramids in the runtime: our choice of level against the driver's choice and double precision, and highlights
-// with and without the pyramid. Also tests surfaces at a level of detail and a model's own materials. Also tests
-// multum-view's modes for pyramids.
+// Tests pyramids in the runtime. Compares our choice of level with the driver's choice and with double precision, and
+// highlights with the pyramid with highlights without it. Also tests surfaces at a level of detail, a model's own
+// materials, and multum-view's modes for pyramids.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -286,7 +286,7 @@ TEST(PyramidSurfaceTest, LevelsAreSmootherAndFewer) {
 }
 
 // Draws a surface of height 0, seen face-on from one unit above through a lens that maps one unit to 64 pixels. The
-// surface's finest points, 64 per side, are one pixel apart (plus the 1 / 63 that a grid's ends add).
+// surface's finest points, 64 per side, are 64 / 63 pixels apart, because 64 points have 63 gaps.
 TEST(PyramidSurfaceTest, TheProjectionsLevelKeepsPointsApart) {
   const Pyramid flat = make_pyramid(PyramidKind::kHeight, 64, WrapMode::kClamp, [](int, int, int) { return 0.0; });
   const auto level = [&](double distance, double spacing) {

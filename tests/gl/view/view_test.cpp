@@ -69,7 +69,8 @@ TEST_F(ViewTest, SaysHowNoisyAReferenceIsAndHowItFilters) {
   EXPECT_EQ(other["pixel_filter"], "tent");
   EXPECT_EQ(report_of({"--samples", "4", "--anisotropy", "1"})["filter"],
             (nlohmann::json{{"of", "driver"}, {"anisotropy", 1.0}}));
-  // Nearest texels leave only the baked texels' own error, with any number of taps. On this map, that error is 0.
+  // With nearest texels, only the error of the baked texels remains, for any number of taps. On this map, that error is
+  // 0.
   const auto error = [](const nlohmann::json& report) { return report["pictures"][1]["relative_l1"].get<double>(); };
   EXPECT_LT(error(report_of({"--samples", "1024", "--reference-of", "texels", "--taps", "8"})), 0.03);
 }
@@ -194,7 +195,7 @@ TEST_F(ViewTest, BaselinesHaveTheRoughnessMap) {
   };
   const gl::TestMap plain = gl::make_two_tilt_map(16, 20.0, StorageEncoding::kFloat, false);
   const auto write = [&](const MovmfMipmap& mipmap) { write_movmf_mipmap(path("map.ndf.exr"), mipmap, {}); };
-  // The variance of LEAN's facets is alpha^2 / 2, which matches s + 2.
+  // The variance of LEAN's facets is alpha^2 / 2 = 1 / (s + 2) for s = 30, so LEAN is compared with an exponent of 32.
   for (const auto& [baseline, brdf] :
        {std::pair{"mip", "blinn-phong:30"}, std::pair{"toksvig", "blinn-phong:30"}, std::pair{"lean", "blinn-phong:32"},
         std::pair{"lean-jacobian", "blinn-phong:32"}}) {

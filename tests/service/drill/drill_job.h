@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Defines "drill", a type of job for tests of the farm. It does nothing, or ends as its parameters say.
+// Defines "drill", a type of job for tests of the farm. Such a job does nothing, or ends in the way that its parameters
+// say.
 #pragma once
 
 #include "host/farm/service/workers/job_types.h"

@@ -26,7 +26,7 @@ void check_same(std::string& first, const std::string& path) {
   if (first.empty()) first = found;
   if (found != first)
     throw Error(ErrorCode::kVerification,
-                fmt::format("{}: checksum {}, expected {} as in the run before", path, found, first));
+                fmt::format("{}: checksum {}, expected {} as in the previous run", path, found, first));
 }
 
 Json pair_ratios(const std::vector<ProgramCost>& ours, const std::vector<ProgramCost>& theirs) {

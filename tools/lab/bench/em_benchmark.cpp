@@ -237,7 +237,7 @@ Json run_em_benchmark(const EmBenchmarkOptions& options, Progress* progress) {
   Json levels = Json::array();
   ContentHash hash;
   for (const LevelSchedule& level : schedule.levels) {
-    if (level.fit.parent_width == 0) continue;  // the coarsest level has no parent, so another program starts it
+    if (level.fit.parent_width == 0) continue;  // without a parent, other kernels start the level
     progress_advance(progress, 0);              // lets the user cancel
     // Each level starts from the next coarser level, which the kernels have fitted.
     LevelBench bench(device, map, level, parent, options);

@@ -60,7 +60,7 @@ struct FilterSetting {
   int taps;
   float bias;
   bool shades_taps;
-  int evaluations = 0;  // evaluations of light per pixel; 0 if the taps decide
+  int evaluations = 0;  // evaluations of light per pixel; 0 if the number of taps determines it
 
   gl::TextureFilter filter() const { return {taps, bias, shades_taps, false, evaluations}; }
   bool flickers() const {

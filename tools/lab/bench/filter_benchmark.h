@@ -27,9 +27,9 @@ struct FilterBenchmarkOptions {
   std::string folder;  // folder for temporary bakes; the system's temporary folder if empty
 };
 
-/// For each map and setting, returns the relative L1 error of the picture against two references, with finest texels as
-/// facets and blended. For every fourth map, adds flicker over a zoom, a pan and a turn. For the first maps, adds
-/// processor milliseconds per frame, over all threads of a software GL.
+/// For each map and setting, returns the relative L1 error of the picture against two references: one treats finest
+/// texels as facets, and the other blends finest texels. For every fourth map, adds flicker over a zoom, a pan and a
+/// turn. For the first maps, adds processor milliseconds per frame, over all threads of a software GL.
 nlohmann::ordered_json run_filter_benchmark(const FilterBenchmarkOptions& options, Progress* progress);
 
 ResultView view_filters(const nlohmann::ordered_json& result);  // defined in documents/filter_view.cpp

@@ -23,9 +23,9 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Stacks that differ in the ratio of the entries of A^T A to the entries of A. Rows with few entries share texels with
-// many rows of other pictures in the stack. Averaged rows have many entries, and A^T A combines each entry with all
-// others.
+// Stacks that differ in a ratio: the number of entries of A^T A, divided by the number of entries of A. Rows with few
+// entries share texels with many rows of other pictures in the stack. Averaged rows have many entries, and A^T A
+// combines each entry with all others.
 struct StackShape {
   int views, sub_pixels;
 };
@@ -288,7 +288,7 @@ Json run_system(Device& device, const std::string& name, const Stack& stack, Inf
   result["products"] = run_products(device, stack, normal, options.repetitions);
   result["solver"] = run_solver(device, stack, form, options, hash, progress);
   result["convergence"] = run_convergence(device, stack, form, options.threads);
-  fmt::print(stderr, "{}: {} of the yardstick's time an iteration\n", name,
+  fmt::print(stderr, "{}: {} times the yardstick's time per iteration\n", name,
              rounded_text(parse_spread(result["solver"]["iteration_ratio"]).median));
   return result;
 }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Compares the solver of texture inference with Eigen's solver, alternately on the same systems (plane_views.h). There
 // are no regularisers and no texels at bounds, so both solvers take the same steps. Also measures what the solver's
-// choices are based on: the times of its products, the iterations with and without preconditioner and start, and when
-// A^T A saves time.
+// choices are based on: the times of its products, the iterations with and without preconditioner and starting value,
+// and the cases in which A^T A saves time.
 #pragma once
 
 #include <nlohmann/json.hpp>

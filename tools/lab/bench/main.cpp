@@ -137,8 +137,8 @@ Benchmark add_bake(CLI::App& app, BakeBenchmarkOptions& bake) {
 
 Benchmark add_scale(CLI::App& app, ScaleBenchmarkOptions& scale) {
   CLI::App* command = app.add_subcommand("scale", "time multum bake on maps that double in size, one process per map");
-  add_side(*command, "--size-min", scale.size_min, "side of the first map");
-  add_side(*command, "--size-max", scale.size_max, "sides double up to this side");
+  add_side(*command, "--size-min", scale.size_min, "side of the smallest map");
+  add_side(*command, "--size-max", scale.size_max, "largest side; sides double from one map to the next");
   add_bake_options(*command, scale);
   add_repetitions(*command, scale, "runs per size");
   command->add_option("options", scale.bake_options, "after --: more options of multum bake");
@@ -244,19 +244,20 @@ CLI::App* add_accuracy(CLI::App& app, AccuracyDocumentOptions& accuracy) {
       ->check(CLI::Range(16, 4096))
       ->capture_default_str();
   command->add_option("--commit", accuracy.commit, "commit that the document states")->default_val(built_commit());
-  command->add_flag("--quick", accuracy.is_quick, "sweep few settings of every representation, to try the page");
+  command->add_flag("--quick", accuracy.is_quick, "measure few settings of every representation, to try the page");
   add_allow_dirty(*command, accuracy.allow_dirty);
   command->add_option("--threads", accuracy.threads)->check(CLI::Range(1, 256))->capture_default_str();
   return command;
 }
 
 CLI::App* add_document(CLI::App& app, BenchmarksDocumentOptions& document) {
-  CLI::App* command = app.add_subcommand("document", "make docs/evidence/BENCHMARKS.md from results; runs nothing");
+  CLI::App* command =
+      app.add_subcommand("document", "make docs/evidence/BENCHMARKS.md from results, without running benchmarks");
   command->add_option("-o,--output", document.output, "Markdown file to write")->required();
   command
       ->add_option(
           "--json", document.results,
-          "result of em, bake, scale, load, infer or frames; repeat the option for more results, in this order")
+          "result file of em, bake, scale, load, infer or frames; repeat the option for more results, in this order")
       ->required();
   add_allow_dirty(*command, document.allow_dirty);
   return command;

@@ -123,7 +123,7 @@ class OnGpuRun {
     progress_advance(progress_, 0);
     const auto fail = [&](const std::string& how) { throw Error(ErrorCode::kEnvironment, how); };
     if (result.is_over_time) fail(fmt::format("not done after {:.0f} s", seconds));
-    if (result.signal != 0) fail(fmt::format("ended by signal {}: {}", result.signal, last_words(result.output)));
+    if (result.signal != 0) fail(fmt::format("terminated by signal {}: {}", result.signal, last_words(result.output)));
     if (std::find(expected.begin(), expected.end(), result.exit_code) == expected.end())
       fail(fmt::format("exit code {}: {}", result.exit_code, last_words(result.output)));
     return result;
@@ -204,7 +204,7 @@ class OnGpuRun {
     return map;
   }
 
-  // Returns a bake's report, with costs of the whole process and the checksum of its output.
+  // Returns the report of a bake. Adds the costs of the whole process and the checksum of its output.
   Json bake_once(const std::string& map, const std::string& device, const std::vector<std::string>& more, double left) {
     const std::string output = folder_ / "baked.ndf.exr", report = folder_ / "report.json";
     BakeCommandOptions bake;
@@ -312,7 +312,8 @@ class OnGpuRun {
   Progress* progress_;
   const ScratchFolder folder_;
   const Clock::time_point end_;
-  std::vector<std::pair<std::string, std::string>> devices_;  // name of each device in a row, and its number
+  std::vector<std::pair<std::string, std::string>> devices_;  // name of each device in the tables, and the name or
+                                                              // number that selects it
   Json result_;
   bool has_broken_ = false;
 };

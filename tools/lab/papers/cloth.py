@@ -55,7 +55,7 @@ def drape(steps):
 
 
 def rest_on_sphere(here, before):
-    """Moves vertices out of the sphere and the floor. Vertices that touch them lose half of their sliding."""
+    """Moves vertices out of the sphere and the floor. Vertices that touch them lose half of their sliding motion."""
     length = np.linalg.norm(here, axis=1)
     inside = length < RADIUS + THICKNESS
     here[inside] *= ((RADIUS + THICKNESS) / length[inside])[:, None]

@@ -26,7 +26,7 @@ TITLE = "Hakura et al. 2000: parameterized animation compression"
 TARGETS = (384, 768)
 VIEWS, COSINES, WAVELETS = "views, AV1, one key frame per block", "textures, cosines", "textures, wavelets"
 CODERS = {COSINES: ("--coder", "dct"), WAVELETS: ("--coder", "wavelet")}
-# (ratio, MSE) of figure 10. The paper's methods are MPEG-4, Laplacian DCT and Laplacian SPIHT.
+# Points (ratio, MSE) of figure 10. The paper's methods are MPEG-4, Laplacian DCT and Laplacian SPIHT.
 PUBLISHED = {384: {VIEWS: (355, 13.5), COSINES: (366, 11.8), WAVELETS: (379, 8.66)},
              768: {VIEWS: (570, 29.8), COSINES: (732, 18.1), WAVELETS: (751, 16.5)}}
 DEMOS = {"field_demo1": "Demo 1: views of the room, and a swinging light",
@@ -72,7 +72,8 @@ class FieldStudy:
         return self.field.raw_bytes / file.stat().st_size, mse(frames, self.traced), frames
 
     def video(self, ratio):
-        """Codes the best AV1 whose size is at most that of the raw frames / ratio, or the smallest AV1 if none fits."""
+        """Codes the best AV1 stream whose size is at most the size of the raw frames / ratio, or the smallest if none
+        fits."""
         best = video_codecs.best_within(video_codecs.CODECS[0], self.field.raw_bytes / ratio, self.traced)
         return self.field.raw_bytes / best[0], mse(best[1], self.traced), best[1]
 
@@ -142,7 +143,8 @@ def layers_and_pyramids(study, field):
 def moving_object(study, field):
     study.heading("Figure 12: an object that turns")
     samples = " x ".join(map(str, field.field.counts))
-    study.paragraph(f"The field contains {samples} samples: views and turns of a reflecting knot. The paper's field",
+    study.paragraph(f"The field contains {samples} samples: views times rotation angles of a reflecting knot.",
+                    "The paper's field",
                     "contains 24 x 48 samples, and the authors divided the storage among the textures by hand.")
     results = {VIEWS: field.video(361)} if shutil.which("ffmpeg") else {}
     results["textures"] = field.packed("textures", 361, ())

@@ -223,7 +223,7 @@ def changing_light(study):
 
 
 def shininess(study, material):
-    study.heading("Figures 6 and 8: other scale, shininess and light without another bake")
+    study.heading("Figures 6 and 8: another scale, shininess and light, without a new bake")
     without = list(material)
     at = without.index("--brdf")
     del without[at:at + 2]
@@ -242,7 +242,7 @@ def starts(study):
     """Section 7.2: the start of lobes by Hochbaum and Shmoys, compared with the search."""
     source = study.path("quarters_normal.png")
     study.heading("Section 7.2: where EM starts")
-    study.paragraph("The paper starts a texel's lobes from the lobes of its children that are farthest apart",
+    study.paragraph("For each texel, the paper starts EM from those lobes of the child texels that are farthest apart",
                     "(Hochbaum and Shmoys). multum starts each texel from the parent texel, so only the coarsest "
                     "texel needs a separate start. The table compares two such starts: the normals that are farthest "
                     "apart, and the default search (docs/contributing/ALGORITHMS.md).")

@@ -40,7 +40,7 @@ def vmf(kappa, cosine):
 
 
 def kappa_of(mean_cosine):
-    """Returns A^-1, by Banerjee's formula and Newton's steps."""
+    """Returns the inverse of A, by Banerjee's formula and Newton steps."""
     r = np.clip(mean_cosine, 1e-6, 1 - 1e-7)
     kappa = r * (3 - r * r) / (1 - r * r)
     for _ in range(4):
@@ -59,8 +59,8 @@ def density_of_normals(normals, directions):
 
 
 def density_of_lobes(lobes, directions):
-    """Returns the density of a texel's lobes [lobe, 4], convolved with the same kernel. Mean cosines multiply
-    (docs/contributing/ALGORITHMS.md)."""
+    """Returns the density of a texel's lobes [lobe, 4], convolved with the same kernel. A convolution multiplies mean
+    cosines (docs/contributing/ALGORITHMS.md)."""
     total = np.zeros(directions.shape[:2])
     smoothing_cosine = 1 / np.tanh(SMOOTHING) - 1 / SMOOTHING
     for lobe in lobes:

@@ -95,7 +95,7 @@ def colour_distance(picture, reference):
 
 def flicker(frames, references):
     """Returns the mean over neighbouring frames of sum |(f' - f) - (r' - r)| / sum r, the change between frames that
-    the reference does not have. At 0, frames are as steady as the reference."""
+    does not occur in the reference. If it is 0, frames are as steady as the reference."""
     changes = [np.abs((frames[i + 1] - frames[i]) - (references[i + 1] - references[i])).sum() / references[i].sum()
                for i in range(len(frames) - 1)]
     return float(np.mean(changes))

@@ -101,9 +101,10 @@ def alignment(study):
     aligned = study.view("aligned", "disk_gmm", *where, compare=(REFERENCE,))
     unaligned = study.view("unaligned", "disk_gmm_unaligned", *where)
     study.heading("Figures 5 and 6: alignment")
-    study.paragraph("Gaussians that are fitted independently for every texel approximate the normals as well as "
-                    "aligned Gaussians. Between two texels, however, the filter mixes the first Gaussian of one texel "
-                    "with the first Gaussian of the other texel, even if these Gaussians represent different normals.")
+    study.paragraph("Gaussians that are fitted independently for every texel approximate the normals with about the",
+                    "same accuracy as aligned Gaussians. Between two texels, however, the filter mixes the first "
+                    "Gaussian of one texel with the first Gaussian of the other texel, even if these Gaussians "
+                    "represent different normals.")
     study.figures([(unaligned["multum"], "unaligned Gaussians"), (aligned[REFERENCE], "reference"),
                    (aligned["multum"], "aligned Gaussians")], name="alignment")
     study.table(["Gaussians", "colour error", "relative L1"],

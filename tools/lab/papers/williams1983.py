@@ -62,7 +62,7 @@ def highlights(study):
     study.paragraph("Light and highlights are stored in a map that is indexed by the normal. Where the normal changes "
                     "much within a pixel, a lookup in the finest level hits or misses the highlight. A lookup in the "
                     "level that fits the curvature averages the highlight. Flicker is the mean change of the error "
-                    "while the picture moves by parts of a pixel.")
+                    "while the picture moves by fractions of a pixel.")
     lights = [option for direction in ("0.3,0.8,0.5", "-1,0.2,0.4,2", "0.6,-0.5,0.7", "-0.3,-0.2,1")
               for option in ("--light", direction)]
     study.run("multum", "reflectance", "-o", study.path("lights.exr"), "--brdf", "blinn-phong:300", *lights)
@@ -91,11 +91,11 @@ def bumpy_positions(path, width=256, height=128, bumps=0.05):
 
 def limited_curvature(study):
     study.heading("Curvature limited before rendering")
-    study.paragraph("The surface's own pyramid removes details that are smaller than the spacing of its points in",
-                    "pixels, before any highlight is looked up. If the lights have no pyramid, points half a pixel "
-                    "apart give lower errors and less flicker than the finest surface. If the lights have a pyramid, "
-                    "the finest surface gives lower errors than the limited surface. The limited surface lacks part "
-                    "of the spread of the normals that bumps cause. At a spacing of one pixel, this spread is lost "
+    study.paragraph("Before any highlight is looked up, the surface can be replaced by a coarser level of its own",
+                    "pyramid, which lacks small details. If the lights have no pyramid, a level whose points are half "
+                    "a pixel apart gives lower errors and less flicker than the finest level. If the lights have a "
+                    "pyramid, the finest level gives lower errors than the coarser level. The coarser level lacks part "
+                    "of the spread of normals that bumps cause. If its points are one pixel apart, this spread is lost "
                     "completely.")
     study.run("multum", "lod", bumpy_positions(study.path("ball_points.exr")), "-o", study.path("ball_lod.exr"), "--of",
               "positions", "--swrap", "periodic", "--twrap", "clamp")
@@ -145,8 +145,9 @@ def boiling(study):
     study.heading("The surface's level from its projection")
     study.paragraph("The camera zooms out over 14 frames. In each frame, the distance grows by 8 %. Boiling is the "
                     "change between frames that does not occur in the reference. The reference is the finest surface "
-                    "with 6 x 6 samples per pixel. If the level keeps points at a constant distance in pixels, the "
-                    "level changes smoothly. Whole levels change in visible jumps.")
+                    "with 6 x 6 samples per pixel. If the level is chosen so that the distance between points in "
+                    "pixels is constant, the surface changes smoothly. If only whole levels are used, the surface "
+                    "changes in visible jumps.")
     frames = [3.0 * 1.08 ** k for k in range(14)]
     references = [draw_surface(study, f"zoom_reference{k}", "lod.exr", "--level", "0", *camera(d), factor=6)[0]
                   for k, d in enumerate(frames)]

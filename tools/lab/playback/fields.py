@@ -10,7 +10,7 @@ import numpy as np
 import OpenImageIO as oiio
 
 GAMMA = 2.2
-WHOLE = 1 - 1 / 512  # least coverage of a pixel that only one object covers
+WHOLE = 1 - 1 / 512  # a pixel with at least this coverage counts as covered by only one object
 
 
 def read_channels(path, names):

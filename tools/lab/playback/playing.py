@@ -221,7 +221,7 @@ def seek_section(row, table):
     verdict = []
     for name in videos:
         ratio = statistics.median(one["multum"]["p50"] / one[name]["p50"] for one in row["rounds"])
-        verdict.append(f"{ratio:.1f} times as long as {spoken(name)}")
+        verdict.append(f"{ratio:.1f} times as long as the median seek in {spoken(name)}")
     return ["#### Seeks to random samples from a cold cache",
             table(["ms", "p50", "p99", "p50 / p50 of the first row", "p99 / p99 of the first row",
                    "most textures decoded"], lines),
@@ -229,10 +229,10 @@ def seek_section(row, table):
             "thread. The table lists medians of the rounds with ranges in brackets, and ratios within a round. AV1 "
             "uses the quality setting whose error is most similar to the error of the packed file. "
             f"lib{row['decoder']} decodes all frames from the key frame to the requested frame, without colour "
-            f"conversion. The median seek takes {' and '.join(verdict)}. To obtain any texture of a block, the decoder "
-            "must decode the coefficients of all samples of the block. The textures of a block cover everything that "
-            "is visible in any view of the block. A block therefore contains several times as many texels as one frame "
-            "needs."]
+            f"conversion. The median seek takes {', and '.join(verdict)}. To obtain any texture of a block, the "
+            "decoder must decode the coefficients of all samples of the block. The textures of a block cover "
+            "everything that is visible in any view of the block. A block therefore contains several times as many "
+            "texels as one frame needs."]
 
 
 def rate_section(found, table):
@@ -247,10 +247,11 @@ def rate_section(found, table):
         ["path", "sub-pixels", "frames per second", "slowest frame, ms", "decoding, processor ms per frame",
          "upload, ms", "preparing, ms", "drawing, ms"], lines),
         "`multum-view play` draws with Mesa's software renderer and decodes on the same core. On the *cached* path, "
-        "the view moves within a sample. On the *diagonal* path, each frame moves one sample further along all "
-        "parameters, until all samples were shown. Each frame waits for the textures of its sample. For a diagonal "
-        "path on hardware of 1999, the paper reports 2.4 to 8.8 frames per second on average, and 1.3 in the worst "
-        "case. For a cached path, the paper reports 34 frames per second."] if lines else []
+        "the view moves between two neighbouring samples, whose textures are already decoded. On the *diagonal* path, "
+        "each frame moves one sample further along all parameters, until all samples were shown. Each frame waits for "
+        "the textures of its sample. For a diagonal path on hardware of 1999, the paper reports 2.4 to 8.8 frames per "
+        "second on average, and 1.3 in the worst case. For a cached path, the paper reports 34 frames per "
+        "second."] if lines else []
 
 
 def border_section(found, table):

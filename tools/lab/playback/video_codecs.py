@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Codes frames with video and picture codecs of Debian's ffmpeg. Gives the bytes of the stream without container, and
-the decoded frames. Colours are BT.709 YCbCr, full range, 4:4:4, 10 bit. This module converts colours, exactly and
-equally for all codecs.
+"""Codes frames with video and picture codecs of Debian's ffmpeg. Returns the bytes of the stream without its
+container, and the decoded frames. Colours are BT.709 YCbCr, full range, 4:4:4, 10 bit. This module converts colours,
+exactly and equally for all codecs.
 """
 import os
 import pathlib
@@ -33,8 +33,8 @@ def rgb(planes):
 
 class Codec:
     def __init__(self, name, kind, key_distance, qualities, options, overhead):
-        """`kind` is ffmpeg's format of a bare stream. `qualities` are values of -crf, the best first. `overhead` is the
-        number of bytes per frame that mark its beginning, as in a container."""
+        """`kind` is ffmpeg's format of a bare stream. `qualities` are values of -crf, from the best to the worst
+        quality. `overhead` is the number of bytes per frame that mark its beginning, as in a container."""
         self.name, self.kind, self.qualities, self.overhead = name, kind, qualities, overhead
         self.key_distance, self.options = key_distance, options
 
@@ -91,7 +91,8 @@ def coded(codec, quality, frames):
 
 
 def best_within(codec, size_max, frames):
-    """Returns bytes and frames of the best quality within this many bytes, or of the smallest stream if none fits."""
+    """Returns bytes and frames of the best stream with at most this many bytes, or of the smallest stream if none
+    fits."""
     low, high = 1, 63
     best = coded(codec, high, frames)
     while low < high:  # sizes decrease as the quality number increases

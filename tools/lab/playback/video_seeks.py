@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Measures how long dav1d takes to seek a frame of an AV1 stream, for which it decodes from the previous key frame to
-this frame. It runs on one thread of this process, so that starting a program does not count. Only decoding is timed,
-not the conversion of colours. The library fills all structures of libdav1d 1.0, except for the first members of its
-settings.
+this frame. dav1d runs on one thread of this process, so the time to start a program is not included. Only decoding is
+timed, not the conversion of colours. The library fills all structures of libdav1d 1.0, except for the first members of
+its settings.
 """
 import ctypes
 import os
@@ -49,8 +49,8 @@ class Dav1d:
             sys.exit(f"libdav1d {self.version}, expected 1.*")
 
     def decoded(self, units):
-        """Decodes units with a new decoder, as after a jump, and includes its creation. Returns seconds, processor
-        seconds and the number of shown frames."""
+        """Decodes units with a new decoder, as after a jump. The time includes the creation of the decoder. Returns
+        seconds, processor seconds and the number of shown frames."""
         lib, context = self.library, ctypes.c_void_p()
         settings = (ctypes.c_int * (SETTINGS_BYTES // 4))()
         data, picture = ctypes.create_string_buffer(DATA_BYTES), ctypes.create_string_buffer(PICTURE_BYTES)

@@ -63,7 +63,8 @@ void add_client_options(CLI::App& command, ClientOptions& o) {
   add_json_option(command, o.json);
 }
 
-constexpr std::size_t kMessageMax = 120;  // maximum bytes of a message in a list, which has one line per job
+constexpr std::size_t kMessageMax = 120;  // maximum length in bytes of a message in a list; the list has one line per
+                                          // job
 
 // Returns the first line of a message, cut to kMessageMax bytes.
 std::string short_message(const std::string& message) {

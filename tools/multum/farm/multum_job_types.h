@@ -8,7 +8,7 @@
 
 namespace multum {
 
-/// bake, scene, infer, pack, export: for register_job_types().
+/// Returns the types bake, scene, infer, pack and export, for register_job_types().
 std::vector<JobType> multum_job_types();
 
 /// infer, pack.

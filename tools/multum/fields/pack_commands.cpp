@@ -147,8 +147,8 @@ int run_pack(PackOptions& o) {
                 report.lambda, report.rounds);
   if (prints_text(o.common) && report.has_given_way)
     print_shown(stdout,
-                "%s: %g:1 would add more than %g times the error of the inferred textures (MSE %.3g), so the file is "
-                "larger; --ratio %g keeps the ratio\n",
+                "%s: a ratio of %g:1 would add an error of more than %g times the error of the inferred textures (MSE "
+                "%.3g), so the file is larger than this ratio requires; --ratio %g forces the ratio\n",
                 o.settings.output.c_str(), kDefaultRatio, kAddedErrorMax, *report.inferred_mse, kDefaultRatio);
   write_player(o.settings.output, o.player);
   for (const std::string& written : {o.player.folder, o.player.page})

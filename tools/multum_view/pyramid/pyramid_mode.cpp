@@ -264,7 +264,7 @@ void add_pyramid_options(CLI::App& app, PyramidOptions& options) {
   add_lookup_options(app, options);
   add_level_bias_option(
       app, options.level_bias,
-      "add this to the level (default: 0 for colours; -0.79 for reflected light, which blurs like one pixel)");
+      "add this to the level (default: 0 for colours; -0.79 for reflected light, which makes the blur one pixel wide)");
   app.add_option("--samples", options.samples, "draw the reference with this many samples per pixel")
       ->check(CLI::Range(1, 65536))
       ->capture_default_str();

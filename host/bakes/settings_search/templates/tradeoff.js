@@ -7,7 +7,8 @@ const milliseconds = (seconds) => (1000 * seconds).toFixed(0);
 const mebibytes = (bytes) => (bytes / MIB).toFixed(2);
 const frameTime = (ms) => (ms === undefined ? "-" : ms.toFixed(1));
 
-// Costs in plots and fronts. Each has its key in `fronts`, and the cost of a row, which is > 0 if known.
+// The costs that plots and fronts use. Each entry has a key of `fronts`, and a function that returns the cost of a row.
+// A cost is > 0 if it is known.
 const COSTS = [
   { title: "Work of a bake", unit: "milliseconds", front: "bake_work", of: (row) => 1000 * row.bake_work_seconds },
   { title: "Memory on the GPU", unit: "MiB", front: "gpu_bytes", of: (row) => row.gpu_bytes / MIB },
@@ -53,8 +54,8 @@ function choice() {
     node("pre", {}, row.command)];
 }
 
-// Shapes also distinguish the groups on paper. Each shape lists corners around the mark's centre. A circle has no
-// corners.
+// On paper, where colours may be missing, shapes distinguish the groups. Each shape lists corners around the mark's
+// centre. A circle has no corners.
 const SHAPES = [
   null,
   [[-3.6, -3.6], [3.6, -3.6], [3.6, 3.6], [-3.6, 3.6]],

@@ -14,8 +14,8 @@
 
 namespace multum {
 
-/// Returns how much of finest texel [index, index + 1) is within texel `texel` of a coarser side. The finest side has
-/// `from` texels and the coarser side has `to` texels.
+/// Works along one axis. Returns how much of texel `index` of the finest level is inside texel `texel` of a coarser
+/// level. The finest level has `from` texels, and the coarser level has `to` texels.
 double covered_length(int index, int texel, int from, int to);
 
 /// The finest texels under a texel, and their means.
@@ -41,8 +41,8 @@ struct ReferenceLights {
   double noise = 0.0;                       // standard error of `total`, relative to `total`
 };
 
-/// Draws point lights. Three quarters come from the distribution of visible half vectors of the covered facets. One
-/// quarter comes from a lobe that is wider than all facets together. Different seeds give different lights.
+/// Draws point lights. Three quarters come from the distribution of visible half vectors of the facets under the texel.
+/// One quarter comes from a lobe that is wider than all facets together. Different seeds give different lights.
 ReferenceLights point_lights(const CoveredFacets& facets, int lights_per_view, std::uint64_t seed);
 
 /// Draws lights that are 20 degrees wide. Each light consists of `points` neighbours in the list, whose shares refer to

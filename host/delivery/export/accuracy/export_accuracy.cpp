@@ -61,7 +61,7 @@ GgxLobe stored(const GgxLobe& lobe, const std::optional<MaterialTexels>& texels)
   MaterialRows rows;
   rows.normals = {glm::vec3(lobe.normal)};
   rows.roughness = {static_cast<float>(std::sqrt(lobe.alpha_wide))};
-  // Blocks hold similar texels more exactly than 8 bits do, and differing texels less exactly.
+  // Compared with 8 bits per channel, blocks store similar texels more exactly, and differing texels less exactly.
   round_material(rows, *texels == MaterialTexels::kBlocks ? MaterialTexels::kRgba8 : *texels);
   return lobe_of_texel(rows, 0);
 }

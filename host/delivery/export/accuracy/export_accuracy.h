@@ -26,8 +26,8 @@ struct ExportAccuracySettings {
   int lights_per_view = 256;
   int wide_lights_per_view = 24;
   bool finds_optimum = false;  // also search for the best single lobe
-  // Rounds the engines' textures like these texels, so that no row has more precision than another. If nullopt, they
-  // are not rounded.
+  // Rounds the engines' textures to this format, so that all rows of the table have the same precision. If nullopt, the
+  // engines' textures are not rounded.
   std::optional<MaterialTexels> texels;
 };
 

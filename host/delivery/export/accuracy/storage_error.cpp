@@ -18,16 +18,16 @@
 namespace multum {
 namespace {
 
-// Places per level, views per place and lights per view. The results of two sets of this size differ by a twentieth of
-// the error.
+// Places per level, views per place and lights per view. If the same error is measured with two sets of this size, the
+// results differ by about 5 %.
 constexpr int kRows = 96, kPlacesPerRow = 16, kViews = 2, kLights = 8;
 constexpr double kViewAngleMax = 70.0;  // angle to the map's z axis, degrees
 constexpr double kAlbedo = 0.5;         // albedo where the surface is not metal
 // Ambient light relative to unit lights. Both cause the same amount of scattered light. Real pictures contain both.
 constexpr double kAmbient = 0.5 / std::numbers::pi;
-// Relative L1 error of a picture with exact textures, which comes from edges and sampling. In
-// docs/evidence/GLTF_EXAMPLE.md, the error is 1 to 2 % where level 0 is visible. The medians from 5, 25 and 50 m, at
-// about levels 3, 5 and 6, are 9, 14 and 20 %.
+// Relative L1 error of a picture that is drawn with exact textures. This error comes from edges and sampling. In
+// docs/evidence/GLTF_EXAMPLE.md, the error is 1 to 2 % where level 0 is visible. The medians at distances of 5, 25 and
+// 50 m, which show about levels 3, 5 and 6, are 9, 14 and 20 %.
 constexpr double kFinestPictureError = 0.012, kPictureErrorPerLevel = 0.03;
 constexpr double kDielectric = 0.04, kMetal = 0.9;  // reflectance at normal incidence
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Exports colours of lobes (Han et al. 2007, section 7.3) for GPUs. Colour depends on the normal if, for example,
-// bricks are red and mortar is grey, or if dents are dark. The stored tint of a lobe is its amplitude a times the
-// luminance of its colour divided by the texel's luminance, minus a. The tints of a texel add up to 0, and are small
-// and smooth. At half of the lobes' resolution, 4 bits per texel and lobe lose almost no accuracy
+// bricks are red and mortar is grey, or if dents are dark. The stored tint of a lobe is a y / t - a, where a is the
+// lobe's amplitude, y is the luminance of its colour, and t is the luminance of the texel. The tints of a texel add up
+// to 0, and are small and smooth. At half of the lobes' resolution, 4 bits per texel and lobe lose almost no accuracy
 // (docs/evidence/GLTF_TEXTURES.md, "Colours of lobes").
 #pragma once
 

@@ -17,10 +17,11 @@ constexpr int kBandRows = 64;  // rows of a level per band: a multiple of a bloc
 
 // Weights of errors. A lobe's error is weighted by its amplitude, so that small lobes keep their direction and spread,
 // and large lobes compensate errors of the sums. Broader lobes have less weight, because errors of their moments are
-// less visible. At level 3 of a real map (a barrel, 2048 x 2048, BC5), these weights of the sums lower the error of
-// the sum of amplitudes from 2.9 % to 1.5 % rms, and the error of the mean normal from 1.6 to 1.4 degrees. The table
-// lists the error that storage adds to a picture of metal of roughness 0.4 (accuracy/storage_error.h), in points.
-// Columns: lobes one by one; lobes together with weights of 1 / amplitude; these weights.
+// less visible. At level 3 of a real map (a barrel, 2048 x 2048, BC5), these weights of the sums lower the error of the
+// sum of amplitudes from 2.9 % to 1.5 % rms, and the error of the mean normal from 1.6 to 1.4 degrees. The table lists
+// the error that storage adds to a picture of metal of roughness 0.4 (accuracy/storage_error.h), in points. In the
+// first column, lobes are rounded one by one. In the second, they are rounded together with weights of 1 / amplitude,
+// and in the third, together with the weights below.
 //
 //     barrel, 2048 x 2048                          1.47   1.49   1.37
 //     Corset, 256 x 256                            0.50   0.74   0.46

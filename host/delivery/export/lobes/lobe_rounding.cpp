@@ -58,7 +58,7 @@ float value_of(const RoundedChannel& lobe, std::size_t texel, float share) {
   return lobe.low + lobe.range * share + offset_at(lobe, texel);
 }
 
-// Stores four half floats per texel. They are exact enough to round each lobe independently.
+// Stores four half floats per texel. Half floats are exact enough to round each lobe independently.
 class HalfRounding : public LobeRounding {
  public:
   HalfRounding(int lobe_count, std::size_t texels) : layers_(size_of(lobe_count)) {
@@ -113,7 +113,7 @@ class ByteRounding : public LobeRounding {
   std::vector<std::vector<std::uint8_t>> layers_;
 };
 
-// A BC4 block whose texels can choose different values among its eight.
+// A BC4 block in which each texel can choose another one of the block's eight values.
 class RechosenBlock {
  public:
   explicit RechosenBlock(std::uint8_t* block) : block_(block) {

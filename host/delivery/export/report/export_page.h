@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writes the page of an export. The page shows the measured tables, moving pictures, and the surface drawn from three
-// distances by every filtering method, with energy and error. It is one self-contained file.
+// Writes the page of an export. The page shows the measured tables, moving pictures, and the surface from three
+// distances. Every filtering method draws the surface, and the page states its energy and error. It is one
+// self-contained file.
 #pragma once
 
 #include <map>

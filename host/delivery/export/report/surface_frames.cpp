@@ -27,7 +27,8 @@ glm::dvec3 eye() {
   return {0.0, std::sin(kTilt), std::cos(kTilt)};
 }
 
-// Returns the light of a pixel, which its half vector reflects to the eye. y points up, but rows are counted downwards.
+// Returns the direction of the light that a pixel's half vector reflects to the eye. y points up, but rows are counted
+// downwards.
 glm::dvec3 light_of(const FrameView& view, int x, int y) {
   const auto place = [](int pixel) { return 2.0 * (pixel + 0.5) / kFrameSide - 1.0; };
   const glm::dvec3 half = glm::normalize(glm::dvec3(view.half_vector.x + kHalfVectorReach * place(x),
@@ -42,7 +43,7 @@ LightSet one_light(const glm::dvec3& light) {
   return set;
 }
 
-// Adds the weighted highlights of adjacent facets under one light, as add_highlights() does, with an inner loop over
+// Adds the weighted highlights of adjacent facets under one light, as add_highlights() does. The inner loop is over
 // facets. `base` holds alpha^2 of each facet. If it is null, all facets have `alpha_squared`.
 MULTUM_VECTOR_CLONES double facets_highlight(const glm::dvec3& l, const glm::dvec3& v, const glm::dvec3& h,
                                              const float* x, const float* y, const float* z, const float* base,

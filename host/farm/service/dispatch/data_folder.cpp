@@ -175,7 +175,7 @@ DataFolder::Upload DataFolder::store(const std::string& name, UploadFile& file) 
   return upload;
 }
 
-// Removes a few files at a time, because the ledger has other work.
+// Removes a few files at a time, because the ledger's thread has other work.
 struct DataFolder::Sweep {
   static constexpr int kAtOnce = 200;
   std::chrono::hours upload_age;

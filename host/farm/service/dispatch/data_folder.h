@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Manages the folder DATA, where the daemon stores files for clients: uploads by content, results without another
+// Manages the folder DATA, where the daemon stores files for clients: uploads by content, results that have no other
 // place, and logs. Limits its size, and removes only files that the ledger lists as no longer needed.
 #pragma once
 

@@ -22,7 +22,8 @@ using Clock = std::chrono::steady_clock;
 
 constexpr int kSlurmClaimsMax = 200;  // most claims per commit
 
-// Returns which exit codes of multum (docs/reference/service.md) allow another attempt.
+// Converts an exit code of multum (docs/reference/service.md) to an outcome, which determines whether another attempt
+// is allowed.
 AttemptOutcome outcome_of(int code) {
   switch (code) {
     case 0: return AttemptOutcome::kSucceeded;
@@ -456,7 +457,7 @@ void Dispatcher::note(std::int64_t id, QueueThread::Work work, std::function<voi
     });
   };
   ledger_.run(work, settled);
-  ++unsettled_;  // comes last, because no code would decrement it after an exception above
+  ++unsettled_;  // counted last, because no code would decrement the counter if run() threw an exception
 }
 
 StagedResult Dispatcher::staged(const Job& job) const {

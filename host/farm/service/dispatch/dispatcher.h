@@ -34,7 +34,8 @@ class Dispatcher {
   };
 
   /// `worker_command` is the command line of a worker, without its socket. Results are published below the output
-  /// roots. `data` counts the results in its folder. While the folder is full, no job with a result in it starts.
+  /// roots. `data` counts the results in its folder. While this folder is full, a job does not start if its result
+  /// belongs there.
   Dispatcher(boost::asio::io_context& io, QueueThread& ledger, EventHub& events, DataFolder& data,
              ServiceSettings settings, const JobRoots& roots, std::string instance,
              std::vector<std::string> worker_command);
@@ -60,7 +61,7 @@ class Dispatcher {
   const WorkerPool& workers() const { return pool_; }
   /// Null if no jobs are sent to Slurm.
   SlurmPool* slurm() const { return slurm_.get(); }
-  bool uses_slurm(const std::string& queue) const;  // whether Slurm runs at least one of its job types
+  bool uses_slurm(const std::string& queue) const;  // whether Slurm runs at least one job type of this queue
   bool goes_to_slurm(const std::string& queue, const std::string& type) const;
   /// Returns whether any job runs on this machine, or false if Slurm runs all jobs.
   bool bakes_here() const;

@@ -50,7 +50,7 @@ void check_service_settings(const ServiceSettings& settings, const std::string& 
 
 /// An address to listen on.
 struct ListenAddress {
-  std::string unix_path;  // if empty, host and port
+  std::string unix_path;  // if empty, host and port are used
   std::string host;
   int port = 0;
   bool is_loopback() const { return !unix_path.empty() || host == "127.0.0.1" || host == "::1"; }

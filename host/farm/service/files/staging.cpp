@@ -134,7 +134,7 @@ void StagedResult::check_place(bool is_folder) const {
   const std::string other = unlisted_in(name_of(folder_) + "/" + name_, seal_);
   if (!other.empty())
     refuse(fmt::format(
-        "holds {}, which is not an unchanged result of this service; expected an empty folder, an unchanged "
+        "holds {}, which is not a result of this service, or has changed; expected an empty folder, an unchanged "
         "result, or a new path",
         other));
 }

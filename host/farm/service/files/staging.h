@@ -36,7 +36,7 @@ std::string result_identity(const PathRoots& roots, const std::string& path);
 /// published files. Follows no links. Throws Error(kEnvironment) when this cannot be determined.
 bool is_as_made(const PathRoots& roots, const std::string& path, const std::string& identity, const ResultSeal& seal);
 
-/// One job's result before it has its name.
+/// One job's result before it gets its final name.
 class StagedResult {
  public:
   /// Throws like PathRoots::open_folder_of().
@@ -50,10 +50,10 @@ class StagedResult {
   /// unchanged result of multum, a file in the place of a folder, or a folder in the place of a file.
   void check_place(bool is_folder) const;
   /// Gives the result its final name, syncs the folder, and removes the staging folder. A file replaces a file, and a
-  /// folder replaces a result, in one step. If the result already has its name, because a daemon died between the
-  /// rename and its record, does only the remaining steps. Returns the path of files that were added to the previous
-  /// folder, or "" if there are none. Throws like check_place(), and Error(kEnvironment) when neither the staged nor
-  /// the published result has `identity`.
+  /// folder replaces a result, in one step. If a daemon died after the rename but before the ledger recorded it, the
+  /// result already has its final name. In that case, does only the remaining steps. Returns the path of files that
+  /// were added to the previous folder, or "" if there are none. Throws like check_place(), and Error(kEnvironment)
+  /// when neither the staged nor the published result has `identity`.
   std::string publish(const std::string& identity) const;
   /// Removes the staging folder and its contents, if it exists.
   void remove() const;

@@ -34,7 +34,7 @@ void UploadFile::name(const std::string& path) {
   // Makes the link through /proc, because only privileged processes may link a descriptor directly.
   const std::string own = "/proc/self/fd/" + std::to_string(file_.descriptor());
   if (::linkat(AT_FDCWD, own.c_str(), AT_FDCWD, path.c_str(), AT_SYMLINK_FOLLOW) != 0 && errno != EEXIST)
-    fail_to_write(path, "cannot be given its name");
+    fail_to_write(path, "cannot be created under its final name");
   const OpenFile folder(::open(std::filesystem::path(path).parent_path().c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
   if (!folder.is_open() || ::fsync(folder.descriptor()) != 0) fail_to_write(path, "its folder cannot be synced");
 }

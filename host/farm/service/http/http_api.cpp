@@ -213,7 +213,7 @@ struct HttpApi::State {
         {"stage", view->progress.stage}, {"done", view->progress.done}, {"total", view->progress.total}};
   }
 
-  // Ends only one share's task at Slurm; the share is requested again.
+  // Ends only the Slurm task of one share. The share is then requested again.
   asio::awaitable<HttpResponse> cancel_part(Job job, std::string share) {
     std::vector<SlurmPart> parts;
     co_await in_ledger([&](JobQueue& queue) { parts = queue.slurm().of_job(job.id); });
@@ -221,7 +221,7 @@ struct HttpApi::State {
       if (part.share == share && part.state == SlurmPartState::kSent && dispatcher.slurm() != nullptr &&
           dispatcher.slurm()->cancel_part(job.id, part.batch, part.item))
         co_return json_response(job_json(job), 202);
-    throw Refusal{409, "too_late", fmt::format("job {} has no part '{}' at Slurm", job.id, share)};
+    throw Refusal{409, "too_late", fmt::format("job {} has no part '{}' on Slurm", job.id, share)};
   }
 
   asio::awaitable<HttpResponse> cancel(std::string text, HttpRequest request) {
@@ -324,7 +324,8 @@ struct HttpApi::State {
       folder = roots.inputs.open_folder_of(output + "/any");
       bytes = listing_bytes(folder);
     });
-    constexpr std::size_t kCopies = 6;  // copies during a listing: a text, a stream, and two texts and a node per line
+    constexpr std::size_t kCopies = 6;  // copies of the listing in memory: a text, a stream, and for each line two
+                                        // texts and a map node
     if (!memory.resize(memory.bytes() + kCopies * bytes))
       throw Refusal{503, "busy", "there is not enough memory for such a long list of files", {{"Retry-After", "1"}}};
     std::shared_ptr<HttpBody> made;
@@ -606,8 +607,8 @@ std::string bearer_token(const std::string& field) {
   return begin == std::string::npos ? "" : field.substr(begin);
 }
 
-// A page from elsewhere must not control the service through a browser on this machine. Such a page could try a form or
-// script of another origin, or a host name whose owner points it to this machine (DNS rebinding).
+// A page from elsewhere must not control the service through a browser on this machine. Such a page could use a form or
+// a script from another origin, or a host name whose owner points it to this machine (DNS rebinding).
 bool is_own_origin(const HttpRequest& request, bool has_token, bool is_page) {
   const auto host = request.headers.find("host");
   const std::string name = host == request.headers.end() ? "" : host->second;

@@ -9,7 +9,7 @@
 
 namespace multum {
 
-/// The longest waits for a silent service.
+/// The longest times to wait for a service that sends nothing.
 struct HttpPatience {
   std::chrono::milliseconds connecting = std::chrono::seconds(10);
   std::chrono::milliseconds answer = std::chrono::seconds(60);  // longest wait for an answer; event streams send a

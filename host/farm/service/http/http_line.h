@@ -24,7 +24,8 @@
 
 namespace multum {
 
-/// The reason why a request cannot be read further. A `status` of 0 means that no client is left to tell.
+/// The reason why a request cannot be read further. A `status` of 0 means that the client is gone, so no answer is
+/// sent.
 struct UnreadableRequest {
   int status;
   const char* code;
@@ -77,8 +78,8 @@ class HttpLine {
 
  private:
   struct Watch;
-  /// 0 bytes mean that the client has closed its side. Throws UnreadableRequest after a timeout or on a broken
-  /// connection.
+  /// A result of 0 bytes means that the client has closed its side. Throws UnreadableRequest after a timeout or on a
+  /// broken connection.
   boost::asio::awaitable<std::size_t> read_some(Clock::time_point until);
   void arm(Clock::time_point until);
   bool disarm();

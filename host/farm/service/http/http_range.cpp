@@ -125,10 +125,11 @@ void serve_range(HttpResponse& response, const RangeRequest& request, bool is_he
   const std::optional<ByteRange> part = parse_byte_range(request.range, bytes);
   if (!part) return;
   if (part->count == 0) {
-    response = refusal_response({416,
-                                 "range",
-                                 fmt::format("the file has {} bytes, and the requested range is outside", bytes),
-                                 {{"Content-Range", fmt::format("bytes */{}", bytes)}, {"Accept-Ranges", "bytes"}}});
+    response =
+        refusal_response({416,
+                          "range",
+                          fmt::format("the file has {} bytes, and the requested range is outside the file", bytes),
+                          {{"Content-Range", fmt::format("bytes */{}", bytes)}, {"Accept-Ranges", "bytes"}}});
     return;
   }
   if (response.made) {

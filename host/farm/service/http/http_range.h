@@ -12,13 +12,14 @@
 
 namespace multum {
 
-using ByteRange = HttpBodyPart;  // count 0 means outside the body
+using ByteRange = HttpBodyPart;  // a count of 0 means that the range is outside the body
 
 /// Parses "bytes=0-99", "bytes=100-" or "bytes=-100" for a body of `bytes`. Returns nullopt if such a range is not
 /// served.
 std::optional<ByteRange> parse_byte_range(std::string_view field, std::uint64_t bytes);
 
-/// A request's fields about ranges, and about a state of the body that the client knows. Missing fields are empty.
+/// The header fields with which a request asks for ranges, or names the state of the body that the client already has.
+/// Missing fields are empty.
 struct RangeRequest {
   std::string range, if_range, if_none_match = {};
 };

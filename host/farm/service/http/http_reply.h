@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Makes JSON answers and refusals. Code that finds a reason throws a Refusal, which is answered with its status.
+// Makes JSON answers and refusals. Code that must refuse a request throws a Refusal. The answer has the status of this
+// Refusal.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>

@@ -457,7 +457,7 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
           co_await asio::async_write(stream, http::make_chunk(asio::buffer(text)), use_awaitable);
           text.clear();
           if (!line->waiting.empty()) continue;
-          // Sends events that follow within the pause together, so that many listeners cost little more than a few.
+          // Sends all events that arrive within the pause together, so that many listeners cost little more than a few.
           line->wake.expires_after(kStreamPause);
           co_await line->wake.async_wait(asio::redirect_error(use_awaitable, error));
         }

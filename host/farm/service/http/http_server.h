@@ -80,8 +80,8 @@ class HttpServer {
     /// Checks a request before its body is read: returns null to continue, or the answer to send.
     std::function<std::unique_ptr<HttpResponse>(const HttpRequest& without_body)> check;
     std::function<boost::asio::awaitable<HttpResponse>(HttpRequest request)> answer;
-    /// Returns whether this path is one that monitors request. Such requests are answered before other waiting
-    /// requests, even when all connections are in use.
+    /// Returns true for the paths that monitoring programs request. Requests for these paths are answered before other
+    /// waiting requests, even when all connections are in use.
     std::function<bool(const std::string& path)> is_urgent;
   };
   struct Counters {

@@ -39,8 +39,8 @@ constexpr auto kTimeMax = std::chrono::seconds(60);
 constexpr int kNiceness = 10;  // children have a lower priority than jobs
 constexpr std::uint64_t kMemoryMax = std::uint64_t{3} << 30;
 constexpr char kSaid[] = "said.txt", kSources[] = "sources.txt";
-// The page contains all its data. The page may run its own script and save paths, but it has no origin. Malicious data
-// in the page can therefore not reach the service or a token.
+// The page contains all its data. The page may run its own script and save recorded paths as files, but it has no
+// origin. Malicious data in the page can therefore not reach the service or a token.
 constexpr char kPagePolicy[] =
     "sandbox allow-scripts allow-downloads; default-src 'none'; script-src 'unsafe-inline' 'wasm-unsafe-eval'; "
     "worker-src blob:; style-src 'unsafe-inline'; img-src data: blob:; base-uri 'none'; form-action 'none'";
@@ -90,7 +90,7 @@ bool has_view(const fs::path& folder) {
 
 std::string end_of(const ChildResult& result, const std::string& program) {
   if (result.is_over_time) return fmt::format("{} took more than {} s and was killed", program, kTimeMax.count());
-  if (result.signal != 0) return fmt::format("{} was ended by signal {}", program, result.signal);
+  if (result.signal != 0) return fmt::format("{} was terminated by signal {}", program, result.signal);
   return "";  // the reader has printed the error
 }
 
@@ -289,7 +289,7 @@ void JobPictures::publish(const std::string& unfinished, const std::string& fold
   fs::rename(unfinished, folder, error);
   if (!error) return;
   data_.give_back(bytes);
-  throw Error(ErrorCode::kEnvironment, folder + ": cannot be given its name: " + error.message());
+  throw Error(ErrorCode::kEnvironment, folder + ": cannot be renamed to its final name: " + error.message());
 }
 
 void JobPictures::run(const Request& request, const std::string& folder) {

@@ -8,7 +8,7 @@
 
 namespace multum {
 
-/// Only one thread may use it.
+/// Only one thread may use a budget.
 class MemoryBudget {
  public:
   explicit MemoryBudget(std::size_t bytes_max) : bytes_max_(bytes_max) {}

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Makes /metrics, in the text format of Prometheus.
+// Writes the answer to GET /metrics in the text format of Prometheus.
 #pragma once
 
 #include <cstdint>

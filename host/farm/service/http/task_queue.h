@@ -25,7 +25,7 @@ class TaskQueue {
 
  private:
   // Each task has its own handler, so that the io_context polls connections between two tasks. If there is no memory
-  // for the next handler, a later task starts it.
+  // for the next handler, the next call of add() posts it.
   void post_next() {
     boost::asio::post(io_, [this] {
       is_posted_ = false;

@@ -22,16 +22,16 @@ class FileNotes {
     std::string output;    // output below LedgerSettings::results; "" if there is none
     std::string identity;  // identity of the published result; "" if unknown
   };
-  /// Returns at most `limit` files of purged jobs above `after`, in order.
+  /// Returns at most `limit` files of purged jobs whose numbers are above `after`, in ascending order.
   std::vector<LeftOver> left_overs(std::int64_t after, int limit);
   void forget_left_over(std::int64_t job);
 
   void note_upload(const std::string& path);
-  /// Returns at most `limit` uploads after the path `after`, in order.
+  /// Returns at most `limit` uploads, in the order of their paths, from the first one after the path `after`.
   std::vector<std::string> uploads(const std::string& after, int limit);
   void forget_upload(const std::string& path);
 
-  /// Returns the folders that hold or will hold results of jobs, each once.
+  /// Returns the folders that hold or will hold results of jobs, without duplicates.
   std::vector<std::string> output_folders();
   /// Paths that jobs use.
   struct Uses {

@@ -57,7 +57,8 @@ struct Job : JobSubmission {
   std::optional<std::int64_t> reused_from;  // the job whose result was copied instead of making it again
   int attempts_counted = 0;                 // attempts that count against attempt_max
   std::string result_identity;              // identity of the last published result; "" if none
-  std::string stop_asked;  // why the job is cancelled if its attempt ends without a result; "" if it is not
+  std::string stop_asked;  // why the job is cancelled if its attempt ends without a result; "" if it is not to be
+                           // cancelled
 };
 
 enum class AttemptOutcome {

@@ -459,7 +459,7 @@ std::vector<std::int64_t> JobQueue::retry_dead(const std::string& queue, TimeMs 
   dead.bind(1, queue);
   std::vector<std::int64_t> retried;
   for (const std::int64_t id : ids(dead)) {
-    if (find(id)->state != JobState::kDead) continue;  // queued with an earlier one
+    if (find(id)->state != JobState::kDead) continue;  // was queued together with an earlier job
     RetryResult result = retry(id, now);
     if (result.queued.empty()) set_state(id, JobState::kDead, result.refusal);
     retried.insert(retried.end(), result.queued.begin(), result.queued.end());

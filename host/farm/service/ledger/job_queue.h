@@ -43,7 +43,7 @@ struct RetryPolicy {
 
 struct LedgerSettings {
   std::string path;       // file of the database
-  std::string results;    // folder whose files are purged with their jobs, without links; "" if none
+  std::string results;    // canonical path of the folder whose files are purged with their jobs; "" if none
   std::string instance;   // name of the folder that owns the ledger; "" means any
   std::string numbers;    // file with the highest number that jobs may have; "" if there is no such file
   bool may_begin = true;  // if false, the ledger must exist and belong to this instance
@@ -83,7 +83,7 @@ class JobQueue {
   explicit JobQueue(const LedgerSettings& settings);
   /// Returns the name of the folder that owns the ledger, or "" if no folder owns it yet.
   const std::string& instance() const { return instance_; }
-  /// Makes the next job's number larger than `number`, whether or not this ledger gave the numbers up to `number`. A
+  /// Makes the next job's number larger than `number`, even if this ledger has not used the numbers up to `number`. A
   /// new ledger, or a restored older copy, automatically skips the job numbers up to the one in the file
   /// LedgerSettings::numbers.
   void number_above(std::int64_t number);

@@ -21,7 +21,8 @@ struct RescueReport {
 };
 
 /// Replaces DATA/jobs.sqlite by a new ledger; the old ledger stays next to it under another name. Throws
-/// Error(kEnvironment) while a daemon runs there, and Error(kInput) when nothing can be read; nothing is changed then.
+/// Error(kEnvironment) while a daemon runs there, and Error(kInput) when nothing can be read. In both cases, nothing is
+/// changed.
 RescueReport rescue_ledger(const std::string& data);
 
 }  // namespace multum

@@ -11,7 +11,7 @@
 namespace multum {
 
 /// Creates the tables of an empty database, and upgrades an earlier version. Throws Error(kInput) for a newer version,
-/// and for a database that is not a ledger. Throws Error(kEnvironment) for an empty one unless `may_begin`.
+/// and for a database that is not a ledger. Throws Error(kEnvironment) for an empty database if `may_begin` is false.
 void prepare_ledger(SqliteDatabase& database, bool may_begin);
 /// Adds missing columns to the table of jobs, for fields that are newer than the table.
 void add_job_columns(SqliteDatabase& database);

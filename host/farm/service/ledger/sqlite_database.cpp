@@ -110,7 +110,7 @@ SqliteDatabase::SqliteDatabase(std::string path) : path_(std::move(path)) {
     execute("BEGIN IMMEDIATE; COMMIT");  // takes the lock and creates the log now
     file_ = file_number(path_);
     log_file_ = file_number(path_ + "-wal");
-    int has_moved = 0;  // whether the file was replaced before its number was taken
+    int has_moved = 0;  // whether the file was replaced before its inode was read
     sqlite3_file_control(handle_, "main", SQLITE_FCNTL_HAS_MOVED, &has_moved);
     if (has_moved != 0) throw Error(ErrorCode::kEnvironment, path_ + ": was replaced while it was opened");
   } catch (...) {
@@ -168,7 +168,7 @@ void SqliteDatabase::look_only(const std::string& why) {
   if (file_number(path_) == file_) {  // only its log is gone, so the log's contents are saved
     try {
       execute("PRAGMA wal_checkpoint(FULL)");
-    } catch (const Error& error) {  // within a transaction; closing the database empties the log
+    } catch (const Error& error) {  // a transaction is open; closing the database will empty the log
       log_verbose(error.what());
     }
   } else {  // closing would remove another file's log

@@ -42,12 +42,12 @@ struct SlurmTask {
 /// Returns the name of a task for scancel and scontrol: "12" or "12_3".
 std::string slurm_task_name(std::int64_t job, int item);
 
-/// The meaning of an error message of sbatch for the order.
+/// The consequence of an error message of sbatch for the order.
 enum class SlurmRefusal {
   kNotNow,        // the controller does not answer, or accepts nothing at present; the same order may succeed later
   kNever,         // a wrong partition or account, or a limit; the order fails until the settings are changed
   kArrayTooLong,  // task numbers reach MaxArraySize; smaller arrays may succeed
-  kUnknown,       // any of the above
+  kUnknown,       // the message is not known; the cause may be any of the above
 };
 /// Compares the message with the texts of slurm_strerror(), which are not translated.
 SlurmRefusal refusal_of(const std::string& said);

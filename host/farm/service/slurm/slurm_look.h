@@ -21,7 +21,7 @@ struct SlurmWatched {
   bool is_array = false;
   std::string log, log_prefix;  // file for the part's output, and the prefix of each line
 
-  /// The item whose work folder holds its log.
+  /// The item whose work folder holds the part's log.
   int work_item() const { return is_array ? key.second : 0; }
 };
 

@@ -41,7 +41,7 @@ struct PartKind {
   /// The tasks of an array are bands, which wait only for share 0.
   bool is_band() const { return count > 0 && !is_merge && index > 0; }
   std::string name() const;
-  /// The prefix of its log lines, because the logs of all shares go to one file.
+  /// The prefix of the part's log lines, because the logs of all shares go to one file.
   std::string log_prefix() const;
   /// Returns the option of `multum bake` for this part, or "" for none.
   std::string option() const;

@@ -20,7 +20,7 @@ namespace asio = boost::asio;
 
 constexpr std::size_t kEstimatedAtOnce = kChunkJobsMax;
 constexpr int kRefusalsMax = 3;    // refusals by sbatch for unknown reasons, while Slurm answers
-constexpr int kSkippedLooks = 32;  // longest wait for a busy Slurm, in checks
+constexpr int kSkippedLooks = 32;  // largest number of checks to wait for a busy Slurm
 
 std::int64_t milliseconds_since_1970() {
   return std::chrono::duration_cast<std::chrono::milliseconds>(std::chrono::system_clock::now().time_since_epoch())
@@ -50,7 +50,7 @@ SlurmPool::~SlurmPool() {
 std::string SlurmPool::prefix() const { return fmt::format("multum-{}-", settings_.instance); }
 std::string SlurmPool::name_of(std::int64_t batch) const { return prefix() + std::to_string(batch); }
 
-// Runs `work` on `threads`, and the function that it returns on this thread.
+// Runs `work` on `threads`. Then runs, on this thread, the function that `work` returned.
 void SlurmPool::beside(asio::thread_pool& threads, std::function<std::function<void()>()> work) {
   asio::post(threads, [this, work = std::move(work)] {
     std::function<void()> done = work();

@@ -60,7 +60,7 @@ class SlurmPool {
   struct Counters {
     std::uint64_t submitted = 0;  // number of Slurm jobs
     std::uint64_t submit_failures = 0;
-    std::uint64_t forgotten = 0;          // parts that were unknown to Slurm, so sent again
+    std::uint64_t forgotten = 0;          // parts that Slurm did not know, and that were sent again
     std::uint64_t cancelled_unknown = 0;  // parts that were unknown to the ledger
     std::uint64_t parts_ended = 0, parts_lost = 0, rounds = 0;
     double submit_seconds = 0.0;  // time spent on writing orders and running sbatch

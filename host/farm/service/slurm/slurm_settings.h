@@ -10,7 +10,7 @@ namespace multum {
 
 struct SlurmSettings {
   std::string folder;                    // folder for orders and results, same path on all nodes; "" disables Slurm
-  std::string partition, account;        // "" means Slurm's own
+  std::string partition, account;        // "" means Slurm's default
   std::vector<std::string> arguments;    // further arguments of sbatch
   std::string program;                   // path of multum on the nodes; "" means the same path as on this machine
   std::vector<std::string> queues;       // queues whose jobs are sent
@@ -20,8 +20,8 @@ struct SlurmSettings {
   int nice = 0;                          // nice value of a job of priority 0
   double chunk_seconds = 30.0;           // seconds per task with several jobs; 0 means one job per task
   double share_seconds = 600.0;          // processor time per share of a large map; with 0, maps are not divided
-  int rounds = 3;                        // requests for missing shares, 1..100
-  double time_factor = 4.0;              // time limits divided by estimates, at least 1
+  int rounds = 3;                        // number of times that missing shares are requested, 1..100
+  double time_factor = 4.0;              // ratio of a time limit to the estimated time, at least 1
   std::chrono::seconds time_min{600};    // smallest time limit
   std::chrono::seconds time_max{86400};  // largest time limit; also used for jobs of unknown cost
   std::chrono::milliseconds poll{2000};

@@ -116,7 +116,7 @@ async function cancel(job) {
 /** Cancels the share of a map; the merge requests it again. */
 async function cancelPart(job, part) {
   await act(ask("POST", `/v1/jobs/${job.id}/cancel`, { part }),
-    () => `Part ${part} of job ${job.id} is cancelled at Slurm, and requested again.`);
+    () => `Part ${part} of job ${job.id} is cancelled on Slurm, and requested again.`);
 }
 
 async function retry(job) {

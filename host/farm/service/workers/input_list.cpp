@@ -21,7 +21,7 @@ using Json = nlohmann::json;
 
 constexpr auto kTimeMax = std::chrono::seconds(10);
 constexpr std::uint64_t kMemoryMax = std::uint64_t{512} << 20;
-constexpr std::size_t kOutputMax = 16 << 20;  // bytes, since the daemon reads it
+constexpr std::size_t kOutputMax = 16 << 20;  // in bytes; limited because the daemon reads the output
 
 // Returns the last line; skips warnings before it.
 std::string last_line(std::string output) {

@@ -99,7 +99,8 @@ Json value_schema(const Parameter& parameter) {
 
 bool is_plain_text(const std::string& text) {
   const auto is_control = [](char c) { return static_cast<unsigned char>(c) < 32 || c == 127; };
-  // C1, U+0080 to U+009F, takes two bytes in UTF-8, and the first is always C2. A terminal reads U+009B as ESC [.
+  // The C1 control characters, U+0080 to U+009F, take two bytes in UTF-8, and the first byte is always C2. A terminal
+  // reads U+009B as ESC [.
   const auto is_c1 = [](char first, char second) {
     return first == '\xc2' && static_cast<unsigned char>(second) >= 0x80 && static_cast<unsigned char>(second) < 0xa0;
   };

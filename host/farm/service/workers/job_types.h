@@ -39,7 +39,8 @@ struct JobView {
   std::string folder_ending = {};  // ends the name of the view's folder; different for each view of a type
   std::size_t kept_max = 0;        // number of newest views that are kept; 0 means all
   std::vector<Shown> shown = {};   // files in the order of a job's page
-  std::map<std::string, std::string> only_for = {};  // shown only if these parameters have these values, or none
+  std::map<std::string, std::string> only_for = {};  // shown only if each of these parameters has the given value or is
+                                                     // unset
 };
 
 /// An input that jobs of a type do not accept, although the command does.

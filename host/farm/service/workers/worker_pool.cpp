@@ -34,7 +34,7 @@ constexpr int kSocket = 3;                 // descriptor of a worker's socket
 constexpr std::size_t kLineMax = 1 << 20;  // bytes per line; a worker that sends more is broken
 constexpr char kNonsense[] = "it talks nonsense";
 constexpr int kBackOffDoublingsMax = 4;  // the pause before a worker is restarted begins at 250 ms and doubles at most
-                                         // this often
+                                         // this many times
 
 // A worker inherits no connections or listeners. Otherwise a client would not see that the daemon closes a connection.
 // Processes that a worker has started end with it, and Ctrl-C reaches only the daemon.
@@ -58,7 +58,7 @@ std::string text_of(const Json& said, const char* key) {
 }
 
 std::string death_of(int status) {
-  if (WIFSIGNALED(status)) return fmt::format("its worker was ended by signal {}", WTERMSIG(status));
+  if (WIFSIGNALED(status)) return fmt::format("its worker was terminated by signal {}", WTERMSIG(status));
   return fmt::format("its worker ended with exit code {}", WEXITSTATUS(status));
 }
 
@@ -117,7 +117,8 @@ void WorkerPool::spawn() {
   }
 }
 
-// Kills the process and waits for it, once; processes that it has started end with it.
+// Kills the process and waits until it has ended; later calls have no effect. Processes that it has started end with
+// it.
 void WorkerPool::end_process(Worker& worker) {
   if (worker.pid <= 0) return;
   ::kill(-worker.pid, SIGKILL);

@@ -4,7 +4,8 @@
 namespace multum {
 namespace {
 
-/// For every sixteen probabilities, finds the least odds whose logistic is at least the middle probability.
+/// For each group of sixteen probabilities, finds the lowest log odds whose logistic is at least the middle probability
+/// of the group.
 std::array<std::int16_t, 4096> make_odds_table() {
   std::array<std::int16_t, 4096> odds{};
   int x = -2048;

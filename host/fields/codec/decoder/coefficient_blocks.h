@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Holds quantized coefficients of an image's blocks in three planes. Blocks of zeros, by far the most, take no
-// memory.
+// Holds quantized coefficients of an image's blocks in three planes. Most blocks contain only zeros; such blocks take
+// no memory.
 #pragma once
 
 #include <array>

@@ -72,7 +72,7 @@ class DctStreamDecoder {
   /// are zero.
   CoefficientBlocks next_image(const CoefficientBlocks* parent, const CoefficientBlocks* before, std::size_t level);
 
-  /// Returns whether the stream ended before its images did.
+  /// Returns whether the stream ended before all its images were decoded.
   bool exhausted() const { return port_.exhausted(); }
 
  private:

@@ -34,7 +34,8 @@ struct BlockSurroundings {
 struct GroupSurroundings {
   std::size_t beside = 0;  // number of neighbouring groups (left, above) with values: 0 to 2
   bool has_parent = false;
-  bool parent = false, before = false, luma = false;  // whether the same group has values in that image or plane
+  bool parent = false, before = false, luma = false;  // whether the same group has values in the parent, in the image
+                                                      // coded before, and in luma
   std::size_t plane = 0, level = 0;                   // as in BlockSurroundings
 };
 
@@ -47,7 +48,7 @@ class DctSyntax {
         const std::size_t band = std::bit_width(std::max(u, v));
         order_[band].push_back(static_cast<std::uint16_t>(v * side_ + u));
       }
-    for (auto& band : order_)  // ascending frequency, so that lower neighbours come first
+    for (auto& band : order_)  // sorts by ascending frequency, so that lower neighbours come first
       std::stable_sort(band.begin(), band.end(), [this](auto a, auto b) { return frequency(a) < frequency(b); });
   }
 

@@ -4,7 +4,7 @@
 //
 //      "MPTF"      4 bytes
 //      version     1 byte: 2
-//      length      4 bytes, of the index that follows, without its checksum
+//      length      4 bytes: length of the index that follows, without its checksum
 //      index       number of sections; of each: kind, layer, block, length (numbers of ByteReader), checksum (4 bytes)
 //      checksum    4 bytes: section_checksum of all bytes before it
 //      sections    back to back, in the index's order

@@ -45,7 +45,7 @@ class ParameterPyramid {
   /// Returns the image of the next coarser level whose cell contains this image's cell, or nullopt for the coarsest
   /// level.
   std::optional<std::size_t> parent_of(std::size_t image) const;
-  /// Returns the samples in the image's cell, ascending.
+  /// Returns the samples in the image's cell, in ascending order.
   std::vector<std::size_t> samples_of(std::size_t image) const;
 
   /// Returns the level's images that add up to the sample. Without `linear`, returns the nearest image. With `linear`,

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Converts the gamma-coded values of chunks to radiance: value 255 is a radiance of 1, the exponent is 2.2. Computes
 // x^2 x^(1/5). The root starts from a guess based on the float's bits. Two steps of Halley's method, r (2 r^5 + 3 x) /
-// (3 r^5 + 2 x), refine it. The error is at most 6e-7, two thousand times less than a step of a half float. The code
-// uses only +, *, / and operations on bits, so that all browsers and libraries agree. The compiler can vectorize it. A
-// call of pow() instead would take half of a texture's decoding time.
+// (3 r^5 + 2 x), refine it. The error is at most 6e-7, which is two thousand times smaller than a step of a half float.
+// The code uses only +, *, / and operations on bits, so that all browsers and libraries agree. The compiler can
+// vectorize it. A call of pow() instead would take half of a texture's decoding time.
 #pragma once
 
 #include <algorithm>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Decodes binary symbols of given probabilities from the bytes of RangeEncoder, a 32-bit range coder with carries
 // (Martin 1979). The decoder never reads beyond the end. After the end it continues as long as the missing bytes cannot
-// change the symbols; then it returns zeros and reports this. Every prefix of a stream therefore decodes to a prefix of
-// its symbols.
+// change the symbols; then it returns zeros, and exhausted() returns true. Every prefix of a stream therefore decodes
+// to a prefix of its symbols.
 #pragma once
 
 #include <cstdint>
@@ -15,8 +15,8 @@ class RangeDecoder {
   /// The bytes must outlive the decoder.
   explicit RangeDecoder(std::span<const std::uint8_t> bytes);
 
-  /// Returns the next symbol. `probability` is that of a 1, in units of 1/65536, from 1 to 65535. Returns false once
-  /// the bytes no longer determine the symbol.
+  /// Returns the next symbol. `probability` is the probability of a 1, in units of 1/65536, from 1 to 65535. Returns
+  /// false once the bytes no longer determine the symbol.
   bool decode(std::uint32_t probability) {
     if (exhausted_) return false;
     // Size of the part of the interval, at its beginning, that stands for 1.

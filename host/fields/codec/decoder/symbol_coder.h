@@ -15,8 +15,8 @@
 
 namespace multum {
 
-/// Passes symbols with their probabilities to `Port`, `bool Port::code(bool, probability)`. If Port::kDecodes is set,
-/// the symbols to write are ignored.
+/// Passes symbols with their probabilities to the function `bool Port::code(bool, probability)`. If Port::kDecodes is
+/// set, the symbols to write are ignored.
 template <class Port>
 class SymbolCoder {
  public:
@@ -46,7 +46,7 @@ class SymbolCoder {
   /// Codes a bit with equal probabilities.
   bool even_bit(bool value) { return port_.code(value, 32768); }
 
-  /// Codes an integer from 0 to 2^16 - 1: its bit length in unary with `contexts`, then the bits after the first.
+  /// Codes an integer from 0 to 2^16 - 1: its bit length in unary with `contexts`, then all bits after the first one.
   std::uint32_t number(std::uint32_t value, std::span<AdaptiveBit, 17> contexts) {
     std::uint32_t length = 0, above = value + 1;  // 1 to 2^16
     while (above >> length > 1) ++length;

@@ -32,10 +32,11 @@ class TextureChunk {
   std::vector<float> texture(std::size_t sample) const;
 
   /// Returns which images add up to each sample. Up to rounding, texture(sample) is the format's offset_colour() plus
-  /// the sum of its terms' weights times image().
+  /// the sum, over the sample's terms, of weight times image().
   const ImagePlan& plan() const { return plan_; }
   /// Returns an image, [height][width][3], in the units of texture(), without weight and offset. Takes no time if
-  /// is_zero(). Otherwise it takes three inverse transforms and a colour rotation, whatever the values are.
+  /// is_zero(). Otherwise the call always computes three inverse transforms and a colour rotation, whatever the values
+  /// are.
   std::vector<float> image(std::size_t number) const;
   bool is_zero(std::size_t number) const;
   /// Returns the weighted sum of a sample's images, which is the texture without the offset, at the cost of one image.
@@ -43,7 +44,7 @@ class TextureChunk {
   /// Returns the number of bytes that the coefficients take.
   std::size_t memory_bytes() const;
 
-  /// Returns whether the bytes ended before the images did.
+  /// Returns whether the bytes ended before all images were decoded.
   bool was_cut_short() const { return was_cut_short_; }
 
  private:

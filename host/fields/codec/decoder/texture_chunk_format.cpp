@@ -108,7 +108,7 @@ std::optional<TextureChunkFormat> read_chunk_format(ByteReader& reader, std::str
       return refuse("the block has 0 samples, or more than 65536");
   }
   if (samples * levels << (format.linear ? dimensions : 0) > TextureChunkFormat::kTermsMax)
-    return refuse("all samples together sum more than 2^22 images");
+    return refuse("the samples are sums of more than 2^22 images in total");
   if (levels < 1 || levels > TextureChunkFormat::kBasisMax)
     return refuse("the chunk has 0 images, or more than 64 levels");
   for (std::size_t l = 0; l < levels; ++l) {

@@ -54,15 +54,15 @@ struct TextureChunkFormat {
   /// A rotation of colours as a quaternion (w, x, y, z in 1/32767), and the offset of each rotated plane in 1/64.
   std::array<std::int16_t, 4> rotation{32767, 0, 0, 0};
   std::array<std::int16_t, 3> offsets{};
-  /// Quantization steps 2^(code / 8): for cosines by the bit_width of the index along rows, then along columns; for
-  /// wavelets by band.
+  /// Codes of the quantization steps 2^(code / 8). Cosines have one code per bit_width of the index along rows, then
+  /// one code per bit_width of the index along columns. Wavelets have one code per band.
   std::vector<std::uint8_t> step_codes;
-  /// Factors of all steps of a level, 2^(code / 8 - 8).
+  /// One code per level. All steps of the level are multiplied by 2^(code / 8 - 8).
   std::vector<std::uint8_t> level_codes;
 
   /// Returns the size that step_codes must have.
   std::size_t step_code_count() const;
-  /// Returns the steps of the places of a cosine block, [v][u], or of the bands.
+  /// Returns the steps of all places in a cosine block, [v][u], or of all wavelet bands.
   std::vector<float> steps() const;
   float level_scale(std::size_t level) const;
   /// Returns the weights of red, green and blue in plane p as row p. Rows are orthonormal; colour c is the sum of

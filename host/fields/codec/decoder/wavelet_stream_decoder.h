@@ -23,7 +23,7 @@ class WaveletStreamDecoder {
   /// Decodes the stream's next image. `parent` is an earlier image that this image refines, or null.
   WaveletImage next_image(const WaveletImage* parent);
 
-  /// Returns whether the stream ended before its images did.
+  /// Returns whether the stream ended before all its images were decoded.
   bool exhausted() const { return port_.exhausted(); }
 
  private:

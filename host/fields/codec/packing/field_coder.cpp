@@ -15,7 +15,7 @@
 namespace multum {
 namespace {
 
-/// A choice of coder and pyramid is kept while lambda is within this factor of the lambda of the choice. On
+/// A choice of coder and pyramid is kept while lambda is within this factor of the lambda at which it was chosen. On
 /// field_demo1, a search that starts at lambda = 500 ends within this factor.
 constexpr double kChoiceRange = 2.0;
 

@@ -78,7 +78,7 @@ class FieldCoder {
   bool keeps_textures_ = false;
   std::vector<std::optional<ChunkSource>> textures_;  // textures by chunk, while they are kept
   std::vector<ChunkCandidates> candidates_;           // candidates by chunk
-  std::vector<KeptChunk> kept_;                       // kept chunks by chunk
+  std::vector<KeptChunk> kept_;                       // results of earlier rounds, by chunk
   std::vector<double> shares_;                        // by object: the factor of lambda, at most 1
   std::atomic<std::size_t> chunks_resumed_ = 0;
   int rounds_ = 0;

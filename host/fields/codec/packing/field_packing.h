@@ -19,8 +19,8 @@ namespace multum {
 struct FieldPackSettings {
   std::string folder, output;  // the output is named *.mpt
   FieldTarget target;
-  /// Above 1: the mean error per pixel of an object must not exceed this multiple of the mean error over all objects'
-  /// pixels (Hakura et al. 2000, section 4). 0 means no limit.
+  /// If alpha is above 1, the mean error per pixel of an object must not exceed this multiple of the mean error over
+  /// all objects' pixels (Hakura et al. 2000, section 4). 0 means no limit.
   double alpha = 0.0;
   PyramidChoice pyramid = PyramidChoice::kAdaptive;
   std::optional<ImageCoder> coder;  // if unset, the best of all coders

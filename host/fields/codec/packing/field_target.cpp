@@ -16,10 +16,11 @@ constexpr double kNearEnough = 0.985;  // share of the target that is near enoug
 constexpr double kLambdaMin = FieldCoder::kLambdaMin, kLambdaMax = FieldCoder::kLambdaMax;
 // log(bytes) and log(error) are nearly linear in log(lambda). The slopes were measured on a field of 64 samples.
 constexpr double kBytesSlope = -0.56, kErrorSlope = 0.6;
-/// The added error must stay below 3 times the inferred error. The factor is only 2 because of two differences of up to
-/// 20 %, and 2 * 1.2 * 1.2 < 3. First, the estimated coding error is 2 to 20 % below the error in drawn frames; the
-/// difference grows with fewer samples. Second, the estimate uses gamma 2.2, but the inferred textures' error uses sRGB
-/// units, which give dark pixels more weight. The error of a room with a dark quarter is 19 % higher in sRGB units.
+/// The added error must stay below 3 times the inferred textures' error. The limit for the estimated error is only 2
+/// times that error, because the estimate can be too low for two reasons, by up to 20 % each, and 2 * 1.2 * 1.2 < 3.
+/// First, the estimated coding error is 2 to 20 % below the error in drawn frames; the difference grows with fewer
+/// samples. Second, the estimate uses gamma 2.2, but the inferred textures' error uses sRGB units, which give dark
+/// pixels more weight. The error of a room with a dark quarter is 19 % higher in sRGB units.
 constexpr double kEstimateShare = 2.0 / 3.0;
 /// The least error that `--mse-max` accepts. Exact textures can be packed without any error only by chance.
 constexpr double kErrorLimitMin = 1e-3;
@@ -29,7 +30,7 @@ struct SearchGoal {
   double limit = 0.0;
   bool is_error = false;
 
-  /// Returns by how much the logarithm exceeds the goal. Above 0, the goal is not met.
+  /// Returns the logarithm of value / limit. If the result is above 0, the goal is not met.
   double excess(const FieldRound& round) const {
     const double value = is_error ? round.mse : static_cast<double>(round.file.size());
     return std::log(std::max(value, 1e-12) / limit);

@@ -15,7 +15,8 @@ namespace multum {
 struct FieldTarget {
   std::optional<double> ratio;   // least ratio of the size of raw 24-bit frames to the file size
   std::optional<double> bytes;   // largest file size in bytes
-  std::optional<double> mse;     // most error that coding adds to drawn frames, estimated; 8-bit units at gamma 2.2
+  std::optional<double> mse;     // upper limit of the estimated squared error that coding adds to drawn frames, in
+                                 // 8-bit units at gamma 2.2
   std::optional<double> lambda;  // the squared error that justifies one bit, summed over pixels and colours
 
   bool is_default() const { return !ratio && !bytes && !mse && !lambda; }

@@ -11,7 +11,7 @@
 namespace multum {
 namespace {
 
-// Work-items are small: PoCL needs as long to start a work-group as to run one item.
+// Work-items are small: on PoCL, starting a work-group takes as long as running one work-item.
 constexpr std::size_t kTransformLocalSize = 64;
 
 }  // namespace

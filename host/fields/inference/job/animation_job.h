@@ -16,7 +16,7 @@ namespace multum {
 /// One dimension of the parameter space, such as "view" or "light".
 struct AnimationParameter {
   std::string name;
-  int count = 1;         // samples along it
+  int count = 1;         // number of samples along this dimension
   bool is_view = false;  // moves the camera
   int block = 0;         // number of neighbouring samples that share texture coordinates, if the parameter moves
                          // anything; 0 means all
@@ -38,10 +38,10 @@ struct AnimationLayer {
 struct AnimationTexture {
   std::string wrap = "clamp";     // "clamp" or "periodic"; in periodic directions a branch cut is tried
   double stretch_max = 1.25;      // largest singular value of the texture-to-screen Jacobian, > 0
-  double resolution_scale = 1.0;  // (0, 8], of each side, after the stretch limit
-  bool power_of_two = false;      // rounds each side up
+  double resolution_scale = 1.0;  // (0, 8]; factor of each side, applied after the stretch limit
+  bool power_of_two = false;      // rounds each side up to a power of two
   int side_max = 2048;            // texels, 1..16384
-  double anisotropy = 1.0;        // 1..16, of the sampler
+  double anisotropy = 1.0;        // 1..16, anisotropy of the sampler
   double pyramid_weight = 0.1;    // epsilon_f of pyramidal regularization, >= 0
   double range_weight = 0.0;      // epsilon_b of range regularization, >= 0; with 0, only the bounds limit texels
   bool operator==(const AnimationTexture&) const = default;
@@ -67,7 +67,7 @@ struct AnimationCamera {
 struct AnimationSample {
   std::vector<int> at;       // index along each parameter
   std::string name;          // "v00_p03"
-  std::string radiance;      // EXR with the layers' passes, resolved path
+  std::string radiance;      // resolved path of the EXR with the layers' passes
   std::string geometry;      // EXR with depth and Cryptomatte; may be the radiance file; empty only if
                              // object_index is given
   std::string object_index;  // PNG whose grey value is the object's number; if empty, Cryptomatte is used
@@ -77,7 +77,7 @@ struct AnimationSample {
 };
 
 struct AnimationJob {
-  std::string path;  // the job file; relative paths in it start in its folder
+  std::string path;  // the job file; relative paths in the job are relative to this file's folder
   std::string geometry_file;
   int uv_set = 0;
   int width = 0, height = 0;                 // pixels
@@ -92,7 +92,7 @@ struct AnimationJob {
   std::vector<AnimationLayer> layers;
   std::vector<AnimationObject> objects;
   std::vector<AnimationCamera> cameras;
-  std::vector<AnimationSample> samples;  // one for each point of the parameter grid, the last parameter fastest
+  std::vector<AnimationSample> samples;  // one for each point of the parameter grid; the last parameter changes fastest
   bool operator==(const AnimationJob&) const = default;
 };
 

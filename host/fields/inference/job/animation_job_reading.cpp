@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads a job in the order of its references: parameters, layers, objects of the geometry file, cameras, samples. Each
-// error message can then name the line. host/fields/inference/job/animation_samples reads the samples.
+// Reads the parts of a job in this order, because later parts refer to earlier parts: parameters, layers, objects of
+// the geometry file, cameras, samples. Each error message can name the line of a wrong reference.
+// host/fields/inference/job/animation_samples reads the samples.
 #include "host/fields/inference/job/animation_job_reading.h"
 
 #include <algorithm>
@@ -24,7 +25,7 @@ namespace multum {
 namespace {
 
 constexpr int kSampleCountMax = 65536;  // each sample has one or two files
-// Enough for this many samples, each with its own camera: 68 keys and values, 1.2 KB.
+// Enough for this many samples. Each sample with its own camera has 68 keys and values, which take 1.2 KB.
 const TomlLimits kTomlLimits = {.byte_max = std::size_t{80} << 20, .item_max = 5'000'000};
 
 const std::vector<std::string> kJobKeys = {
@@ -151,7 +152,9 @@ void read_objects(const StrictTable& job_table, const std::vector<std::string>& 
 void check_camera(const StrictTable& table, const AnimationCamera& camera) {
   const glm::dmat4& m = camera.world_to_camera;
   if (m[0][3] != 0.0 || m[1][3] != 0.0 || m[2][3] != 0.0 || m[3][3] != 1.0)
-    table.refuse("world_to_camera", "has a last row other than 0 0 0 1; expected rows for column vectors");
+    table.refuse(
+        "world_to_camera",
+        "has a last row that is not 0 0 0 1; expected the four rows of a matrix that multiplies column vectors");
   if (!(glm::determinant(glm::dmat3(m)) > 0.0))
     table.refuse("world_to_camera", "is mirrored or flat: its determinant is not above 0");
   const glm::dmat4& p = camera.projection;

@@ -10,11 +10,11 @@
 namespace multum {
 
 /// Reads and validates a job. Refuses unknown keys, values out of range, unknown names, missing samples and missing
-/// files. Throws Error(kInput), which names the line, and never Error(kUsage).
+/// files. Throws Error(kInput), which names the line. Never throws Error(kUsage).
 AnimationJob read_animation_job(const std::string& path);
 
-/// Returns the resolved files that a job names, each once. Opens none of these files and checks nothing else. Throws
-/// Error(kInput) if the job is not TOML.
+/// Returns the resolved paths of the files that a job names, without duplicates. Opens none of these files and checks
+/// nothing else. Throws Error(kInput) if the job is not TOML.
 std::vector<std::string> animation_job_files(const std::string& path);
 
 }  // namespace multum

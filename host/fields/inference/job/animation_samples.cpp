@@ -58,7 +58,9 @@ std::map<std::string, glm::dmat4> read_motion(const StrictTable& table, const st
     check_known(matrices, mesh, mesh, meshes, "object of the geometry file");
     const glm::dmat4 m = matrices.matrix(mesh);
     if (m[0][3] != 0.0 || m[1][3] != 0.0 || m[2][3] != 0.0 || m[3][3] != 1.0)
-      matrices.refuse(mesh, "has a last row other than 0 0 0 1; expected rows for column vectors");
+      matrices.refuse(
+          mesh,
+          "has a last row that is not 0 0 0 1; expected the four rows of a matrix that multiplies column vectors");
     if (!(std::abs(glm::determinant(glm::dmat3(m))) > 0.0)) matrices.refuse(mesh, "is flat: its determinant is 0");
     motion[mesh] = m;
   }

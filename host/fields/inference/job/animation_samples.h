@@ -18,7 +18,8 @@ std::vector<std::string> names_of(const std::vector<Item>& items) {
   return names;
 }
 
-/// Throws Error(kInput), which lists the known names, unless `name`, the value of `key`, is one of them.
+/// Checks that `name`, the value of `key`, is a known name. Otherwise throws Error(kInput), which lists the known
+/// names.
 void check_known(const StrictTable& table, const std::string& key, const std::string& name,
                  const std::vector<std::string>& known, const std::string& what);
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Checks that a camera fits its picture: depths of the picture, projected back into the world, must be on the objects.
+// Checks that a camera fits its picture. The depths of the picture, projected back into the world, must give points on
+// the objects.
 #pragma once
 
 #include <vector>
@@ -12,7 +13,7 @@ namespace multum {
 struct CameraCheck {
   int tested = 0;                // number of tested pixels, at most 512
   int off = 0;                   // tested pixels whose distance to the objects exceeds the tolerance
-  double distance_median = 0.0;  // median of the tested pixels, world units
+  double distance_median = 0.0;  // median distance of the tested pixels from the objects, in world units
   int nan_depths = 0;            // number of pixels whose depth is NaN; such pixels are left out
 };
 

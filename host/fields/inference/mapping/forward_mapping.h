@@ -3,7 +3,7 @@
 // ignores OpenGL's filter. Every pixel's colour is added bilinearly to the four texels around its texture coordinate,
 // and texels are normalized. Texels without pixels are filled from coarser levels (pull-push). Mips are box-filtered.
 // The paper's baseline uses a Lanczos-windowed sinc of 16 x 16 taps instead of bilinear weights, and reflects the layer
-// at its borders instead of filling. This version spreads a pixel less far and has no ringing.
+// at its borders instead of filling the texels there. This version spreads a pixel less far and has no ringing.
 #pragma once
 
 #include <vector>

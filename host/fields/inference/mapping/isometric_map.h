@@ -28,7 +28,8 @@ struct IsometricSettings {
   double change_min = 1e-12;  // relative change of f per iteration that ends the search
 };
 
-/// Minimizes isometric_cost() by conjugate gradient from the regular map `start`. Rotating the result keeps its cost.
+/// Minimizes isometric_cost() by conjugate gradient, starting at `start`, which must be invertible. A rotation of the
+/// result does not change the cost.
 glm::dmat2 fit_isometric_map(const std::vector<IsometricEdge>& edges, const glm::dmat2& start,
                              const IsometricSettings& settings);
 

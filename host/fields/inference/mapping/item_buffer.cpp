@@ -47,7 +47,8 @@ ScreenVertex to_screen(const ClipVertex& vertex, int width, int height) {
           vertex.depth * one_over_w, one_over_w};
 }
 
-// Returns the first pixel whose centre is at `unit`, or to the right of it (for rows: below it).
+// Returns the first column whose pixel centres are at `unit` or to the right of it. For rows, the centres are at `unit`
+// or below it.
 int first_centre(std::int64_t unit) {
   const std::int64_t shifted = unit - kUnitsPerPixel / 2 + kUnitsPerPixel - 1;
   return static_cast<int>(shifted >= 0 ? shifted / kUnitsPerPixel : -1);

@@ -38,7 +38,7 @@ struct SegmentationReport {
   std::size_t not_finite_pixels = 0;  // NaN or infinite in some channel
   std::size_t negative_pixels = 0;    // finite, and below radiance_min in some channel
   std::size_t repaired_pixels = 0;    // invalid pixels replaced by the mean of the object's valid neighbours
-  std::size_t dropped_pixels = 0;     // invalid pixels without such neighbours: coverage 0
+  std::size_t dropped_pixels = 0;     // invalid pixels without such neighbours, whose coverage is set to 0
   std::size_t mixed_pixels = 0;       // pixels split between objects
   std::size_t unguided_pixels = 0;    // mixed pixels without a wholly covered pixel of the object in reach
   std::size_t clamped_values = 0;     // negative after splitting, set to 0

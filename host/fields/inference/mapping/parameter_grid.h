@@ -27,7 +27,7 @@ struct AnimationPose {
 struct ParameterPoint {
   std::string name;  // "light03", "view00-07", "all"
   int block = 0;
-  std::vector<int> samples;  // of the job
+  std::vector<int> samples;  // indices of the job's samples
 };
 
 /// Neighbouring indices along a parameter.

@@ -2,7 +2,7 @@
 // Follows the steps of section 3.4 in the paper's order. Departures:
 // - Step 1 uses the extents of whole triangles in the item buffers, because a cut through a triangle's hidden part
 //   would tear the triangle. A direction whose coordinates fill one period without a gap is periodic only if the
-//   surface joins there.
+//   surface is connected across the seam.
 // - If the largest singular value is below the threshold after step 2, the map is made smaller until it reaches the
 //   threshold: the paper asks for as few samples as possible. Steps 3 and 4 only make the map larger.
 // - Step 5 includes visible parts instead of whole triangles: most of a large wall may be hidden.
@@ -35,7 +35,7 @@ struct SeenMesh {
   const ObjectMesh& mesh;
   const std::vector<MappingView>& views;
   std::vector<VisiblePixels> pixels;             // one per view
-  std::vector<std::uint32_t> visible_triangles;  // triangles visible in any view, ascending
+  std::vector<std::uint32_t> visible_triangles;  // triangles visible in any view, in ascending order
 };
 
 SeenMesh look(const ObjectMesh& mesh, const std::vector<MappingView>& views) {
@@ -148,8 +148,9 @@ std::array<bool, 2> periodic_directions(const TextureMapping& mapping) {
 }
 
 // Step 2: finds the most isometric affine map in the least-squares sense, eq. 7, with texels of the screen's
-// resolution. The start is a root of the mean of S^T S over visible pixels; S is the Jacobian from texture coordinates
-// to screen. The start's singular values are the mean singular values of S, however the mesh scales u and v.
+// resolution. The search starts from a map R for which R^T R is the mean of S^T S over visible pixels, where S is the
+// Jacobian from texture coordinates to the screen. The singular values of R are the mean singular values of S, however
+// the mesh scales u and v.
 glm::dmat2 isometric_map(const SeenMesh& scene, bool is_diagonal) {
   glm::dmat2 mean(0.0);
   std::vector<IsometricEdge> edges;
@@ -238,7 +239,7 @@ glm::dmat2 scale_along(const glm::dmat2& map, glm::dvec2 direction, double facto
 // Steps 3 and 4: scale along the direction of maximal stretch until the threshold holds everywhere.
 glm::dmat2 hold_stretch(const SeenMesh& scene, glm::dmat2 map, double threshold, bool is_diagonal,
                         TextureMapping* mapping) {
-  constexpr int kRoundsMax = 100;  // "usually a very small number"
+  constexpr int kRoundsMax = 100;  // in the paper, "usually a very small number"
   // The last percent of excess stretch, and any excess after the last round, is removed by scaling in all directions at
   // once.
   constexpr double kAlmost = 1.01;
@@ -271,12 +272,12 @@ Rectangle bounds(const std::vector<glm::dvec2>& hull, const glm::dmat2& map) {
   return box;
 }
 
-// Step 5: finds the bounding rectangle of least area over discrete directions: half a degree apart, then finer around
-// the best. A turn must lower the area. The area includes a texel for margins, so that thin objects are not turned
-// needlessly.
+// Step 5: finds the bounding rectangle of least area. Tries directions that are half a degree apart, then finer steps
+// around the best one. The map is rotated only if this lowers the area. The area includes a texel for margins, so that
+// thin objects are not rotated needlessly.
 glm::dmat2 rotate_to_least_area(const std::vector<glm::dvec2>& hull, const glm::dmat2& map) {
   constexpr int kDirections = 180, kRefinements = 4;
-  constexpr double kGainMin = 1e-6;  // share of the area
+  constexpr double kGainMin = 1e-6;  // least decrease, as a fraction of the area
   const auto rotated = [&](double angle) {
     const double c = std::cos(angle), s = std::sin(angle);
     return glm::dmat2(c, s, -s, c) * map;
@@ -312,7 +313,7 @@ int side_length(double texels, const AnimationTexture& texture) {
 }
 
 // Step 6: maps texels to 0..1. A clamped direction keeps half a texel free at both ends, so that bilinear filtering
-// reads no texels beyond the border. The rounded-up number of texels only makes the texels smaller. A periodic
+// reads no texels beyond the border. Rounding up the number of texels only makes the texels smaller. A periodic
 // direction spans exactly one period.
 void set_resolution(const std::vector<glm::dvec2>& hull, const glm::dmat2& map, const AnimationTexture& texture,
                     TextureMapping* mapping) {

@@ -61,7 +61,8 @@ VisibleTriangle make_visible_triangle(const ObjectMesh& mesh, const MappingView&
     value[i] = glm::dvec3(corner.uv - corners[0].uv, 1.0);
     scale *= glm::length(at[i]);
   }
-  constexpr double kEdgeOn = 1e-13;  // relative to the product of the corners; smaller areas are only rounding errors
+  constexpr double kEdgeOn = 1e-13;  // least area relative to the product of the corners; smaller areas are only
+                                     // rounding errors
   const bool is_degenerate = is_line_in_texture(corners) || !(std::abs(glm::determinant(at)) > kEdgeOn * scale);
   return {triangle, is_degenerate, is_degenerate ? glm::dmat3(0.0) : value * glm::inverse(at)};
 }

@@ -17,7 +17,7 @@ using ObjectMappings = std::vector<std::vector<TextureMapping>>;  // [object of 
                                                                   // visible
 
 struct ProbeSettings {
-  std::string viewer;            // the program
+  std::string viewer;            // path of multum-view
   std::string context = "auto";  // OpenGL context of multum-view
   std::string folder;            // folder of the matrices
   int threads = 0;

@@ -35,7 +35,7 @@ std::vector<PointCounts> points_of_blocks(const ParameterizedScene& field, const
 }
 
 // Returns the number of fitted pixels plus solved texels. The result is a whole number, so that every machine divides
-// the work in the same way. A mapping's visible pixels include each pose only once.
+// the work in the same way. The number of a mapping's visible pixels counts each pose only once.
 std::uint64_t weight(const TextureMapping& mapping, const PointCounts& counts, std::uint64_t poses) {
   const auto side = [](int texels) { return static_cast<std::uint64_t>(std::max(texels, 1)); };
   return mapping.visible_pixels * counts.samples / std::max<std::uint64_t>(poses, 1) +

@@ -45,7 +45,7 @@ struct TextureResult {
   std::size_t layer = 0;
   std::size_t point = 0;               // index among the grid's points of the layer
   int block = 0;                       // block of the grid; selects the object's mapping
-  std::vector<int> samples;            // of the job
+  std::vector<int> samples;            // indices of the job's samples
   std::vector<double> squared_errors;  // mean squared error of each sample over wholly covered pixels, 8-bit sRGB units
   std::vector<double> pixel_counts;
   std::vector<double> forward_squared_errors;  // errors of forward mapping; empty if not requested

@@ -91,7 +91,7 @@ FrameErrors compare_frame(const std::vector<float>& ray_traced, const RenderedFr
   for (std::size_t i = 0; i < frame.alpha.size(); ++i) {
     const float* traced = &ray_traced[3 * i];
     const float* drawn = &frame.rgb[3 * i];
-    // NaN is not below the limit, so it is counted as not finite below.
+    // NaN is not less than the limit, so the next test counts such a pixel as not finite.
     if (frame.alpha[i] < kWholeCoverage) {
       errors.uncovered_pixels += 1.0;
       continue;

@@ -28,7 +28,7 @@ struct RenderedFrame {
 /// Means over pixels, in 8-bit sRGB units. Pixels that objects do not cover wholly are left out, because no texture
 /// holds their background.
 struct FrameErrors {
-  int sample = 0;    // of the job
+  int sample = 0;    // index of the job's sample
   std::string file;  // relative to the output folder
   double squared_error = 0.0, pixel_count = 0.0;
   double uncovered_pixels = 0.0;                                   // number of pixels left out because their alpha is

@@ -42,8 +42,8 @@ struct LayerSummary {
 /// Returns summaries in the order of objects, then layers. Layers without textures are left out.
 std::vector<LayerSummary> summarise_layers(const InferenceReport& report);
 
-/// Returns the sides of the layer's textures, such as "148 x 96", with " x " for `times`. If the sizes of blocks
-/// differ, returns the smallest and the largest size.
+/// Returns the sides of the layer's textures, such as "148 x 96" if `times` is " x ". If the sizes of blocks differ,
+/// returns the smallest and the largest size.
 std::string texel_count_text(const InferenceReport& report, const LayerSummary& layer, const std::string& times);
 
 /// Returns report.json without its `textures`, which may be thousands.

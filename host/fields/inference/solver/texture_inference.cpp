@@ -165,8 +165,9 @@ class Solver {
     return ratio;
   }
 
-  // Solves H step = -gradient over the free values, down to a share of the gradient. More precision is not useful,
-  // because values that leave their range change the problem. Returns the number of iterations.
+  // Solves H step = -gradient over the free values, until the residual is below a given fraction of the gradient. More
+  // precision is not useful, because values that leave their range change the problem. Returns the number of
+  // iterations.
   int find_step(int iteration_max) {
     const Sums before = projected_gradient_squares();
     Sums goal;

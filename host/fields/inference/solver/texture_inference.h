@@ -51,8 +51,8 @@ class TextureInference {
   TextureInference(TextureInference&&) noexcept;
 
   /// `colours` has three values of 0..1 per row, for all views' rows in order, including rows of weight 0. `start` has
-  /// three values per texel, from a neighbouring sample, or is empty. Every run gives the same result with any number
-  /// of threads.
+  /// three values per texel, from a neighbouring sample, or is empty. The result is the same in every run and with any
+  /// number of threads.
   InferenceResult solve(const std::vector<float>& colours, const std::vector<float>& start);
 
   /// Returns A x for every row: three values per row.

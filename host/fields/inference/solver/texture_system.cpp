@@ -15,9 +15,10 @@ namespace {
 
 // Largest ratio of entries of A^T A to entries of A for which A^T A is used. An iteration passes once over A and once
 // over its transpose, but only once over A^T A. The times are equal near a ratio of 3 (docs/evidence/BENCHMARKS.md:
-// half of the time at 2.2, about the same time at 3.3 and 3.8). But making A^T A also takes time. The time for making
-// it equals the savings of 20 iterations if pictures are stacked, and of 90 iterations at a ratio of 2.2. The limit of
-// 2 excludes ratios that rarely save time. The paper's rule, 2 n_s >= 4 n_t, assumes eight entries per row.
+// with A^T A, an iteration takes half of the time at 2.2, and about the same time at 3.3 and 3.8). But computing A^T A
+// also takes time: as much as 20 iterations save if pictures are stacked, and as much as 90 iterations save at a ratio
+// of 2.2. The limit of 2 excludes ratios that rarely save time. The paper's rule, 2 n_s >= 4 n_t, assumes eight entries
+// per row.
 constexpr std::size_t kNormalEntriesMax = 2;
 constexpr int kEntriesOfBlock = 8;
 constexpr std::size_t kRowsAnItem = 256;  // work-items per group of the products

@@ -27,8 +27,7 @@ class MomentWriter {
   MomentWriter(const MomentWriter&) = delete;
   MomentWriter& operator=(const MomentWriter&) = delete;
 
-  /// Takes rounded rows of a stored level, rows.height of them. Rows come in order from row 0; levels come in any
-  /// order.
+  /// Takes `rows.height` rounded rows of a stored level. Rows come in order from row 0; levels come in any order.
   void write_level(int level, int first_row, MomentLevel rows);
   void commit(const std::string& measured_error, Progress* progress = nullptr);
   /// Returns the checksum of the content; call commit() first.

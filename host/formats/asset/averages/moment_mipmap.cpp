@@ -106,8 +106,8 @@ void quantize_moments(MomentLevel& rows, StorageEncoding encoding, int threads) 
 
 float least_slope_deviation(StorageEncoding encoding) {
   // A rounding error of E[b^2] changes the variance by the same amount. Rounding to the nearest half causes an error of
-  // at most 2^-11 of E[b^2]. Float averages have up to 15 pairwise roundings along a row of 32768 texels, each at most
-  // 2^-24 of the sum, and the rounding of the mean counts twice.
+  // at most 2^-11 of E[b^2]. A float average over a row of 32768 texels is rounded up to 15 times, by at most 2^-24 of
+  // the sum each time. The rounding of the mean counts twice.
   constexpr double kQuarter = 0.25;
   const double moved = encoding == StorageEncoding::kHalf ? std::ldexp(1.0, -11) : std::ldexp(1.0, -19);
   return static_cast<float>(std::sqrt(moved / kQuarter));

@@ -56,10 +56,10 @@ std::vector<MomentLevel> empty_moment_levels(int width, int height);
 /// Copies some rows of a level into a level.
 MomentLevel rows_of(const MomentLevel& level, int first_row, int row_count);
 
-/// Rounds every value to what the encoding stores. kFloat rounds nothing. kHalf (docs/reference/file_format.md,
-/// "Moments") rounds first moments to nearest, and stores second moments about the rounded first moments. Then only the
-/// rounding of the square changes the variance, not the rounding of the mean. The variance's error is at most b^2 /
-/// 2048, and a single direction gets variance 0. The mean normal is rounded like a lobe of amplitude 1.
+/// Rounds every value to one that the encoding can store. kFloat rounds nothing. kHalf (docs/reference/file_format.md,
+/// "Moments") rounds first moments to nearest, and stores second moments about the rounded first moments. The variance
+/// then changes only by the rounding of the second moment, not by the rounding of the mean. The variance's error is at
+/// most b^2 / 2048, and a single direction gets variance 0. The mean normal is rounded like a lobe of amplitude 1.
 void quantize_moments(MomentLevel& rows, StorageEncoding encoding, int threads);
 
 /// The smallest standard deviation of slopes whose variance the encoding stores with an error of at most a quarter, at

@@ -21,8 +21,8 @@ struct MomentScan::Texels {
 namespace {
 
 // Tolerances for rounding (docs/reference/file_format.md). A variance or covariance may differ by this fraction of its
-// moment, and a length may differ by this amount. Rounding to halfs lowers a square by up to a whole step, 2^-10 of its
-// value. Averaging in float adds an error of about 2^-24.
+// moment, and a length may differ by this amount. Rounding to 16-bit floats lowers a square by up to a whole step,
+// 2^-10 of its value. Averaging in float adds an error of about 2^-24.
 double variance_tolerance(StorageEncoding encoding) { return encoding == StorageEncoding::kHalf ? 1.05e-3 : 2e-6; }
 double length_tolerance(StorageEncoding encoding) { return encoding == StorageEncoding::kHalf ? 2e-3 : 1e-6; }
 
@@ -33,7 +33,7 @@ bool is_finite(const float* values, int count) {
 // Returns by how much a second moment is too small for its means, beyond the tolerance for rounding. A covariance must
 // also obey the Cauchy-Schwarz inequality.
 double missing_variance(const SlopeMoments& m, double tolerance) {
-  constexpr double kLeastStep = 6e-8;  // spacing of halfs near zero
+  constexpr double kLeastStep = 6e-8;  // spacing of 16-bit floats near zero
   const auto room = [&](double moment) { return tolerance * std::abs(moment) + kLeastStep; };
   const double s = static_cast<double>(m.s), t = static_cast<double>(m.t);
   const double room_s = room(std::max(static_cast<double>(m.ss), s * s));

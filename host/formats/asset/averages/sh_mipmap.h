@@ -2,7 +2,7 @@
 // Contents of a baked file of spherical harmonics: the mean of Y_lm(n) over the normals n of each texel. This mean is
 // the distribution of normals, cut off above an order (Han et al. 2007, section 5). The mean is linear, so any filter
 // mixes texels exactly. If a BRDF's width is included (BakedHeader::has_roughness), the distribution describes
-// microfacets. Band l of a finest normal is then scaled by a_l of the vMF with mean cosine c(roughness).
+// microfacets. For a normal of level 0, band l is then scaled by a_l of the vMF with mean cosine c(roughness).
 #pragma once
 
 #include <vector>
@@ -44,7 +44,7 @@ std::vector<ShLevel> empty_sh_levels(int width, int height);
 /// Copies some rows of a level into a level.
 ShLevel rows_of(const ShLevel& level, int first_row, int row_count);
 
-/// Rounds every value to what the encoding stores: kHalf rounds to nearest, kFloat rounds nothing.
+/// Rounds every value to one that the encoding can store. kHalf rounds to nearest; kFloat rounds nothing.
 void quantize_sh(ShLevel& rows, StorageEncoding encoding, int threads);
 
 /// The largest relative change of a band's sum of squares because of rounding (docs/reference/file_format.md,

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Checks a baked file of spherical harmonics without its source: structure, checksum, finite values, and bands that are
-// not stronger than the bands of one direction.
+// Checks a baked file of spherical harmonics without its source: structure, checksum, finite values, and the strength
+// of each band. No band of a mean can be stronger than the same band of a single direction.
 #pragma once
 
 #include <functional>

@@ -38,8 +38,8 @@ ZonalCoefficients zonal_lambert(int order) {
   return a;
 }
 
-// a_l = a_(l-1) R_l, with R_l = I_(l+1/2) / I_(l-1/2) = 1 / ((2l + 1)/kappa + R_(l+1)). The recurrence runs downward
-// from an l well above the last, where R_l is approximated by its asymptotic quotient.
+// a_l = a_(l-1) R_l, with R_l = I_(l+1/2) / I_(l-1/2) = 1 / ((2l + 1)/kappa + R_(l+1)). The recurrence runs downward.
+// The recurrence starts well above the largest l that is needed, where R_l is approximated by its asymptotic quotient.
 ZonalCoefficients zonal_vmf(int order, double mean_cosine) {
   constexpr int kAbove = 30;
   ZonalCoefficients a(static_cast<std::size_t>(order) + 1, 1.0);

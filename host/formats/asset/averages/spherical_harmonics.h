@@ -50,12 +50,13 @@ using ZonalCoefficients = std::vector<double>;
 ZonalCoefficients zonal_blinn_phong(int order, double s);
 /// Exact coefficients of max(t, 0): pi, 2 pi/3, pi/4, 0, -pi/24, 0, ...
 ZonalCoefficients zonal_lambert(int order);
-/// Coefficients 1, c, ... of the von Mises-Fisher distribution with mean cosine c, 0 < c <= 1. All are 1 at c = 1. A
-/// BRDF's width multiplies the bands of a finest normal by them (kernels/device/vmf_zonal.clh).
+/// Coefficients 1, c, ... of the von Mises-Fisher distribution with mean cosine c, 0 < c <= 1. All coefficients are 1
+/// at c = 1. If a BRDF's width is included, the bands of a normal of level 0 are multiplied by these coefficients
+/// (kernels/device/vmf_zonal.clh).
 ZonalCoefficients zonal_vmf(int order, double mean_cosine);
-/// Coefficients of max(t, 0) for normals whose bands a BRDF's width has weakened, as zonal_vmf() does. They are divided
-/// by the vMF coefficients of the map's mean cosine (BakedHeader::mean_cosine). The divisors are at least 0.1, because
-/// weaker bands contain mostly rounding errors.
+/// Coefficients of max(t, 0) for files that include a BRDF's width, which weakens the bands of normals (zonal_vmf()).
+/// The coefficients are divided by the vMF coefficients of the map's mean cosine (BakedHeader::mean_cosine). The
+/// divisors are at least 0.1, because weaker bands contain mostly rounding errors.
 ZonalCoefficients zonal_lambert_of_rough(int order, double mean_cosine);
 
 }  // namespace multum

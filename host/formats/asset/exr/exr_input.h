@@ -14,7 +14,7 @@ namespace multum {
 
 class ExrInputStream : public Imf::IStream {
  public:
-  /// Throws Error(kInput) if the path is not a regular file, and an Iex exception if it cannot be opened.
+  /// Throws Error(kInput) if the path is not a regular file, and an Iex exception if the file cannot be opened.
   explicit ExrInputStream(const std::string& path);
 
   // These functions throw Iex exceptions, as the library's own stream does.

@@ -23,7 +23,7 @@ inline Imf::PixelType colour_type(StorageEncoding encoding) {
 /// Sets the size of OpenEXR's thread pool. All files of the process share one pool, which only grows.
 void use_exr_threads(int threads);
 
-/// Returns the slice of one channel of rows. `first` is its value at the left end of `first_row`.
+/// Returns the slice of one channel of rows. `first` points to the channel's value at the left end of `first_row`.
 Imf::Slice row_slice(Imf::PixelType type, const void* first, std::size_t texel_stride, int width, int first_row,
                      int row_count);
 

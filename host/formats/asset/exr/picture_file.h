@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writes pictures as OpenEXR files: whole as linear 32-bit floats, or row by row as halfs. A file appears whole or not
-// at all.
+// Writes pictures as OpenEXR files: whole as linear 32-bit floats, or row by row as 16-bit floats. A file appears whole
+// or not at all.
 #pragma once
 
 #include <memory>

@@ -14,8 +14,8 @@
 namespace multum {
 namespace {
 
-// If a 2 sigma^2 in floats is below this value (8 roundings of 2^-24), the lobe cannot be distinguished from a single
-// direction.
+// If 2 sigma^2 of a lobe is below this value (8 roundings of 2^-24), the lobe cannot be distinguished from a single
+// direction, because 32-bit floats have rounding errors of this size.
 constexpr double kSpreadZero = 5e-7;
 
 float clamped_step_value(double steps) { return static_cast<float>(std::clamp(steps, -32767.0, 32767.0) * kSnormStep); }
@@ -102,7 +102,7 @@ glm::vec3 normal_of_point(const glm::vec3& point, bool is_shortened) {
 
 float gmm_kappa_max(StorageEncoding encoding) {
   // At these kappas, half a step of the third value changes 2 sigma^2 by a quarter. A step of snorm16 is 1/32767. A
-  // step of halfs is 1/2048 near the rim, where the third value is near 1, and smaller elsewhere.
+  // step of 16-bit floats is 1/2048 near the rim, where the third value is near 1, and smaller elsewhere.
   // GmmQuantizeTest.KeepsVariance measures this.
   switch (encoding) {
     case StorageEncoding::kSnorm16: return 30000.0f;

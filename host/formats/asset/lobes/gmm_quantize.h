@@ -5,26 +5,28 @@
 //   a mu_x, a mu_y, a (2 sigma^2 + |mu|^2), a        mu = mean (n_x, n_y), sigma^2 = variance of one coordinate
 //
 // All are linear in the normals, so a filter T(.) mixes them exactly: 2 sigma^2 = T(third) / T(a) - |T(a mu)/T(a)|^2.
-// Near the rim this is a small difference of numbers near 1, which independent rounding would mostly destroy. So the
-// third value is rounded last, about the rounded mean. The spread then has one rounding error instead of three
-// (docs/reference/file_format.md, "Encodings of Gaussians").
+// Near the rim, 2 sigma^2 is a small difference of two numbers near 1. Independent rounding of the two numbers would
+// mostly destroy this difference. So the third value is rounded last, about the rounded mean. The spread then has one
+// rounding error instead of three (docs/reference/file_format.md, "Encodings of Gaussians").
 #pragma once
 
 #include "host/formats/asset/lobes/movmf_mipmap.h"
 
 namespace multum {
 
-/// Returns sigma^2 of a stored or filtered lobe. It is never negative, and 0 if a is 0.
+/// Returns sigma^2 of a stored or filtered lobe. The result is never negative. It is 0 if a is 0.
 float gmm_variance(const glm::vec4& lobe);
 
-/// Converts one finest normal, which a BRDF's width has shortened to c n, to a lobe of amplitude 1: (x, y, x^2 + y^2 +
-/// 2 v) of the unit normal. v is the planar variance of its facets (kernels/device/planar_sample.clh).
+/// Converts a normal of level 0 to a lobe of amplitude 1. The normal is c n: its length c includes a BRDF's width. The
+/// lobe is (x, y, x^2 + y^2 + 2 v) of the unit normal n, where v is the planar variance of the facets around n
+/// (kernels/device/planar_sample.clh).
 glm::vec3 rough_point(const glm::vec3& shortened);
 /// Inverse of rough_point(): returns c n, for renderers that have only the file.
 glm::vec3 shortened_normal(const glm::vec3& rough_point);
-/// Converts one finest normal, shortened or not, to a lobe of amplitude 1.
+/// Converts a normal of level 0 to a lobe of amplitude 1. The normal has unit length, or a length that includes a
+/// BRDF's width.
 glm::vec3 point_of_normal(const glm::vec3& normal, bool is_shortened);
-/// Inverse of point_of_normal(). For a unit normal, the third value adds nothing to (x, y) except rounding.
+/// Inverse of point_of_normal(). For a unit normal, the third value follows from (x, y), except for rounding.
 glm::vec3 normal_of_point(const glm::vec3& point, bool is_shortened);
 
 /// Returns 1 / sigma^2 for the smallest sigma^2 that a lobe of amplitude 1 stores with an error of at most a quarter,

@@ -32,7 +32,7 @@ struct LobeFamily {
   SharpLobes (*count_sharp)(const MovmfLevel& level, StorageEncoding encoding, int threads);
 
   // Converts a normal to a stored value of level 0, where every texel is a single direction. `is_shortened` is true if
-  // a BRDF's width has shortened the normal.
+  // the length of the normal includes a BRDF's width.
   glm::vec3 (*finest_of_normal)(const glm::vec3& normal, bool is_shortened);
   // Converts a stored value of level 0 to a normal.
   glm::vec3 (*normal_of_finest)(const glm::vec3& stored, bool is_shortened);

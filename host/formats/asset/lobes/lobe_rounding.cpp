@@ -20,7 +20,8 @@ using Block = std::array<double, kRoundingBlock>;
 constexpr float kAmplitudeMin = static_cast<float>(kSnormStep);
 
 // Step 1 for snorm16: amplitudes become whole steps that sum to 32767. The largest remainders are rounded up. In a tie,
-// this is the lower lobe. Amplitudes that do not sum to 1 stay unchanged, so that verify_movmf() reports them.
+// the amplitude of the lobe with the lower index is rounded up. Amplitudes that do not sum to 1 stay unchanged, so that
+// verify_movmf() reports them.
 MULTUM_VECTOR_CLONES
 void round_amplitudes_snorm(const MovmfLevel& level, std::size_t first, std::size_t count,
                             std::array<Block, kLobeCountMax>& amplitudes) {

@@ -20,7 +20,7 @@ constexpr std::size_t kRoundingBlock = 256;
 using RoundLobes = void (*)(glm::vec4* lobes, const double* amplitudes, std::size_t count, StorageEncoding encoding);
 
 /// Rounds amplitudes first (snorm16: whole steps that sum to 32767), then each lobe with `round`, then colours and
-/// weights to halfs. kFloat rounds nothing.
+/// weights to 16-bit floats. kFloat rounds nothing.
 void round_rows(MovmfLevel& rows, StorageEncoding encoding, int threads, RoundLobes round);
 
 /// Counts lobes for which `is_sharp(lobe)` is true, if every encoding can store their amplitude.

@@ -44,8 +44,8 @@ float z_snorm(float x, float y) {
   return step_value(below < root ? below + 1 : below);
 }
 
-// Returns exactly the least half with x^2 + y^2 + z^2 >= 1 if x and y are halfs. Every term is a multiple of 2^-48, so
-// the doubles are exact. A root that is not a half differs from every half by at least 2^-49.
+// Returns exactly the least half with x^2 + y^2 + z^2 >= 1 if x and y are 16-bit floats. Every term is a multiple of
+// 2^-48, so the doubles are exact. A root that is not a half differs from every half by at least 2^-49.
 float z_half(double root) {
   half z(static_cast<float>(root));
   if (static_cast<double>(static_cast<float>(z)) < root) z.setBits(static_cast<unsigned short>(z.bits() + 1));
@@ -71,8 +71,8 @@ void quantize_plane(glm::vec3& n, StorageEncoding encoding) {
   }
 }
 
-// Rounds x, y and z of many unit vectors without branches. Wide registers turn a small negative value into -0. Such
-// values are set to 0, as in other code.
+// Rounds x, y and z of many unit vectors without branches. Vector instructions can round a small negative value to -0,
+// where scalar code gives 0. Adding 0 makes both equal.
 MULTUM_VECTOR_CLONES
 void quantize_directions_snorm(glm::vec3* normals, std::size_t count) {
   for (std::size_t i = 0; i < count; ++i) {
@@ -101,7 +101,7 @@ void quantize_texels(MovmfFinest& rows, std::size_t begin, std::size_t end, Stor
     rows.weights[i] = as_half(rows.weights[i]);
 }
 
-// Rounding to halfs lengthens each channel by at most one step of 1/1024.
+// Rounding to 16-bit floats lengthens each channel by at most one step of 1/1024.
 constexpr float kLengthSquaredMax = 1.01f, kLengthSquaredMin = 0.99f;
 
 }  // namespace

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Level 0 of a baked map in compact form. Every texel is one direction in one lobe (a = 1, |r| = 1), so it needs only a
 // normal, the number of the lobe and a colour. The file stores x and y, and the reader derives z
-// (docs/reference/file_format.md, "The finest level"); the structs here hold all three. If a BRDF's width is included,
-// normals are shorter than 1 and points of the plane scatter, so the file also stores the third value.
+// (docs/reference/file_format.md, "The finest level"); the structs here hold x, y and z. If a BRDF's width is included,
+// normals are shorter than 1 and planar lobes have a variance, so the file also stores the third value.
 #pragma once
 
 #include <cstddef>
@@ -43,13 +43,14 @@ float finest_square(float x, float y, StorageEncoding encoding);
 /// z, the other has points with x^2 + y^2.
 void quantize_unit_vectors(glm::vec3* normals, std::size_t count, StorageEncoding encoding);
 void quantize_points(glm::vec3* points, std::size_t count, StorageEncoding encoding);
-/// Returns whether the normal is a single direction that one lobe stores. This is not true with roughness, which
-/// shortens vectors and scatters points.
+/// Returns whether the normal is a single direction that one lobe stores. With roughness, this is false, because
+/// roughness shortens vectors and widens planar lobes.
 bool is_unit_vector(const glm::vec3& normal, bool has_roughness);
 bool is_single_point(const glm::vec3& point, bool has_roughness);
 
-/// Rounds x and y to the nearest value of the grid and derives z. Rounds shortened normals like lobes of amplitude 1,
-/// and colours and weights to halfs unless the encoding is kFloat. Readers of the file get exactly these values.
+/// Rounds x and y to the nearest value of the grid and derives z. Normals whose length includes a BRDF's width are
+/// rounded in the same way as lobes of amplitude 1. Rounds colours and weights to 16-bit floats unless the encoding is
+/// kFloat. Readers of the file get exactly these values.
 void quantize_movmf(MovmfFinest& rows, StorageEncoding encoding, int threads);
 
 /// Converts rows of level 0 from full lobes. Every texel must be one direction in one lobe, with all other lobes zero

@@ -3,10 +3,9 @@
 // al. 2007, section 7). This is the only code that both the bakes (OpenCL) and the runtime (GL) link.
 //
 // A lobe is stored as a * (r_x, r_y, r_z, 1). The amplitude is a; the amplitudes of a texel sum to 1. The mean vector
-// of
-// the lobe's normals is r, with |r| <= 1, in tangent space: +X right (u grows), +Y up (towards the image's first
-// row), +Z out. All four channels are linear in the normals, so hardware filtering T(.) gives exact first moments: a
-// = T(a), r = T(a r) / T(a).
+// of the lobe's normals is r, with |r| <= 1, in tangent space: +X right (u grows), +Y up (towards the image's first
+// row), +Z out. All four channels are linear in the normals, so hardware filtering T(.) gives exact first moments:
+// a = T(a), r = T(a r) / T(a).
 #pragma once
 
 #include <cstddef>
@@ -70,8 +69,9 @@ std::string movmf_content_hash(const MovmfMipmap& mipmap, int threads);
 
 /// Writes `mipmap` atomically, without rounding: call quantize_movmf() first. Each texel of level 0 must be one
 /// direction in one lobe; the file stores its x and y. Throws Error(kEnvironment) if the disk fails, and Error(kUsage)
-/// for an unknown compression. Progress counts no units, and can cancel after each row of tiles until the file has its
-/// name. To write row by row, use MovmfWriter (host/formats/asset/lobes/movmf_writer.h).
+/// for an unknown compression. Counts no units of progress. The progress callback can cancel after each row of tiles,
+/// until the file is renamed to its final name. To write row by row, use MovmfWriter
+/// (host/formats/asset/lobes/movmf_writer.h).
 void write_movmf_mipmap(const std::string& path, const MovmfMipmap& mipmap, const BakedWriteOptions& options,
                         Progress* progress = nullptr);
 
@@ -86,17 +86,17 @@ MovmfMipmap read_movmf_header(const std::string& path);
 /// quarter. Rounding makes lobes with a larger kappa even sharper; they can become a single direction.
 float storage_kappa_max(StorageEncoding encoding);
 
-/// Lobes of a level, before rounding, whose spread is lost because they are sharper than storage_kappa_max(). Single
-/// directions do not count, because every encoding keeps them. With kFloat, no lobes count.
+/// Counts the lobes of a level whose spread will be lost by rounding, because they are sharper than
+/// storage_kappa_max(). Single directions do not count, because every encoding keeps them. With kFloat, no lobes count.
 struct SharpLobes {
   std::uint64_t count = 0;
   double amplitude = 0.0;  // sum of their amplitudes, in texels
 };
 SharpLobes count_sharp_lobes(const MovmfLevel& level, StorageEncoding encoding, int threads);
 
-/// Rounds every value to what `mipmap.encoding` stores (docs/reference/file_format.md, "Rounding"). Amplitudes sum to
-/// exactly 1, and rounding never adds spread: a lobe of unit |r| decodes to |r| >= 1, which readers clamp to 1. Level
-/// 0 is derived from its x and y (host/formats/asset/lobes/movmf_finest.h).
+/// Rounds every value to one that `mipmap.encoding` can store (docs/reference/file_format.md, "Rounding"). Amplitudes
+/// sum to exactly 1, and rounding never adds spread: a lobe of unit |r| decodes to |r| >= 1, which readers clamp to 1.
+/// Level 0 is derived from its x and y (host/formats/asset/lobes/movmf_finest.h).
 void quantize_movmf(MovmfMipmap& mipmap, int threads);
 
 /// Rounds some or all rows of a level >= 1 in the same way.

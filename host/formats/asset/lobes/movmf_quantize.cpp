@@ -9,8 +9,9 @@
 //      the lobe's direction that is closest to a |r|. For a single direction (|r| = 1), the projection must be at least
 //      a, so rounding never adds spread. Filtering adds none either, because projections of texels that share a
 //      direction add up.
-// If the length |a r| were used instead, a lobe of one step could turn by 60 degrees at full length. After filtering
-// with a neighbouring lobe of amplitude 0.7, the peak was then 4 % lower (QuantizeTest). Readers clamp |r| to 1.
+// If candidates were chosen by their length |a r| instead, a lobe with an amplitude of one step could keep its length,
+// but turn by 60 degrees. After filtering with a neighbouring lobe of amplitude 0.7, the peak was then 4 % lower
+// (QuantizeTest). Readers clamp |r| to 1.
 #include <half.h>
 
 #include <algorithm>
@@ -30,8 +31,8 @@
 namespace multum {
 namespace {
 
-// If a spread in fp32 sums is below this value (8 roundings of 2^-24), the lobe cannot be distinguished from a single
-// direction.
+// A lobe whose spread is below this value (8 roundings of 2^-24) cannot be distinguished from a single direction,
+// because sums of 32-bit floats have rounding errors of this size.
 constexpr double kSpreadZero = 5e-7;
 
 // The two grid neighbours of a value. The magnitude of `inner` is at most that of the value, and the magnitude of
@@ -57,7 +58,7 @@ Bracket bracket_half(double value) {
   const auto rounded = static_cast<double>(static_cast<float>(nearest));
   if (rounded == value) return {static_cast<float>(nearest), static_cast<float>(nearest)};
   half other = nearest;
-  // Halfs of one sign have the same order as their bit patterns.
+  // For 16-bit floats of the same sign, the order of the values is the order of the bit patterns.
   const bool nearest_is_inner = std::abs(rounded) < std::abs(value);
   const auto bits = nearest.bits();
   other.setBits(static_cast<unsigned short>(nearest_is_inner ? bits + 1 : bits - 1));
@@ -141,7 +142,7 @@ glm::vec4 round_lobe(const glm::vec4& stored, float a, const BracketOf& bracket_
 // kind are gathered and rounded separately.
 using Block = std::array<double, kRoundingBlock>;
 
-// Lobes of one kind, with their mean vectors r, lengths of these, rounded amplitudes, and positions in the block.
+// Lobes of one kind: their mean vectors r, the lengths of r, the rounded amplitudes, and the positions in the block.
 struct Gathered {
   Block x, y, z, length, amplitude;
   std::array<std::size_t, kRoundingBlock> index;
@@ -225,7 +226,7 @@ void divide(Gathered& lobes, const Block& divisor) {
   }
 }
 
-// Wide registers turn a small negative value into -0, and other code turns it into 0. Both are stored as 0.
+// Vector instructions can round a small negative value to -0, where scalar code gives 0. Adding 0 makes both equal.
 void scatter(const Gathered& rounded, glm::vec4* lobes) {
   for (std::size_t i = 0; i < rounded.count; ++i)
     lobes[rounded.index[i]] = {static_cast<float>(rounded.x[i]) + 0.0f, static_cast<float>(rounded.y[i]) + 0.0f,
@@ -282,7 +283,7 @@ float storage_kappa_max(StorageEncoding encoding) {
   // Measured by QuantizeTest.KeepsSpreadUpToKappaMax over random lobes of amplitude 1, tilted up to 60 degrees. At both
   // limits, 1 - |r| changes by 4 % in the median and by 14 % at the 95th percentile, in proportion to kappa. The worst
   // case is a flat lobe, where only z is rounded. Half a step then changes 1 - |r| by 31 % for snorm16 and 24 % for
-  // halfs.
+  // 16-bit floats.
   switch (encoding) {
     case StorageEncoding::kSnorm16: return 20000.0f;
     case StorageEncoding::kHalf: return 1000.0f;

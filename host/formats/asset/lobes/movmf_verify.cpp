@@ -46,7 +46,7 @@ LengthExcess length_excess(StorageEncoding encoding) {
   return {1e-6f, 1e-9f};
 }
 
-// Worst values so far. The two floats are exact, because they are computed from floats.
+// Worst values so far. The two members of type float are exact, because they are computed from floats.
 struct WorstLobe {
   double sum_error;
   float negative_amplitude, long_mean;
@@ -93,8 +93,8 @@ int any_worse_sum(const double* sums, std::size_t count, double worst) {
   return found;
 }
 
-// Weights are 0 to 1, so a lobe's weighted amplitudes are 0 to a. The tolerance covers the rounding of weights to halfs
-// and of amplitudes to snorm16, which may differ from the fit by a step.
+// Weights are 0 to 1, so a lobe's weighted amplitudes are 0 to a. The tolerance covers the rounding of weights to
+// 16-bit floats and of amplitudes to snorm16, which may differ from the fit by a step.
 constexpr double kWeightTolerance = 2e-3;
 
 // Returns how far the third value of a Gaussian is below the square of its mean. Rounding down is tolerated.
@@ -155,7 +155,7 @@ bool MovmfScan::Lobes::any_is_worse(const MovmfLevel& rows, std::size_t begin, s
   return (found | any_worse_sum(sums.data(), end - begin, worst.sum_error)) != 0;
 }
 
-// Sums of finest texels need no check, because each sum is 1.
+// At level 0, sums of amplitudes need no check, because each sum is 1.
 bool MovmfScan::Lobes::any_is_worse(const MovmfFinest& rows, StorageEncoding encoding) const {
   const WorstLobe worst{sum_error.value, static_cast<float>(negative_amplitude.value),
                         static_cast<float>(long_mean.value), length_excess(encoding)};

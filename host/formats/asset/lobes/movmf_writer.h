@@ -19,8 +19,8 @@ class BakedWriter;
 class MovmfWriter {
  public:
   /// `header` holds sizes, lobe count, encoding, wrap modes, first level, the flag for colours, and provenance, but no
-  /// texels. Its measured error and content hash are ignored, because commit() sets both. Throws as AtomicFile does if
-  /// the path cannot be written, and Error(kUsage) for an unknown compression.
+  /// texels. The measured error and content hash in `header` are ignored, because commit() sets both. Throws as
+  /// AtomicFile does if the path cannot be written, and Error(kUsage) for an unknown compression.
   MovmfWriter(const std::string& path, const MovmfMipmap& header, const BakedWriteOptions& options);
   /// Removes the file, unless commit() was called.
   ~MovmfWriter();
@@ -28,14 +28,15 @@ class MovmfWriter {
   MovmfWriter& operator=(const MovmfWriter&) = delete;
 
   /// Takes any number of rounded rows of level 0, in order from row 0. Requires that the header's first level is 0.
-  /// Blocks while more than about 16 MiB wait.
+  /// Blocks while more than about 16 MiB of rows wait.
   void write_finest(int first_row, MovmfFinest rows);
-  /// Takes rounded rows of a level >= 1, rows.height of them. Rows come in order from row 0 within a level. Levels come
-  /// in any order, even between rows of level 0.
+  /// Takes `rows.height` rounded rows of a level >= 1. Rows come in order from row 0 within a level. Levels come in any
+  /// order, even between rows of level 0.
   void write_level(int level, int first_row, MovmfLevel rows);
   /// Finishes the file after every row of every stored level was written. Waits for the writer's thread, fills in the
   /// last attributes, syncs, and gives the file its name. `measured_error` is JSON of at most
-  /// options.measured_error_bytes. Progress counts no units, and can cancel until the file has its name.
+  /// options.measured_error_bytes. Counts no units of progress. The progress callback can cancel until the file is
+  /// renamed to its final name.
   void commit(const std::string& measured_error, Progress* progress = nullptr);
   /// Returns the checksum of the content (docs/reference/file_format.md); call commit() first.
   const std::string& content_hash() const;

@@ -41,7 +41,7 @@ glm::vec3 unit_normal(const glm::vec3& right, const glm::vec3& up) {
 
 // Points of a grid, with one extra point beyond every side. On a closed side, the extra point is the point from the
 // other end. On an open side, it mirrors the border's neighbour about the border. Then (p[-1] + 4 p[0] + p[1]) / 6 =
-// p[0], so the spline ends in the border.
+// p[0], so the spline ends at the border.
 class ControlGrid {
  public:
   ControlGrid(const PyramidSurface& surface, bool closed_s, bool closed_t)

@@ -6,12 +6,11 @@
 //   cryptomatte/KEY/manifest      JSON: {"name": "identifier in hexadecimal", ...}
 // and its channels hold ranks of (identifier, coverage) per pixel, largest coverage first:
 //   NAME00.r .g | NAME00.b .a | NAME01.r .g | NAME01.b .a | ...
-// Departures from the specification: some renderers, and programs that repack files, write R, red or Red for r. They
-// omit
-// the view layer from the metadata's name or from the channels' names, or add it. They lose the metadata, or truncate
-// manifests. So the channels identify the layer, metadata are matched to the channels by name or by KEY, and names that
-// are missing in a manifest are matched by their hash. A manifest in a separate file (manif_file) is not read, because
-// hashing the names gives the same identifiers.
+// Departures from the specification: some renderers, and programs that repack files, write R, red or Red for r. Such
+// programs omit the view layer from the metadata's name or from the channels' names, or add it. Such programs also lose
+// the metadata, or truncate manifests. So the channels identify the layer, metadata are matched to the channels by name
+// or by KEY, and names that are missing in a manifest are matched by their hash. A manifest in a separate file
+// (manif_file) is not read, because hashing the names gives the same identifiers.
 #include <algorithm>
 #include <array>
 #include <bit>

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads Radiance's format (Ward 1991, "Real Pixels"; Radiance's filefmts). It consists of "#?" and lines of text up to
-// an empty line, then "-Y height +X width", then rows of RGBE texels: mantissas of 8 bits with one exponent, (R, G, B)
-// 2^(E - 136). A row of 8 to 32767 texels can be run-length coded: the bytes 2, 2 and the width (two bytes), then one
-// plane per channel. A plane is a list of runs. A run is a byte 128 + n and one value to repeat n times, or a byte n <=
-// 128 and n values. Other orders of rows and columns, and XYZE, are rejected.
+// Reads Radiance's format (Ward 1991, "Real Pixels"; Radiance's filefmts). Such a file consists of "#?" and lines of
+// text up to an empty line, then "-Y height +X width", then rows of RGBE texels: mantissas of 8 bits with one exponent,
+// (R, G, B) 2^(E - 136). A row of 8 to 32767 texels can be run-length coded: the bytes 2, 2 and the width (two bytes),
+// then one plane per channel. A plane is a list of runs. A run is a byte 128 + n and one value to repeat n times, or a
+// byte n <= 128 and n values. Other orders of rows and columns, and XYZE, are rejected.
 #include "host/formats/image/files/environment_file.h"
 
 #include <algorithm>

@@ -22,10 +22,10 @@ ExrLayers read_exr_channels(const std::string& path, const std::vector<std::stri
 /// Returns the names of all channels of all parts, in the file's order.
 std::vector<std::string> exr_channel_names(const std::string& path);
 
-/// For each of `names`, in their order, returns the share of each pixel, 0..1, that it covers: width * height floats,
-/// row 0 at the top. `layer` is the Cryptomatte's name, such as "CryptoObject", with or without the view layer. Names
-/// that are missing in the manifest are matched by their MurmurHash3. Without a readable manifest or metadata, all
-/// names are matched in this way. Throws Error(kInput) if the file has no such Cryptomatte, or several.
+/// For each of `names`, in their order, returns the share of each pixel, 0..1, that the named object covers: width *
+/// height floats, row 0 at the top. `layer` is the Cryptomatte's name, such as "CryptoObject", with or without the view
+/// layer. Names that are missing in the manifest are matched by their MurmurHash3. Without a readable manifest or
+/// metadata, all names are matched in this way. Throws Error(kInput) if the file has no such Cryptomatte, or several.
 std::vector<std::vector<float>> read_cryptomatte_coverage(const std::string& path, const std::string& layer,
                                                           const std::vector<std::string>& names);
 

@@ -203,8 +203,8 @@ void inspect_webp(const std::string& path, ByteFile& file, ImageContainer& conta
   keep(container, 0, file.size());
 }
 
-// Rejects baked files, because their channels do not hold a map. They are recognised by the attributes of their first
-// part (docs/reference/file_format.md).
+// Rejects baked files, because their channels do not hold a map. Baked files are recognised by the attributes of their
+// first part (docs/reference/file_format.md).
 void refuse_baked_file(const std::string& path, ByteFile& file) {
   std::string representation, source;
   walk_exr_headers(path, file, [&](const ExrAttribute& attribute) {
@@ -258,8 +258,8 @@ std::string either(const std::vector<int>& numbers) { return fmt::format("{}", f
 
 // Rejects files that OpenImageIO 2.4.7 misreads without an error; each kind has a case in
 // tests/cli/odd_inputs/odd_cases.py. Ink colours and Lab colours are neither vectors nor light. OpenImageIO mixes up
-// the bytes of 24-bit samples, and reads signed integers of few bits as unsigned integers. It assumes 8 bits if the
-// file states none, although the standard means 1.
+// the bytes of 24-bit samples, and reads signed integers of few bits as unsigned integers. OpenImageIO also assumes 8
+// bits if the file states none, although the standard means 1.
 void refuse_misread_tiff(const std::string& path, const TiffSurvey& tiff) {
   if (!tiff.is_whole) return;                                   // the library reports the fault
   const std::vector<int> kOtherColours = {5, 8, 9, 10, 32803};  // CMYK, three kinds of Lab, a camera's mosaic
@@ -294,7 +294,8 @@ void refuse_misread_tiff(const std::string& path, const TiffSurvey& tiff) {
 }
 
 // Workaround "TIFF rows": OpenImageIO 2.4.7 multiplies by the rows per strip, a number that may be the largest
-// possible. It then runs forever, or leaves doubles unread. So the number is limited to the picture's rows.
+// possible. With such a number, OpenImageIO runs forever, or leaves doubles unread. So the number is limited to the
+// picture's rows.
 void limit_strip_rows(ByteFile& file, const TiffSurvey& tiff, ImageContainer& container) {
   if (tiff.height < 1 || tiff.rows_per_strip <= tiff.height) return;
   const bool is_big_endian = file.bytes(0, 1, "the first byte") == "M";

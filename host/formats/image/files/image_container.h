@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Examines an image file with a few lines of our own code before any image library sees it: its format by the first
-// bytes, its declared size, and the byte ranges of the picture. Libraries trust headers: fuzzed files make them
-// allocate memory, or parse metadata for minutes.
+// bytes, its declared size, and the byte ranges of the picture. Libraries trust headers: fuzzed files make libraries
+// allocate too much memory, or parse metadata for minutes.
 #pragma once
 
 #include <cstdint>
@@ -39,8 +39,8 @@ struct ImageContainer {
   double gamma = 0.0;                      // for PNG: exponent from value to light (1 / gAMA); 0 for none or sRGB
 };
 
-/// Returns ImageContainer::format according to the first bytes. It is empty if the file is missing or has another
-/// format.
+/// Returns ImageContainer::format according to the first bytes. The result is empty if the file is missing or has
+/// another format.
 std::string image_format(const std::string& path);
 
 /// Throws Error(kInput) if the file is missing, cut or of another format. Also rejects a declared size outside

@@ -13,7 +13,7 @@
 namespace multum {
 namespace {
 
-// Our own limit. It is needed because OpenImageIO's limit applies only in the other process.
+// Our own limit is needed because OpenImageIO's limit applies only in the other process.
 constexpr int kChannelCountMax = 1024;
 constexpr std::size_t kPartCountMax = 256;
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Types of the numbers in image files. Their codes are OpenImageIO's TypeDesc::BASETYPE, which the decoder uses
-// (host/formats/decoder/library_image_file.cpp checks that they are equal). So only the decoder needs OpenImageIO's
-// headers.
+// Types of the numbers in image files. The codes of the types are OpenImageIO's TypeDesc::BASETYPE, which the decoder
+// uses (host/formats/decoder/library_image_file.cpp checks that they are equal). So only the decoder needs
+// OpenImageIO's headers.
 #pragma once
 
 #include <cstddef>

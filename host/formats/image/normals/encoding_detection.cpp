@@ -4,16 +4,14 @@
 //  1. One channel, or three channels that are equal up to compression noise, is a height field. (Measured: the noise is
 //     up to 0.1 codes rms in 8 bits, and the greyest colour image has 2.5.) A grey gloss or albedo looks like a height,
 //     so a warning says so. An image with one value has no information, and an image with two values is a mask; both
-//     are
-//     rejected. Heights whose bytes are spread over channels are also recognised (packed_heights.h).
-//  2. With two channels, or a constant blue that does not complete the vectors, z is rebuilt if x^2 + y^2 <= 1 allows
-//  it.
-//     A blue that equals the rounded z of nearly flat normals is kept, because both readings are then equal up to
-//     rounding.
+//     are rejected. Heights whose bytes are spread over channels are also recognised (packed_heights.h).
+//  2. With two channels, or a constant blue that does not complete the vectors, z is rebuilt if x^2 + y^2 is at
+//     most 1. A blue that equals the rounded z of nearly flat normals is kept, because both readings are then equal up
+//     to rounding.
 //  3. Floats are 0..1 or signed, depending on which reading gives unit vectors. Integers are 0..1.
 //  4. z is blue itself, in 0..1, if only this reading gives unit length (`is_z_positive`).
 //  5. The file is rejected if it does not look like normals (`refusal` below), or if blue is not z (`blue_doubt`).
-//  6. Green follows from the gradient agreement, and is up if the agreement is undecided.
+//  6. The direction of green follows from the gradient agreement. It is up if the agreement is undecided.
 // The caller's settings take precedence; a warning names the disagreement.
 #include "host/formats/image/normals/encoding_detection.h"
 
@@ -52,8 +50,8 @@ struct Evidence {
   }
 };
 
-// Compression adds colours of up to one code of 8 bits. With more bits, if channels differ as much as texels do, this
-// is not noise: such values are short normals around mid-grey.
+// Compression adds colours of up to one code of 8 bits. In files of more bits, larger differences between channels are
+// not noise if they are as large as the differences between texels. Such values are short normals around mid-grey.
 bool is_grey(const Evidence& evidence) { return is_grey_image(evidence.info(), evidence.survey); }
 
 // Returns whether a finite value of the first channel differs by more than `margin` from both ends of its range. In
@@ -72,7 +70,8 @@ bool has_value_between(const RawImage& image, const ImageSurvey::Range& range, d
 }
 
 // Returns why a grey image is not a height field, or nullopt if it may be one. Rejects images with one or two finite
-// values. Values may vary by a fiftieth of the difference of the two, as in a mask with 8-bit compression.
+// values. Values may differ from these two by a fiftieth of the difference between the two, as in a mask with 8-bit
+// compression.
 std::optional<std::string> grey_refusal(const Evidence& evidence) {
   const ImageSurvey::Range range = evidence.survey.range(0);
   if (range.high < range.low) return "no value is finite";
@@ -91,8 +90,8 @@ bool has_one_length(const VectorStatistics& s) {
          std::hypot(s.mean_x, s.mean_y) <= 0.5 * s.mean_z;
 }
 
-// Rates how well a reading explains the values. Unit vectors rate best, followed by vectors of one other length. A
-// rebuilt z rates well if the vectors are possible and do not all lean to one side.
+// Rates how well a reading explains the values. Unit vectors rate best, followed by vectors that all have the same
+// other length. A rebuilt z rates well if the vectors are possible and do not all lean to one side.
 double plausibility(const Reading& reading) {
   const VectorStatistics& s = reading.statistics;
   if (s.texel_count == 0.0) return -1.0;
@@ -112,7 +111,7 @@ std::vector<VectorEncoding> signedness_candidates(SampleType sample_type, Vector
   return candidates;
 }
 
-// Chooses unsigned or signed for a given use of blue. This is the more plausible reading, or unsigned in a tie.
+// Chooses unsigned or signed for a given use of blue. Chooses the more plausible reading, or unsigned in a tie.
 Reading best_signedness(const Evidence& evidence, const VectorEncoding& encoding, const NormalMapSettings& settings) {
   std::optional<Reading> best;
   for (const VectorEncoding& candidate : signedness_candidates(evidence.info().sample_type, encoding, settings)) {
@@ -262,8 +261,8 @@ double empty_share(const Evidence& evidence, const Reading& reading) {
   return static_cast<double>(count) / (static_cast<double>(evidence.info().width) * evidence.info().height);
 }
 
-// Detects a constant red next to an alpha. Compressed maps with one good channel and a better alpha store x in alpha
-// (DXT5nm).
+// Detects a constant red channel in a file with alpha. Some compressed formats store alpha more precisely than colours,
+// so normal maps in these formats store x in alpha (DXT5nm).
 bool has_x_in_alpha(const Evidence& evidence) {
   if (!evidence.info().has_alpha || evidence.info().channel_count < 3) return false;
   const auto spread = [&evidence](int channel) {
@@ -274,8 +273,8 @@ bool has_x_in_alpha(const Evidence& evidence) {
   return spread(0) <= kNoise && spread(1) > kNoise;
 }
 
-// Returns whether x and y are plausible without z. This means that they are the slopes of a surface, and their lengths
-// leave room for z.
+// Returns whether x and y are plausible without z. Two conditions must hold: the slopes agree with a surface, and x^2 +
+// y^2 leaves room for z.
 bool is_two_channel_plausible(const Evidence& evidence, const Reading& reading) {
   if (reading.encoding.rebuild_z || evidence.info().channel_count < 3) return false;
   VectorEncoding encoding = reading.encoding;
@@ -407,7 +406,7 @@ DetectedEncoding packed_heights(const std::string& path, const Evidence& evidenc
                       {coding, std::nullopt}, settings);
 }
 
-// Reads a file as heights because the settings request it.
+// Reads the file as a height field, as the settings request.
 DetectedEncoding asked_heights(const std::string& path, const Evidence& evidence, const NormalMapSettings& settings) {
   if (is_grey(evidence))
     return height_field(evidence.info().channel_count == 1
@@ -437,7 +436,8 @@ std::optional<GreenAxis> green_from_gradients(const VectorStatistics& s) {
 
 const char* green_name(GreenAxis green) { return green == GreenAxis::kUp ? "up (OpenGL)" : "down (DirectX)"; }
 
-// Warns about normals times a constant, because a file with other contents would be normalised too.
+// Warns if the vectors are normals times a constant. They are normalised, but a file with other contents would be
+// normalised too.
 void warn_of_length(const Reading& reading, std::vector<std::string>& warnings) {
   const VectorStatistics& s = reading.statistics;
   if (reading.encoding.rebuild_z || s.unit_share_20 >= 0.5 || !has_one_length(s)) return;
@@ -473,7 +473,7 @@ std::string describe(const VectorEncoding& encoding, const char* green_note) {
                      green_name(encoding.green), green_note);
 }
 
-// Warns if a set's green differs from the green found in the map.
+// Warns if the direction of green in a set of tiles differs from the direction found in the map.
 void warn_of_set(std::optional<GreenAxis> own, std::optional<GreenAxis> of_set, std::vector<std::string>& warnings) {
   if (!own || !of_set || *own == *of_set) return;
   warnings.push_back(

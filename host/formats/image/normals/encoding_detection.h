@@ -33,7 +33,8 @@ std::vector<VectorEncoding> likely_encodings(const RawImageInfo& info, const Nor
 /// Returns whether an image is grey, up to compression noise.
 bool is_grey_image(const RawImageInfo& info, const ImageSurvey& survey);
 
-/// Returns the green of a set of tiles, given the green found in this map. Returns nullopt if it is unknown.
+/// Returns the direction of green (up or down) of a set of tiles, given the direction found in this map. Returns
+/// nullopt if the direction is unknown.
 using GreenOfSet = std::function<std::optional<GreenAxis>(std::optional<GreenAxis> own)>;
 
 /// Follows the overrides in `settings`. Throws Error(kInput) with the reason if the file is neither a normal map nor a

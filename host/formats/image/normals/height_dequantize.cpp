@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Solves tiles, so that the largest maps fit into memory. Each tile is solved with kOverlap more texels on each side,
-// and neighbours are blended over both overlaps. If two surfaces are within the bounds, any mean of them is too.
+// and neighbours are blended over both overlaps. If two surfaces are within the bounds, any weighted mean of the two is
+// also within the bounds.
 //
 //   tile 0   1 1 1 1 1 1 \ . . .
 //   tile 1       . . . . / 1 1 1 1        weights along a row; the border between tiles is in the middle of the slope
@@ -22,10 +23,11 @@ namespace {
 constexpr int kTileSide = 1024;  // approximate side of a tile
 constexpr int kOverlap = kDequantizeMargin;
 
-// Tiles along one direction of `count` texels. Known texels beyond a side are included.
+// Divides a row or column of `count` texels into tiles. The first and the last tile also use the known texels beyond
+// the image's sides.
 struct TileCuts {
   std::vector<int> cuts;  // borders between tiles, from 0 to count
-  int before, after;      // numbers of texels beyond the sides
+  int before, after;      // numbers of known texels beyond the sides
 
   TileCuts(int count, bool goes_on_before, bool goes_on_after)
       : before(goes_on_before ? kOverlap : 0), after(goes_on_after ? kOverlap : 0) {
@@ -76,7 +78,7 @@ PlateProblem plate_of(const HeightRows& rows, int column_begin, int column_end, 
   return problem;
 }
 
-// A row of tiles, blended along the row. It has rows [begin, end) and columns from -1 to width.
+// A row of tiles, blended along the row. The row of tiles has texel rows [begin, end) and columns from -1 to width.
 struct TileRow {
   int begin = 0, end = 0;
   std::vector<float> heights;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Smooths heights of too few bits. Of all surfaces that round to the given heights, it finds the one that bends least.
+// Smooths heights that have too few bits. Among all surfaces that round to the given heights, finds the surface with
+// the least bending.
 #pragma once
 
 #include "host/formats/image/normals/height_surface.h"

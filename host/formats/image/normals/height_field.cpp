@@ -96,7 +96,7 @@ struct RowSums {
         high = -std::numeric_limits<float>::infinity();  // range of heights
 };
 
-// Returns twice the slope at a texel. It follows from both neighbours, or from the only neighbour with a height.
+// Returns twice the slope at a texel. The slope follows from both neighbours, or from the only neighbour with a height.
 double twice_slope(float before, float at, float after) {
   const bool has_before = !std::isnan(before), has_after = !std::isnan(after);
   const auto difference = [](float a, float b) { return static_cast<double>(a) - static_cast<double>(b); };

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // 8-bit values are recognized in any type. Otherwise, the step is the greatest common divisor of the differences
-// between values. This applies to integers, and to floats that are whole numbers. It is 1 if all 16 bits are used.
+// between values. The divisor is used for integers, and for floats that are whole numbers. The step is 1 if all 16 bits
+// are used.
 #include "host/formats/image/normals/height_steps.h"
 
 #include <algorithm>
@@ -41,8 +42,8 @@ class Lattice {
       high_ = std::max(high_, code);
     }
   }
-  // If there are few distinct values, the map is a mask or a shape with few levels. Their differences are not rounding
-  // steps.
+  // A map with few distinct values is a mask or a shape with few levels. The differences between its values are not
+  // rounding steps.
   double step() const {
     constexpr std::int64_t kStepsMin = 15;
     if (!holds_ || divisor_ == 0) return 0.0;

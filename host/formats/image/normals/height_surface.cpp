@@ -107,8 +107,7 @@ bool HeightSurface::is_no_data(const float* texel, std::size_t channel_count) co
   return reading_.no_data && channel_count == 1 && texel[0] == *reading_.no_data;
 }
 
-// If a channel is not finite, neither is the height. It becomes infinite, because NaN stands for texels without a
-// height.
+// If a channel is not finite, the height becomes infinite, because NaN stands for texels without a height.
 HeightRows HeightSurface::merged_rows(int row_begin, int row_end) const {
   RawRows raw;
   image_.read_rows(row_begin, row_end - row_begin, raw);

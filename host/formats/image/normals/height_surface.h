@@ -14,10 +14,10 @@
 
 namespace multum {
 
-/// Ways in which the colour channels hold a height. For kGrey, it is their mean. The others have 8 bits per channel,
-/// and V is the number with these bytes, of which red is the highest. kPacked16 is V / 65535, from red and green.
-/// kPacked24 is V / 16777215, from all three channels. kTerrarium is V / 256 - 32768 metres. kMapbox is V / 10 - 10000
-/// metres.
+/// Ways in which the colour channels hold a height. For kGrey, the height is the mean of the channels. The others have
+/// 8 bits per channel, and V is the number with these bytes, of which red is the highest. kPacked16 is V / 65535, from
+/// red and green. kPacked24 is V / 16777215, from all three channels. kTerrarium is V / 256 - 32768 metres. kMapbox is
+/// V / 10 - 10000 metres.
 enum class HeightCoding { kGrey, kPacked16, kPacked24, kTerrarium, kMapbox };
 
 /// Returns "16-bit heights packed in red and green", "Terrarium elevation in metres" and so on. Empty for kGrey.
@@ -49,7 +49,7 @@ struct HeightRows {
   const float* row(int number) const { return &values[index(column_begin, number)]; }
 };
 
-/// The surface beyond one side. It is nothing, the image's opposite side, heights of 0, or a strip of another image.
+/// The surface beyond one side. This is nothing, the image's opposite side, heights of 0, or a strip of another image.
 struct HeightSide {
   enum class Beyond { kEnd, kWrapped, kBlack, kStrip };
   Beyond beyond = Beyond::kEnd;

@@ -104,7 +104,7 @@ void ImageSurvey::add_row(int row, const float* values) {
     if (!is_finite) {
       if (nonfinite_count_++ == 0) first_nonfinite_ = std::int64_t{row} * info_.width + column;
     } else if (channel_count > 1) {
-      // Adds the mean of two channels as a third, which changes nothing.
+      // If there are two channels, adds their mean as a third channel, which has no chroma.
       const glm::dvec3 v(values[0], values[1], channel_count > 2 ? values[2] : 0.5f * (values[0] + values[1]));
       const glm::dvec3 chroma = v - (v.x + v.y + v.z) / 3.0;
       const auto largest = static_cast<float>(std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Collects statistics of an image while it is read, so that the image need not be read again. They are counts of
-// non-finite values, greyness, ranges, and statistics of the values as vectors.
+// Collects statistics of an image while it is read, so that the image need not be read again. The statistics are counts
+// of non-finite values, greyness, ranges, and statistics of the values as vectors.
 #pragma once
 
 #include <array>
@@ -56,8 +56,8 @@ class ImageSurvey {
   RawImageInfo info_;
   SampleConverter converter_;
   std::array<Range, 3> ranges_;
-  // For images with one channel. If the file states a value for texels without data, these are this value and its
-  // count. Otherwise, they are the lowest value, its count, and the second lowest value.
+  // For images with one channel. If the file states a value for texels without data, holds this value and its count.
+  // Otherwise, holds the lowest value, its count, and the second lowest value.
   std::optional<float> stated_;
   std::int64_t stated_count_ = 0, low_count_ = 0;
   float second_low_ = std::numeric_limits<float>::infinity();

@@ -13,7 +13,7 @@
 namespace multum {
 
 struct VectorEncoding {
-  bool is_signed = false;        // true if a value v is a component of the vector, false if v * 2 - 1 is
+  bool is_signed = false;        // true if a component is the value v itself, false if it is v * 2 - 1
   bool rebuild_z = false;        // true for z = sqrt(1 - x^2 - y^2); blue is ignored
   bool positive_z = false;       // true for unsigned values whose blue is z itself (ZRange::kPositive)
   bool empty_is_unused = false;  // true if texels for which is_empty() holds were never written
@@ -25,8 +25,8 @@ struct VectorEncoding {
 };
 
 /// The smallest z of a unit normal, 1/512. Below it, the slope x/z is meaningless. The smallest positive z in an 8-bit
-/// file is 1/255, or 0.0023 after even a vector of length sqrt(3) is normalised. So every 8-bit normal above the
-/// surface stays unchanged, and every 8-bit normal below the surface is lifted.
+/// file is 1/255, or 0.0023 after a vector of the largest possible length, sqrt(3), is normalised. So every 8-bit
+/// normal above the surface stays unchanged, and every 8-bit normal below the surface is lifted.
 constexpr double kHorizonZ = 1.0 / 512.0;
 
 /// Decodes v / 255 * 2 - 1, as every GPU does. No code is then 0, because 127 and 128 are -+0.0039. Tools write either
@@ -58,9 +58,8 @@ inline bool is_unused(const VectorEncoding& encoding, float r, float g, float b)
          b >= 0.0f;
 }
 
-/// Returns true if a texel of a signed or float file was never written, because painters and bakers leave 0 or NaN
-/// outside charts. Single texels of this kind are a renderer's faults and are repaired. If z is rebuilt, a texel of 0
-/// is flat.
+/// Returns true if a texel of a signed or float file was never written. Painters and bakers leave 0 or NaN outside
+/// charts. Single texels of this kind are a renderer's faults and are repaired. If z is rebuilt, a texel of 0 is flat.
 inline bool is_empty(const VectorEncoding& encoding, float r, float g, float b) {
   if (std::isnan(r)) return std::isnan(g) && (encoding.rebuild_z || std::isnan(b));
   return encoding.is_signed && !encoding.rebuild_z && r == 0.0f && g == 0.0f && b == 0.0f;

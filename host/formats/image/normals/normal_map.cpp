@@ -48,7 +48,8 @@ void check_finite(const std::string& path, const ImageSurvey& survey, int width,
 
 std::string step_text(const SeamStep& step) {
   return fmt::format(
-      "the step across its border is {:.3g} rms, and steps inside are {:.3g} in the median and {:.3g} at most",
+      "the step across its border has an rms of {:.3g}, but steps inside the map have a median of {:.3g} and a maximum "
+      "of {:.3g}",
       step.border, step.median, step.largest);
 }
 
@@ -65,7 +66,7 @@ bool is_doubtful(const Direction& direction, WrapMode said) {
   return direction.step.is_seam() && direction.origin == WrapOrigin::kDefault && said == WrapMode::kPeriodic;
 }
 
-// Returns the mode of one direction. This is `said`, unless the map decides. If it does, adds the decision to the
+// Returns the mode of one direction. The mode is `said`, unless the map decides. If it does, adds the decision to the
 // reason.
 WrapMode resolved_wrap(WrapMode said, const Direction& direction, DetectedEncoding& found) {
   if (direction.origin != WrapOrigin::kFound) return said;
@@ -134,8 +135,8 @@ ReadImage read_image(const std::string& path, const NormalMapSettings& settings,
   return read;
 }
 
-// Returns the green found in one tile. Returns nullopt if it is unknown, or if the tile is not a normal map or cannot
-// be read. The bake of that tile reports such a fault.
+// Returns the direction of green found in one tile. Returns nullopt if the direction is unknown, or if the tile is not
+// a normal map or cannot be read. The bake of that tile reports such a fault.
 std::optional<GreenAxis> green_of_map(const std::string& path, const NormalMapSettings& settings,
                                       const SpillPolicy& spill, int threads, Progress* progress) {
   std::optional<GreenAxis> green;
@@ -151,7 +152,7 @@ std::optional<GreenAxis> green_of_map(const std::string& path, const NormalMapSe
   return green;
 }
 
-// Finds green in the other tiles of a set, and stores in `record` which tile decided.
+// Finds the direction of green in the other tiles of a set, and stores in `record` which tile decided it.
 GreenOfSet green_of_set(const NormalMapSettings& settings, const SpillPolicy& spill, int threads, Progress* progress,
                         std::string& record) {
   if (settings.tiles == nullptr) return {};

@@ -44,7 +44,8 @@ struct NormalMapSettings {
   FixNan fix_nan = FixNan::kBox3;
   float repair_share_max = 0.01f;  // largest share of repaired texels, 0..1; if more need repair, the file is rejected
   std::int64_t texel_count_max = std::int64_t{1} << 30;
-  // A tile of a set that is read as one surface. `tiles` is null for a single map. Jobs of one set share it.
+  // A tile of a set that is read as one surface. `tiles` is null for a single map. Jobs for tiles of one set share
+  // `tiles`.
   std::shared_ptr<TileSet> tiles = nullptr;
   std::string tile = "";
 };
@@ -78,7 +79,7 @@ struct NormalMap {
   int height = 0;
   std::vector<float> x, y, z;
   NormalMapReport report;
-  bool is_shortened = false;  // true if roughness has shortened them, like PlaneStore::is_shortened()
+  bool is_shortened = false;  // true if their lengths include roughness, like PlaneStore::is_shortened()
 };
 
 /// Gives access to the map's planes by rows; the map must outlive the result.

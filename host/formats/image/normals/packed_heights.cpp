@@ -22,7 +22,7 @@ namespace {
 
 constexpr int kPackedRowsMax = 128;
 constexpr double kBendShareMax = 0.5;
-constexpr double kBendsMin = 32.0;  // fewer bends do not allow a decision
+constexpr double kBendsMin = 32.0;  // smallest number of second differences for a decision
 
 struct BytePair {
   double together = 0.0, high_alone = 0.0, count = 0.0;

@@ -61,10 +61,10 @@ struct SeamSums {
 
 }  // namespace
 
-// Measured on both directions of 55 real maps. In maps that tile, the border is at most 1.35 times the largest step
-// inside, and is then 1.8 times the median. In other maps (terrain, photographs), it is at least 1.46 times the largest
-// step and 1.9 times the median. Maps with hard lines along the border can be below these values, although they do not
-// tile.
+// Measured on both directions of 55 real maps. In maps that tile, the step at the border is at most 1.35 times the
+// largest step inside. In the map with this value, the step at the border is 1.8 times the median step. In other maps
+// (terrain, photographs), the step at the border is at least 1.46 times the largest step inside, and at least 1.9 times
+// the median step. Maps with hard lines along the border can be below these values, although they do not tile.
 bool SeamStep::is_seam() const { return border > 1.85 * median && border > 1.4 * largest; }
 
 MapSeams measure_seams(const RawImage& image) {

@@ -25,8 +25,8 @@ struct MapSeams {
 };
 
 /// Measures at most 512 rows, evenly spaced, each with the row below. The second function compares heights at the
-/// borders with heights beyond the borders, which can belong to another tile. Its results have the unit of the heights.
-/// If there are no heights beyond a border, it finds no seam.
+/// borders with heights beyond the borders, which can belong to another tile. The results of the second function have
+/// the unit of the heights. If there are no heights beyond a border, this function finds no seam.
 MapSeams measure_seams(const RawImage& image);
 MapSeams measure_seams(const HeightSurface& surface);
 

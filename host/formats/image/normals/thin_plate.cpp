@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // Solves from coarse to fine. A level's code is the mean of the 2 x 2 codes of the next finer level, and its plate is
-// the start for that level. Each level is solved by projected gradients with Nesterov's momentum (Beck & Teboulle 2009,
-// "A fast iterative shrinkage-thresholding algorithm", FISTA with constant steps). The largest eigenvalue of the energy
-// is 64.
+// the initial solution of that level. Each level is solved by projected gradients with Nesterov's momentum (Beck &
+// Teboulle 2009, "A fast iterative shrinkage-thresholding algorithm", FISTA with constant steps). The largest
+// eigenvalue of the energy is 64.
 //
-// Measured on smooth 8-bit surfaces with a step of 45 degrees, the mean error of normals falls from 17 degrees to 0.8
-// degrees with 64 steps at the finest level, to 2.3 with 16 steps, and to 0.2 with 300 steps. Ramps, which plates
-// represent exactly, have errors below 0.1 degrees, or up to 0.6 where a plateau is longer than the map is high. More
-// steps at coarse levels would not help, because the bounds of their means are too wide to determine a plate.
+// These figures were measured on smooth 8-bit surfaces where a step of one code tilts a texel by 45 degrees. Without
+// this method, the mean error of normals is 17 degrees. It is 2.3 degrees with 16 steps of the descent at the finest
+// level, 0.8 with 64, and 0.2 with 300. Ramps, which plates represent exactly, have errors below 0.1 degrees, or up to
+// 0.6 where a plateau is longer than the map is high. More steps of the descent at coarse levels would not help,
+// because the bounds of their means are too wide to determine a plate.
 #include "host/formats/image/normals/thin_plate.h"
 
 #include <algorithm>
@@ -78,8 +79,9 @@ Plate finest_plate(const PlateProblem& problem) {
   return plate;
 }
 
-// Makes a level whose texels cover 2 x 2 uncut texels each. Its codes are their means. An odd last row or column is
-// dropped, because half a texel would have a wrong position and would bend the plate.
+// Makes a level whose texels cover 2 x 2 uncut texels each. The codes of the new level are the means of these 2 x 2
+// texels. An odd last row or column is dropped, because half a texel would have a wrong position and would bend the
+// plate.
 Plate coarser_plate(const Plate& fine) {
   Plate plate{fine.width / 2, fine.height / 2, {}, {}, {}, {}, {}, {}, {}};
   plate.codes.assign(plate.size(), 0.0f);
@@ -154,8 +156,8 @@ void continue_once(const Plate& plate, std::vector<float>& heights, std::vector<
   }
 }
 
-// Starts the finer level from planes through the coarser texels. Cut texels have no plane. They continue the
-// surrounding heights. If there are none, they use the codes.
+// Starts the finer level from planes through the coarser texels. Cut texels have no plane, so they continue the
+// surrounding heights. If there are no such heights, cut texels use their codes.
 std::vector<float> refined(const Plate& coarse, const std::vector<float>& heights, const Plate& fine) {
   std::vector<float> result(fine.codes);
   std::vector<std::uint8_t> is_known(fine.size(), 0);

@@ -184,7 +184,7 @@ bool side_is_unchanged(const Json& entry, TileSet& set, const std::string& tile,
 bool green_is_unchanged(const Json& green, TileSet& set) {
   const Json& tiles = green.at("tiles");
   if (tiles.empty() || tiles.size() > set.tiles().size()) return false;
-  // Another tile may now decide about green.
+  // If no tile decided the direction of green, a tile that was added to the set may now decide it.
   if (green.at("axis") == "undecided" && tiles.size() < set.tiles().size()) return false;
   for (std::size_t i = 0; i < tiles.size(); ++i)
     if (text_at(tiles[i], 0) != set.tiles()[i] || text_at(tiles[i], 1) != set.file_hash(set.tiles()[i])) return false;

@@ -64,8 +64,8 @@ class TileSet {
   /// Returns the SHA-256 of a tile's file; reads the file once.
   std::string file_hash(const std::string& tile);
 
-  /// Returns the green of the first tile that decides it. `of_tile` returns the green found in one tile, or nullopt if
-  /// it is unknown. It is called in the order of the tiles, at most once for each.
+  /// Returns the direction of green in the first tile that decides it. `of_tile` returns the direction of green found
+  /// in one tile, or nullopt if it is unknown. `of_tile` is called in the order of the tiles, at most once for each.
   struct Green {
     std::optional<GreenAxis> axis;
     std::vector<std::string> asked;  // examined tiles; the last one decided
@@ -108,7 +108,7 @@ TileSurroundings tile_surroundings(TileSet& set, const std::string& tile, const 
                                    const TileRepeats& repeats, const TileSet::BorderReading& reading,
                                    const SpillPolicy& spill);
 
-/// Adds to a record the tiles that decided about green. The record may be empty.
+/// Adds to a record the tiles that decided the direction of green. The record may be empty.
 std::string with_green(const std::string& record, TileSet& set, const TileSet::Green& green);
 
 /// Returns whether an older bake's record equals the current state. Does not read tiles whose files are unchanged.

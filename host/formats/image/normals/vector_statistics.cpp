@@ -4,9 +4,8 @@
 // integrability"). So both derivatives have a correlation of +1 on a map with green up, -1 with green down (q has the
 // wrong sign), and 0 on colours. The correlation is averaged over scales of 1, 2 and 4 texels (2 x 2 means), because
 // lossy compression destroys the correlation at 1 texel. Among 36 real normal maps, 29 are beyond +-0.31, and the
-// others
-// (random facets, hard edges, lossy or hand-painted) are within 0.15. 19 colour images are within 0.14, and all except
-// one are within 0.09.
+// others (random facets, hard edges, lossy or hand-painted) are within 0.15. 19 colour images are within 0.14, and all
+// except one are within 0.09.
 //
 // Two statistics show whether blue is z. One is the share of blue's variance that the tilt explains (correlation ratio
 // in bins of the tilt). The other is the scatter of lengths averaged over 4 x 4 texels. Lossy compression scatters
@@ -26,7 +25,7 @@
 namespace multum {
 namespace {
 
-// A band has 64 rows. At the scale of 4 texels, these are 16 rows, of which the inner 14 have derivatives.
+// A band has 64 rows. At the scale of 4 texels, the band has 16 rows, of which the inner 14 have derivatives.
 constexpr int kStatisticsRows = 64;
 constexpr int kStatisticsColumns = 1 << 18;  // limits rows of very wide images to 7 MB
 constexpr int kScaleCount = 3;
@@ -48,7 +47,7 @@ struct CorrelationSums {
   }
 };
 
-// Correlation ratio of z on the tilt. It is the share of z's variance that its means in bins of the tilt explain, minus
+// The correlation ratio of z on the tilt is the share of z's variance that its means in bins of the tilt explain, minus
 // the share that the same number of bins explains in noise.
 struct DependenceSums {
   static constexpr std::size_t kBinCount = 32;

@@ -31,7 +31,8 @@ struct VectorStatistics {
                                     // surface
   double gradient_sample_count = 0.0;
   // The members below show whether blue is z, if z is taken from blue.
-  double length_error = 0.0;           // rms of |v| - 1, weighted by x^2 + y^2, because z of flat texels tells nothing
+  double length_error = 0.0;           // rms of |v| - 1, weighted by x^2 + y^2, because the z of flat texels says
+                                       // nothing
   double positive_length_error = 0.0;  // length error of (x, y, blue), for ZRange::kPositive
   double z_dependence = 0.0;           // correlation ratio of z on sqrt(x^2 + y^2), 0 to 1; at 1, z is a function of it
   double block_length_spread = 0.0;    // standard deviation of ln of the mean |v| of 4 x 4 texels

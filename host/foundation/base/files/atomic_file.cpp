@@ -22,9 +22,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// ".multum-tmp-PID-RANDOM-PLACE-NAME": a hidden file of process PID on the machine or container PLACE. Names that
-// earlier versions wrote have a counter instead of the random digits. If their runs were killed, these files are
-// removed too.
+// ".multum-tmp-PID-RANDOM-PLACE-NAME": a hidden file of process PID on the machine or container PLACE. Files of earlier
+// versions have a counter instead of the random digits. These files are also removed if their processes were killed.
 constexpr char kPrefix[] = ".multum-tmp-";
 constexpr std::size_t kPlaceDigits = 8;
 constexpr std::time_t kForeignSeconds = 24 * 60 * 60;

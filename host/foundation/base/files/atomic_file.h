@@ -14,9 +14,9 @@ namespace multum {
 
 class AtomicFile {
  public:
-  /// Creates the temporary file, and removes those that killed runs of this user left for the same final name. Throws
-  /// Error(kUsage) for an unusable name: one that is too long, or belongs to a folder, a device or a pipe. Throws
-  /// Error(kEnvironment) if the folder is missing or no file can be created in it.
+  /// Creates the temporary file. Removes temporary files for the same final name that this user's earlier runs left
+  /// when they were killed. Throws Error(kUsage) for an unusable name: one that is too long, or belongs to a folder, a
+  /// device or a pipe. Throws Error(kEnvironment) if the folder is missing or no file can be created in it.
   explicit AtomicFile(std::string path);
   /// Removes the temporary file unless commit() was reached.
   ~AtomicFile();
@@ -25,7 +25,7 @@ class AtomicFile {
 
   /// The descriptor is open for reading and writing.
   int descriptor() const { return file_.descriptor(); }
-  /// Returns a path to the open file itself, for functions that take names. It is valid in this process and its
+  /// Returns a path to the open file itself, for functions that take names. The path is valid in this process and its
   /// children.
   const std::string& open_path() const { return open_path_; }
   const std::string& path() const { return path_; }
@@ -40,7 +40,7 @@ class AtomicFile {
   bool committed_ = false;
 };
 
-/// Returns whether an AtomicFile of any process uses this form of file name for its temporary file.
+/// Returns whether `name` has the form of an AtomicFile's temporary file, of this or any other process.
 bool is_temporary_name(std::string_view name);
 
 /// Writes a small text file atomically.

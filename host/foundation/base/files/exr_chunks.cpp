@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Layout of an OpenEXR file ("OpenEXR File Layout", openexr.com):
 //
-//   headers | 8 bytes per chunk: its position; by part, level, row and column | chunks, in any order
+//   headers | positions of chunks (8 bytes each), by part, level, row and column | chunks, in any order
 //   chunk:  [part]  tile x, tile y, level x, level y  size: 4 bytes each | data
 //           [part]  y of its first row                size
 //
@@ -195,7 +195,7 @@ void ExrChunks::read_table(std::size_t index, std::int64_t& position) {
     if (place < static_cast<std::uint64_t>(tables_end_) ||
         place > static_cast<std::uint64_t>(file_.size() - head_bytes))
       refuse(index, chunk,
-             fmt::format("its table gives byte {} as its start, expected {} to {}", place, tables_end_,
+             fmt::format("the table of chunks gives byte {} as its start, expected {} to {}", place, tables_end_,
                          file_.size() - head_bytes));
     const auto begin = static_cast<std::int64_t>(place);
     const std::string head = file_.bytes(begin, head_bytes, kHead);

@@ -15,8 +15,8 @@
 
 namespace multum {
 
-/// Returns a whole JSON file; nullopt if it cannot be read. Throws Error(kInput) if it is not a regular file, or if it
-/// holds NUL (refuse_nul()).
+/// Returns a whole JSON file; nullopt if it cannot be read. Throws Error(kInput) if the path is not a regular file, or
+/// if the file holds NUL (refuse_nul()).
 std::optional<std::string> json_of_file(const std::string& path, StandardInput input = StandardInput::kRefused);
 
 /// Throws Error(kInput), which names `path`, if a string or a key holds NUL (\u0000). System functions end names at
@@ -27,7 +27,7 @@ bool holds_nul(std::string_view json);
 /// Returns the integer under `key`. Throws Error(kInput) for other numbers: "width is 320.5, expected an integer from 1
 /// to 65536". Throws nlohmann::json::exception if the value is not a number or is missing.
 std::int64_t json_integer(const nlohmann::json& object, const char* key, std::int64_t low, std::int64_t high);
-/// Like json_integer(), with a given value, which messages call `what`.
+/// Like json_integer(), but checks a value that the caller has already found. Messages call this value `what`.
 std::int64_t json_integer_of(const nlohmann::json& value, const std::string& what, std::int64_t low, std::int64_t high);
 
 /// Like json_integer() and json_integer_of(), but return values in the range of int.

@@ -29,7 +29,7 @@ void check_name(const fs::path& name, const std::string& path) {
                 fmt::format("{}: its name holds a control character, expected a name without one", shown_text(path)));
 }
 
-// Folders that were created. Each comes after the folders that contain it.
+// Folders that were created. Each folder comes after the folders that contain it.
 struct NewFolderList {
   std::mutex mutex;
   int keepers = 0;

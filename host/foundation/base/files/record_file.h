@@ -7,7 +7,8 @@
 //   record ...            length (8 bytes, little-endian), bytes, checksum of them (16 hexadecimal digits)
 //
 // A record counts if it and all records before it are whole. A process that resumes the file cuts off everything after
-// the last such record. This is the rest of a record that a kill or a full disk interrupted.
+// the last such record. There is such a remainder if the process was killed, or the disk was full, while a record was
+// being written.
 #pragma once
 
 #include <cstdint>
@@ -57,7 +58,7 @@ class RecordFile {
   bool read(std::uint64_t offset, std::span<std::uint8_t> bytes) const;
 
   /// begin() empties the file and writes its first lines. go_on() keeps its first `size` bytes, the result of
-  /// visit_records(). Records may be added afterwards. Both throw Error(kEnvironment).
+  /// visit_records(). Records may be added afterwards. Both functions throw Error(kEnvironment).
   void begin(const std::string& key);
   void go_on(std::uint64_t size);
   /// Appends a record made of these parts in order. Any number of threads may add and read at once. Throws
@@ -78,8 +79,8 @@ class RecordFile {
 /// A record file in the hidden folder next to the output of the work, .multum-partial-NAME/FILE.
 class RecordJournal : public RecordFile {
  public:
-  /// With `resume`, shows the existing `records` of the same key to `visit`, and keeps them until `visit` returns
-  /// false. Removes everything else. Returns null if another process is making the same output. Throws
+  /// With `resume`, passes the existing `records` of the same key to `visit`, one by one, and keeps them until `visit`
+  /// returns false. Removes all other records. Returns null if another process is making the same output. Throws
   /// Error(kEnvironment), also if the file to resume has an earlier format.
   using Visit = std::function<bool(Bytes bytes, const Place& place)>;
   static std::unique_ptr<RecordJournal> open(const std::string& output, const std::string& file, const std::string& key,

@@ -12,7 +12,8 @@ struct SpillPolicy {
   std::string scratch_folder = ".";
   std::int64_t memory_bytes = std::numeric_limits<std::int64_t>::max();  // limit per store; larger stores go to scratch
                                                                          // files
-  int band_rows = 0;  // rows of an image that are read or decoded at once; if 0, the width decides; changes no result
+  int band_rows = 0;  // rows of an image that are read or decoded at once; 0 chooses by the width; does not change
+                      // results
 };
 
 }  // namespace multum

@@ -12,7 +12,7 @@ namespace multum {
 /// Returns whether a path names a set.
 bool has_udim(const std::string& path);
 
-/// Returns the tiles that have files, in order. Tiles are named "1001" and so on for every kind of placeholder. Throws
+/// Returns the tiles that have files, in order. For every kind of placeholder, tiles are named "1001" and so on. Throws
 /// Error(kUsage) if the placeholder is in the name of a folder.
 std::vector<std::string> find_tiles(const std::string& set);
 /// Returns the path with its placeholders replaced by a tile ("1001" and so on).

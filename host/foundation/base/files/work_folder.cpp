@@ -22,8 +22,8 @@ constexpr char kWorkPrefix[] = ".multum-work-";
 
 enum class Lock { kTaken, kOurs, kUnsupported };
 
-// Some network file systems have no locks. On these, work continues, but folders of killed runs are not
-// removed.
+// Some network file systems have no locks. On these, work continues, but folders that remain after a run was killed are
+// not removed.
 Lock work_lock(const OpenFile& folder, const std::string& path) {
   while (::flock(folder.descriptor(), LOCK_EX | LOCK_NB) != 0) {
     if (errno == EWOULDBLOCK) return Lock::kTaken;
@@ -59,7 +59,7 @@ std::unique_ptr<WorkFolder> WorkFolder::make(const std::string& folder) {
     if (auto made = take((above / (kWorkPrefix + random_digits())).string())) return made;
 }
 
-// Removes folders of killed runs, which no process has locked.
+// Removes folders of runs that were killed. No process has locked these folders.
 void WorkFolder::sweep(const std::string& folder) {
   std::error_code ignored;
   std::vector<std::string> found;
@@ -75,7 +75,7 @@ void WorkFolder::drop(const std::string& path) {
     if (folder.is_open() && work_lock(folder, path) == Lock::kOurs &&
         is_named(place.folder, place.name, folder.descriptor()))
       remove_own_folder(place.folder, place.name, folder);
-  } catch (const Error&) {  // the folder is not ours, so it stays
+  } catch (const Error&) {  // the folder is not an own folder, so it stays
   }
 }
 

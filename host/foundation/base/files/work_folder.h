@@ -19,10 +19,10 @@ class WorkFolder {
   /// the folder. If it is not an own folder, leaves it unchanged and throws Error(kEnvironment), which names the
   /// obstacle.
   static std::unique_ptr<WorkFolder> take(const std::string& path);
-  /// Creates a new work folder with a random name in `folder`, and removes work folders that killed runs left there.
-  /// Throws Error(kEnvironment).
+  /// Creates a new work folder with a random name in `folder`, and removes work folders that remain there because their
+  /// runs were killed. Throws Error(kEnvironment).
   static std::unique_ptr<WorkFolder> make(const std::string& folder);
-  /// Removes work folders that killed runs of make() left in `folder`, and nothing else.
+  /// Removes the folders that make() created in `folder` for runs that were then killed, and nothing else.
   static void sweep(const std::string& folder);
   /// Takes and removes the folder `path`. Leaves it if take() would reject it, or if another process has it.
   static void drop(const std::string& path);

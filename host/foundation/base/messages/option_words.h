@@ -10,8 +10,8 @@
 
 namespace multum {
 
-/// Sets the options of the running command for the whole process, before its work begins. They are names of parameters,
-/// such as "two_channel". With nullopt, the default, every parameter is an option.
+/// Sets the options of the running command for the whole process, before its work begins. The options are given by
+/// names of parameters, such as "two_channel". With nullopt, the default, every parameter is an option.
 void set_option_words(std::optional<std::set<std::string>> names);
 
 /// Adds parameters that are keys of a file (green = "down"), such as a manifest or a scene.

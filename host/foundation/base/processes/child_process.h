@@ -29,7 +29,7 @@ struct ChildResult {
   int signal;          // 0 when it exited
   std::string output;  // stdout and stderr, interleaved
   ChildUsage usage;
-  bool is_over_time = false;  // true if killed: out of time, cancelled, or too much output
+  bool is_over_time = false;  // true if the child was killed because it took too long, was cancelled, or wrote too much
 };
 
 /// Limits of a child that reads untrusted files. A child with limits has its own process group: Ctrl-C does not reach

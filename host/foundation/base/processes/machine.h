@@ -30,8 +30,8 @@ int processor_count(const ContainerLimits& limits);
 void prefer_large_pages(void* memory, std::size_t bytes);
 
 /// Keeps freed blocks of up to 32 MB for later allocations, up to 64 MB in all. Otherwise the C library would return
-/// each block to the system, which clears the pages of the next block. This would take 4 % of the time of a bake in
-/// bands, which allocates and frees blocks often. Call it from main().
+/// each block to the system, which clears the pages of the next block. This work would take 4 % of the time of a bake
+/// in bands, which allocates and frees blocks often. Call it from main().
 void keep_freed_memory();
 
 }  // namespace multum

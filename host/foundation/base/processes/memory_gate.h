@@ -12,7 +12,7 @@ class MemoryGate {
  public:
   explicit MemoryGate(std::uint64_t bytes_max) : bytes_max_(bytes_max) {}
 
-  /// Waits until `bytes` more fit, or until no other thread holds memory. The destructor returns the bytes.
+  /// Waits until `bytes` additional bytes fit, or until no other thread holds memory. The destructor returns the bytes.
   class Pass {
    public:
     Pass(MemoryGate& gate, std::uint64_t bytes) : gate_(gate), bytes_(bytes) {

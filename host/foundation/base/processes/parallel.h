@@ -10,8 +10,8 @@
 namespace multum {
 
 /// Calls `body(band, row_begin, row_end)` once for each band of `rows_per_band` rows (the last may be shorter). Uses at
-/// most `threads` threads; if `threads` <= 0, one per processor of the machine. Rethrows the first exception after all
-/// threads have ended.
+/// most `threads` threads, or one per processor of the machine if `threads` <= 0. Rethrows the first exception after
+/// all threads have ended.
 void for_each_row_band(int row_count, int rows_per_band, int threads,
                        const std::function<void(int band, int row_begin, int row_end)>& body);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Uses vfork(), because posix_spawn() cannot tie a child's life to its parent. Between vfork() and exec, the child
-// shares this process's memory. So it only makes system calls, whose arguments are prepared before.
+// shares this process's memory. So the child only makes system calls, with arguments that were prepared before vfork().
 #include "host/foundation/base/processes/spawn_process.h"
 
 #include <fcntl.h>

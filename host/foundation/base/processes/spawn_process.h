@@ -13,17 +13,18 @@ namespace multum {
 
 struct SpawnSettings {
   /// Pairs of a descriptor of this process and its number in the child, applied in this order. No first number may
-  /// equal a second number of an earlier pair. The child has only these and its first three descriptors.
+  /// equal a second number of an earlier pair. The child gets only these descriptors, in addition to stdin, stdout and
+  /// stderr.
   std::vector<std::pair<int, int>> files = {};
   bool has_empty_input = false;  // if true, stdin is /dev/null instead of the stdin of this process
   bool has_own_group = false;    // terminal signals do not reach the child; a signal to -pid reaches its whole group
   bool is_in_path = false;       // the program is looked up in PATH
-  /// Kills the child when the thread that starts it ends in any way. Not for a thread that passes the child to other
-  /// threads.
+  /// Kills the child when the thread that starts it ends in any way. Must be false if the thread passes the child to
+  /// other threads.
   bool ends_with_thread = false;
-  /// Signals that are blocked in the child. All others are unblocked and have their default action. With nullopt, the
-  /// child inherits its signals, except for SIGXFSZ: this process ignores it (run_guarded()), but the child has its
-  /// default action.
+  /// Signals that are blocked in the child. All other signals are unblocked and have their default action. With
+  /// nullopt, the child inherits its signals, except for SIGXFSZ: this process ignores it (run_guarded()), but the
+  /// child has its default action.
   std::optional<std::vector<int>> blocked_signals = {};
 };
 

@@ -19,7 +19,7 @@ void run_viewer(const std::vector<std::string>& command, const std::string& what
   if (result.exit_code != 0)
     throw Error(ErrorCode::kEnvironment,
                 fmt::format("{} failed: {} {} {}:\n{}", what, command.front(),
-                            result.signal != 0 ? "was ended by signal" : "ended with exit code",
+                            result.signal != 0 ? "was terminated by signal" : "ended with exit code",
                             result.signal != 0 ? result.signal : result.exit_code, result.output));
   log_verbose(result.output);
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests powers of cosines by products: the plan reaches every exponent, and rows follow the plan bit for bit with every
-// size of vector register.
+// Tests powers of cosines that are computed as products: the plan reaches every exponent, and rows follow the plan bit
+// for bit with every size of vector register.
 #include "host/bakes/accuracy/brdf_rows.h"
 
 #include <gtest/gtest.h>

@@ -39,8 +39,8 @@ reference::PixelRectangle rectangle_of(const Footprint& footprint) {
   return {footprint.centre, footprint.longer_side, footprint.shorter_side};
 }
 
-// Every octave has equally many footprints. Sizes, elongations and places are stratified, with one footprint in each of
-// equal parts.
+// Every octave has equally many footprints. Sizes, elongations and places are stratified: their ranges are divided into
+// equal parts, with one footprint in each part.
 TEST(Footprints, AreSpreadEvenly) {
   constexpr int kCount = 64, kWidth = 300, kHeight = 100;
   const std::vector<Footprint> all = choose_footprints(kWidth, kHeight, {kCount, 1, 7});
@@ -144,8 +144,8 @@ TEST(Footprints, AveragesAreThoseOfTheDefinition) {
   }
 }
 
-// Two octaves of two footprints each are computed by hand. R is 6 / 20, and the residuals d - R t are 1 and -0.4, and 0
-// and -0.6.
+// Two octaves of two footprints each are computed by hand. R is 6 / 20. The residuals d - R t are 1 and -0.4 in one
+// octave, and 0 and -0.6 in the other.
 TEST(FootprintErrors, AreARatioWithItsInterval) {
   std::vector<Footprint> footprints(4);
   footprints[2].octave = footprints[3].octave = 1;

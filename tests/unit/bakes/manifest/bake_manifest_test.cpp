@@ -102,7 +102,7 @@ TEST_F(BakeManifestTest, EveryKeyIsTheOptionOfItsName) {
       "repair_max = 0.125\nno_start_search = true\ncoarse_normals = \"binned\"\nrefine = true\n";
   const BakeJob job = read(whole)[0].job;
   BakeJob expected;
-  expected.fitting.convergence_tolerance = 0.0f;  // of --reference
+  expected.fitting.convergence_tolerance = 0.0f;  // as with --reference
   expected.fitting.lobe_count = 5;
   expected.fitting.iteration_count = expected.fitting.iteration_count_coarse = 9;
   expected.fitting.pass_count = 3;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests that every texel of every level is fitted in exactly one step, after the neighbours that its start reads
-// (movmf_start.cl).
+// Tests that every texel of every level is fitted in exactly one step, after the neighbours from which its initial
+// lobes are computed (movmf_start.cl).
 #include "host/bakes/movmf/mip_schedule.h"
 
 #include <gtest/gtest.h>
@@ -209,7 +209,7 @@ TEST(MipScheduleWeightTest, OnlySidesThatHalveWithoutRestAreUnweighted) {
 }
 
 TEST(MipScheduleWeightTest, ThreeTimesAPowerOfTwoHasAWholeTopLevel) {
-  // 12 -> 6 -> 3 -> 1: the size of every level divides 12; the last level's only texel covers everything.
+  // The sizes are 12, 6, 3 and 1. Each of them divides 12, and the last level's only texel covers everything.
   const MipSchedule schedule = make_mip_schedule(12, 12, MovmfSettings());
   EXPECT_FALSE(schedule.weighted);
   EXPECT_EQ(schedule.levels.front().fit.sample_columns, 12);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests the start of the coarsest level: candidates, and the proxy map on which they are tried.
+// Tests the initial lobes of the coarsest level: the candidates, and the proxy map on which they are tried.
 #include "host/bakes/movmf/movmf_start.h"
 
 #include <gtest/gtest.h>

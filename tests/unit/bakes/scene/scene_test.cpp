@@ -74,7 +74,7 @@ class SceneTest : public ::testing::Test {
         for (int c = 0; c < 3; ++c) image.at(x, y, c) = static_cast<float>(n[c]);
       }
     write_test_image(folder_ / "wall.exr", image);
-    pattern_.hashes = BakeJob().hashes;  // a job compares its inputs with the hashes of its first look
+    pattern_.hashes = BakeJob().hashes;  // a job compares its inputs with the hashes that it computed first
   }
   ScenePlan plan(const std::string& text) const { return plan_scene(read(text), {2}, nullptr); }
   static const PlannedEffect& effect(const std::vector<PlannedEffect>& effects, const std::string& name) {
@@ -255,7 +255,8 @@ TEST_F(SceneTest, TwoDirectionsAreTwoLobes) {
       << "planar Gaussians round slanted facets and cut off tails";
   EXPECT_LT(errors.error(1, lambert, ColourModel::kNone), 0.05);
   EXPECT_LT(errors.error(2, lambert, ColourModel::kNone), 1e-3);
-  // Harmonics of order 20 follow s = 8; the remaining error is the estimate's vMF approximation of Blinn-Phong.
+  // Harmonics of order 20 can represent a highlight with s = 8. The remaining error is the estimate's vMF approximation
+  // of Blinn-Phong.
   EXPECT_LT(errors.sh_error(20, {{8.0}}, ColourModel::kNone), 0.15);
 }
 

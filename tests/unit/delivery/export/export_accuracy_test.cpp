@@ -109,7 +109,7 @@ TEST(CellReference, ExactLobesHaveNoError) {
   EXPECT_LT(error_of_lobe(wide, wider, kWideLightPoints).error, error_of_lobe(points, wider).error);
 }
 
-// With odd sides, finest texels weigh by their covered fraction.
+// With odd sides, the weight of a finest texel is the fraction of it that is covered.
 TEST(CellReference, CoversFractions) {
   const NormalMap map = make_map(3, 5, [](int x, int y) { return glm::normalize(glm::dvec3(0.1 * x, 0.1 * y, 1.0)); });
   const CoveredFacets facets = covered_facets(planes_of(map), nullptr, 0.04, 1, 2, 0, 1);
@@ -167,7 +167,7 @@ TEST(ExportMeter, MeasuresWhatItIsShown) {
   EXPECT_EQ(base.cells.size(), 4u + 4u + 1u);
   EXPECT_EQ(base.ids[0], "export");
   for (std::size_t l = 0; l < 3; ++l) {
-    // At level 6 the mean normal is nearly upright: averaged normals have the base roughness.
+    // At level 6 the mean normal is nearly upright, and averaged normals have only the base roughness.
     EXPECT_LT(wide.levels[l].errors[0].point.error, base.levels[l].errors[0].point.error);
     EXPECT_EQ(wide.levels[l].errors[2].point.error, base.levels[l].errors[2].point.error);  // rules read only the map
   }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests rules of engines against numbers derived from the engines' sources, the choice of axis signs, samples of
-// facets, and the effect of rounding.
+// Tests the engines' rules for roughness against numbers derived from the engines' sources. Also tests the choice of
+// axis signs, samples of facets, and the effect of rounding.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -97,7 +97,7 @@ TEST(FacetSamples, PlacesAreEvenWhereLevelsNest) {
   EXPECT_EQ(sample_place(0, 7, 8, 1, 3), 2);
 }
 
-// In slightly crooked grooves at any angle, every axis gets a sign on the same side.
+// In slightly crooked grooves at any angle, every axis gets a sign that makes it point to the same side.
 TEST(AxisCut, LeavesBrushedMetalInOnePiece) {
   for (double degrees = 0.0; degrees < 180.0; degrees += 15.0) {
     const double angle = degrees * M_PI / 180.0;

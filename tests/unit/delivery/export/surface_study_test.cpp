@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests the pictures of an export's page: textures filtered like hardware, averages against the covered facets, and
-// videos. A surface of one normal must look alike with every filter.
+// Tests the pictures of an export's page: textures that are filtered as hardware does, averages against the covered
+// facets, and videos. A surface of one normal must look alike with every filter.
 #include <gtest/gtest.h>
 
 #include <cmath>

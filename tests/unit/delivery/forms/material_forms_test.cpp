@@ -23,7 +23,7 @@ constexpr int kSide = 256;
 
 std::uint8_t code_of_share(double share) { return static_cast<std::uint8_t>(std::lround(255.0 * share)); }
 
-// Fills all levels with `level_texel(level, x, y)`, four shares.
+// Fills all levels with `level_texel(level, x, y)`, which returns four values from 0 to 1.
 void fill(LevelFile& file, const std::function<glm::dvec4(int, int, int)>& level_texel) {
   for (int level = 0; level < file.level_count(); ++level) {
     const int width = mip_level_size(file.width(), level), height = mip_level_size(file.height(), level);

@@ -47,7 +47,7 @@ std::string input_refusal(const JobType& type, const std::string& input) {
   return "";
 }
 
-// Commands accept scenes and sets too, whose files the service would not have checked.
+// Commands also accept scenes and sets. The service would not have checked the files that these name.
 TEST(JobTypes, ThoseOfOneMapTakeNothingElse) {
   for (const char* name : {"bake", "export"}) {
     const JobType& type = find_job_type(name);

@@ -59,7 +59,7 @@ TEST_P(LedgerLossTest, IsNoticedBeforeAnythingIsAccepted) {
   expect_error(ErrorCode::kEnvironment, {"lost"}, [&] { ledger.run_now([](JobQueue& queue) { queue.check_kept(); }); });
 }
 
-// A limit of file sizes acts like a full disk: work that does not fit is refused with that reason, and none of it is
+// A limit on file sizes acts like a full disk: work that does not fit is refused with that reason, and none of it is
 // kept. The log is emptied, so the next work fits as long as the ledger itself has space.
 TEST(LedgerSpaceTest, ALimitOfFileSizesIsNoSpaceAndNoEnd) {
   const TemporaryFolder folder;

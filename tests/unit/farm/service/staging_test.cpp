@@ -127,7 +127,7 @@ TEST_F(StagingTest, FilesAndFoldersAreNotMixedUp) {
   EXPECT_TRUE(fs::is_directory(output_));
 }
 
-// If a daemon died between the exchange and its note, the next one finds the earlier folder in the staging folder.
+// If a daemon died between the exchange and its note, the next daemon finds the earlier folder in the staging folder.
 TEST_F(StagingTest, WhatCameInTheMeantimeIsPutAside) {
   staged(1).publish(make_folder_of(1, {"a", "b"}));
   const std::string identity = make_folder_of(2, {"a"});

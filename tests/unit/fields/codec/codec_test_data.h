@@ -42,7 +42,8 @@ inline std::vector<float> test_plane(std::size_t width, std::size_t height, doub
   return plane;
 }
 
-/// Makes pixels that average squares of `block` x `block` texels of the finest level, only in columns begin to end.
+/// Makes pixels that average squares of `block` x `block` texels of the finest level, only in the columns from `begin`
+/// to `end`.
 inline FilterMatrix seen_columns(int width, int height, int block, int begin, int end) {
   FilterMatrix matrix;
   matrix.width = width / block;

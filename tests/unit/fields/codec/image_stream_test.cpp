@@ -18,7 +18,7 @@ struct Picture {
   std::array<std::vector<float>, 3> planes;
 };
 
-/// Makes four pictures: two alike, one of noise, one extreme, one empty.
+/// Makes four pictures: two similar ones, one of noise, one with extreme values, and an empty one.
 std::vector<Picture> pictures(SplitMix64& random) {
   std::vector<Picture> result(4);
   for (std::size_t k = 0; k < 4; ++k)
@@ -115,7 +115,7 @@ TEST(DctStream, LambdaTradesErrorForBytes) {
   const BlockGrid grid{kWidth, kHeight, 16};
   std::vector<Picture> source(1);
   for (auto& plane : source[0].planes) plane = test_plane(kWidth, kHeight, 0.0, 10.0, random);  // noise below the step
-  const auto total = [&](const DctResult& coded) {  // error + lambda bits, at lambda 30
+  const auto total = [&](const DctResult& coded) {  // error + lambda * bits, with lambda = 30
     const double error = 3.0 * static_cast<double>(kTexels) * dct_error(grid, coded.images[0], source[0], 16.0f);
     return error + 30.0 * 8.0 * static_cast<double>(coded.bytes.size());
   };

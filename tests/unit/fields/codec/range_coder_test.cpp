@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests the range coder and its contexts: symbols come back, at about the length that their probabilities predict. Cut
-// streams give the certain symbols and then zeros; random bytes do no harm.
+// Tests the range coder and its contexts. Decoding returns the encoded symbols, and streams have about the length that
+// the probabilities predict. Streams that are cut off give the certain symbols and then zeros. Random bytes do no harm.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -50,17 +50,18 @@ TEST(RangeCoder, EverySymbolComesBack) {
         bits -= std::log2((symbol.bit ? symbol.probability : 65536.0 - symbol.probability) / 65536.0);
       }
       EXPECT_FALSE(decoder.exhausted());
-      // Rounding the interval costs less than 1/256 of it per symbol, and ending the stream costs at most two bytes.
+      // Rounding the interval costs less than 1/256 of the interval per symbol, and ending the stream costs at most two
+      // bytes.
       EXPECT_LE(8.0 * static_cast<double>(bytes.size()), bits + 0.006 * static_cast<double>(symbols.size()) + 16.0);
     }
 }
 
 TEST(RangeCoder, CarriesRunThroughLongRowsOfOnes) {
-  // These symbols keep the number 1/2 inside the interval and the interval's begin below 1/2: the written bytes are 7f
-  // ff ff ff ... Then one symbol moves the begin above 1/2, and all of these bytes change.
+  // These symbols keep the number 1/2 inside the interval and the interval's lower end below 1/2, so the written bytes
+  // are 7f ff ff ff ... Then one symbol moves the lower end above 1/2, and all of these bytes change.
   SplitMix64 random(9);
   std::vector<Symbol> symbols;
-  std::uint64_t range = 0xffffffff, distance = std::uint64_t{1} << 31;  // from the interval's begin to 1/2
+  std::uint64_t range = 0xffffffff, distance = std::uint64_t{1} << 31;  // from the interval's lower end to 1/2
   const auto probability = [&] { return static_cast<std::uint32_t>(1 + random.next() % 65535); };
   while (symbols.size() < 3000) {
     const Symbol symbol{false, probability()};
@@ -161,7 +162,7 @@ TEST(BitMixer, FollowsTheContextThatKnows) {
     if (i >= 2000) bits -= std::log2((bit ? p : 65536 - p) / 65536.0);
     mixer.update(inputs, p, bit);
   }
-  EXPECT_LT(bits / 2000.0, 0.1);  // the good predictor without mixing needs log2(1 + exp(-500 / 256)) = 0.19
+  EXPECT_LT(bits / 2000.0, 0.1);  // the good predictor without mixing needs log2(1 + exp(-500 / 256)) = 0.19 bits
 }
 
 TEST(SymbolCoder, NumbersComeBack) {

@@ -371,7 +371,7 @@ TEST(TextureChunk, RefusesWhatWouldTakeTooMuch) {
   sums.insert(sums.end(), 8, 4);
   sums.insert(sums.end(), 32 * 9, 0);
   EXPECT_EQ(TextureChunk::decode(sums, problem), nullptr);
-  EXPECT_EQ(problem, "all samples together sum more than 2^22 images");
+  EXPECT_EQ(problem, "the samples are sums of more than 2^22 images in total");
 }
 
 TEST(ColourAxes, FindTheLongestAxisAndRotate) {

@@ -376,7 +376,7 @@ TEST_F(AnimationJobTest, FoldersThatAreNotUnderstood) {
   expect_folder_refused({"geometry.glb", "geometry.gltf", "geometry.obj"});
 }
 
-// Reads the example of docs/reference/animation_jobs.md, with files of the names in it.
+// Reads the example of docs/reference/animation_jobs.md. The test makes the files that the example names.
 TEST_F(AnimationJobTest, TheDocumentedExampleIsRead) {
   make(false);
   const std::string page = read_bytes(std::string(MULTUM_SOURCE_DIR) + "/docs/reference/animation_jobs.md");

@@ -45,8 +45,8 @@ Hit cast_ray(const ObjectMesh& mesh, const glm::dmat4& projection, int width, in
   return best;
 }
 
-// Every pixel must agree with its ray, except where the ray's own decision is closer than `margin`; counts these
-// pixels.
+// Every pixel must agree with its ray, except where the ray's own decision is closer than `margin`. Returns the number
+// of these exceptions.
 int undecided_pixels(const ObjectMesh& mesh, int width, int height, double margin) {
   const glm::dmat4 projection = glm::perspective(1.0, static_cast<double>(width) / height, kNear, 100.0);
   const ItemBuffer items = draw_item_buffer({{&mesh, glm::dmat4(1.0)}}, projection, width, height);
@@ -97,8 +97,8 @@ TEST(ItemBufferTest, ATriangleThroughTheNearPlaneIsCutThere) {
   const ItemBuffer items = draw_item_buffer({{&floor, glm::dmat4(1.0)}}, projection, 64, 48);
   EXPECT_EQ(items.triangle[47 * 64 + 32], 0);  // bottom row
   EXPECT_EQ(items.triangle[32], -1);           // top row
-  // The ray through row y falls tan(0.5) (2 (y + 0.5)/48 - 1) per unit of depth, and meets y = -1 at the inverse of
-  // that.
+  // The ray through row y falls tan(0.5) (2 (y + 0.5)/48 - 1) per unit of depth, and meets y = -1 at the depth that is
+  // the inverse of this slope.
   EXPECT_NEAR(items.depth[47 * 64 + 32], 1.0 / (std::tan(0.5) * (47.0 / 48.0)), 1e-3);
   const ObjectMesh behind = triangles({{-1.0f, -1.0f, 1.0f}, {1.0f, -1.0f, 1.0f}, {0.0f, 1.0f, 2.0f}});
   for (const std::int32_t object : draw_item_buffer({{&behind, glm::dmat4(1.0)}}, projection, 64, 48).object)
@@ -181,7 +181,7 @@ TEST(ItemBufferTest, SharedEdgesMissNoPixelAndDrawNoneTwice) {
 }
 
 TEST(ItemBufferTest, AFineWallInPerspectiveHasNoHoles) {
-  // A tilted wall is cut finely. The union of its triangles is the same wall as two triangles.
+  // A tilted wall is cut into many small triangles. Their union must be the same as the wall made of two triangles.
   const unsigned seed = 11;
   SCOPED_TRACE("seed " + std::to_string(seed));
   std::mt19937 random(seed);

@@ -200,8 +200,8 @@ TEST(LayerSegmentationTest, AnObjectOfMixedPixelsOnlyIsFoundAgainstItsSurroundin
   EXPECT_EQ(report.unguided_pixels, 20u);
   const std::size_t pixel = picture.at(10, 7);
   const Colour wall = colour_of(layers[0], pixel), wire = colour_of(layers[1], pixel), b = {0.45f, 0.15f, 0.45f};
-  // m of the wire is the pixel itself: r = b - wall / 2 - b / 2 = (b - wall) / 2. Both parts get the share c / (2 c^2)
-  // = 1 of r.
+  // For the wire, m is the pixel itself, so r = b - wall / 2 - b / 2 = (b - wall) / 2. Each part gets the share c / (2
+  // c^2) = 1 of r.
   for (std::size_t i = 0; i < 3; ++i) {
     EXPECT_NEAR(0.5f * wall[i] + 0.5f * wire[i], b[i], 1e-6f);
     EXPECT_NEAR(wire[i], b[i] + 0.5f * (b[i] - kBlue[i]), 1e-5f)

@@ -322,7 +322,7 @@ TEST(FilterMatrixTest, NothingStaysOfWhatCannotBeWritten) {
   EXPECT_EQ(folder.names(), Names{});
   write_filter_matrix(matrix, folder / "a.filter");
   const auto size = static_cast<rlim_t>(std::filesystem::file_size(folder / "a.filter"));
-  // A limit of file sizes acts like a full disk; the earlier file is kept.
+  // A limit on file sizes acts like a full disk; the earlier file is kept.
   write_bytes(folder / "a.filter", "old");
   for (const rlim_t bytes : {rlim_t{0}, rlim_t{100}, size - 1}) {
     const testing::FileLimit full(bytes);

@@ -123,7 +123,7 @@ struct Foreign {
   int width = 9, height = 5;
 };
 
-// Writes zeros by the library itself.
+// Writes zeros with the library itself.
 void write_foreign(const Foreign& foreign, const std::string& path) {
   const Imath::Box2i window({foreign.left, foreign.top},
                             {foreign.left + foreign.width - 1, foreign.top + foreign.height - 1});

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests the places of texels in the list of a pyramid, and of an object's own texture coordinates in its texture.
+// Tests the place of each texel in the list of a pyramid, and the place of an object's own texture coordinates in its
+// texture.
 #include "host/fields/inferred/texture_mapping.h"
 
 #include <gtest/gtest.h>

@@ -115,7 +115,7 @@ TEST_F(PlaybackTest, MixedSamplesOfOneSizeAreMixed) {
     for (std::size_t i = 0; i < a.size(); ++i)
       ASSERT_NEAR(found[i], 0.375f * (a[i] + b[i]) + 0.125f * (c[i] + d[i]), 0.2f) << l;
   }
-  // Between views 2 and 3 the board changes its size, so only the nearest view counts.
+  // Between views 2 and 3 the board changes its size, so only the nearest view is used.
   playback->begin_frame(sample_shares(description_.grid, {2.25, 1.0}, true), {});
   ASSERT_TRUE(decode_all(*playback));
   const std::size_t block = description_.layers[2].block_at({2, 1});

@@ -41,7 +41,7 @@ TEST(FieldPoint, NearestAndLinearShares) {
 }
 
 TEST(FieldPoint, CamerasTurnAboutTheirEye) {
-  // Halfway, a camera that circles an object and zooms has turned by half the angle and looks from a point between.
+  // Halfway, a camera that circles an object and zooms has turned by half the angle and looks from a point in between.
   const auto camera = [](double degrees, double fov) {
     const glm::dmat4 turned = glm::rotate(glm::dmat4(1.0), glm::radians(degrees), glm::dvec3(0.0, 1.0, 0.0));
     const glm::dmat4 view = glm::translate(turned, glm::dvec3(-3.0, -1.0, 2.0));

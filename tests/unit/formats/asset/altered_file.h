@@ -35,7 +35,7 @@ class AlteredFile {
   }
 
   /// Rebuilds the good file with parts chosen by `order` and changed headers; parts keep their pixels if their channels
-  /// stay. Returns the bad file's path.
+  /// do not change. Returns the bad file's path.
   std::string rebuilt(const std::vector<int>& order, const std::function<void(Imf::Header&)>& change) const {
     Imf::MultiPartInputFile in(good.c_str());
     std::vector<Imf::Header> headers;

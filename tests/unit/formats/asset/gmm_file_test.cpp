@@ -188,7 +188,7 @@ TEST_P(GmmQuantizeTest, SingleDirectionsGetNone) {
   level = rounded(level);
   // Two rounded means differ by up to one step, which adds a spread of the step's square. Floats are within 8
   // roundings.
-  const double zero = GetParam() == StorageEncoding::kFloat ? 5e-7 : 1e-15;  // of doubles
+  const double zero = GetParam() == StorageEncoding::kFloat ? 5e-7 : 1e-15;  // rounding error of doubles
   for (std::size_t i = 0; i < 2000; ++i)
     for (const auto& lobes : level.lobes) EXPECT_LE(static_cast<double>(gmm_variance(lobes[i])), zero) << i;
   for (std::size_t i = 0; i < 2000; i += 2) {
@@ -223,7 +223,7 @@ TEST(GmmFinestTest, TheThirdIsTheSquareRoundedDown) {
     const float x = static_cast<float>(i / 32767.0), y = static_cast<float>(j / 32767.0);
     const int expected =
         static_cast<int>(std::min<std::int64_t>((std::int64_t{i} * i + std::int64_t{j} * j) / 32767, 32767));
-    if (std::int64_t{i} * i + std::int64_t{j} * j > std::int64_t{32767} * 32767) continue;  // no normal
+    if (std::int64_t{i} * i + std::int64_t{j} * j > std::int64_t{32767} * 32767) continue;  // not a normal
     EXPECT_EQ(finest_square(x, y, StorageEncoding::kSnorm16), static_cast<float>(expected / 32767.0)) << i << " " << j;
     const auto hx = static_cast<float>(half(x)), hy = static_cast<float>(half(y));
     const double exact =

@@ -33,7 +33,7 @@ using testing::TemporaryFolder;
 using testing::uniform;
 using testing::write_bytes;
 
-// Makes moments like a bake: level 0 has single directions, other levels have a variance.
+// Makes moments as a bake does: level 0 has single directions, and other levels have a variance.
 MomentMipmap random_moments(int width, int height, bool has_colours, StorageEncoding encoding, unsigned seed) {
   std::mt19937 random(seed);
   MomentMipmap mipmap;
@@ -234,7 +234,7 @@ TEST(MomentGpuBytesTest, TwoTexturesAndOneForColours) {
   EXPECT_EQ(moment_gpu_bytes(header), (2u + 1u) * 3u * 16u);
 }
 
-// Makes files that are not valid files of moments from a good one.
+// Makes invalid files of moments from a good one.
 class MomentRefusalTest : public ::testing::Test {
  protected:
   MomentRefusalTest() {

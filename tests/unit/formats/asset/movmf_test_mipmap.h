@@ -49,7 +49,7 @@ inline glm::vec4 stored_lobe(double amplitude, const glm::dvec3& r) {
   return {a * glm::vec3(r), a};
 }
 
-/// Makes level 0 like a bake: one single direction per texel, completely in one lobe.
+/// Makes level 0 as a bake does: each texel has a single direction, which is completely in one lobe.
 inline MovmfFinest random_finest(std::mt19937& random, int width, int height, int lobe_count, bool colours) {
   MovmfFinest rows{width, height, {}, {}, {}};
   for (int i = 0; i < width * height; ++i) {

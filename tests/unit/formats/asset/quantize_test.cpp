@@ -141,7 +141,8 @@ TEST_P(QuantizeTest, SingleDirectionsNeverLoseLength) {
   std::vector<std::vector<glm::vec4>> texels;
   for (int i = 0; i < 20000; ++i) {
     texels.emplace_back();
-    // Directions of every third texel are flat or in a coordinate plane, where brackets collapse.
+    // Directions of every third texel are flat or in a coordinate plane. One of their values is exactly 0, so rounding
+    // it up or down gives the same value.
     for (const double share : random_shares(random_, 4)) {
       glm::dvec3 n = random_direction(random_, 90 * kDegree);
       if (i % 3 == 0) n = glm::normalize(glm::dvec3(i % 2 == 0 ? 0.0 : n.x, 0.0, n.z + 1e-3));
@@ -266,7 +267,7 @@ TEST_P(QuantizeTest, AGlossyHighlightOnATiltedFlatKeepsItsPeakAtTexelsAndBetween
   EXPECT_LE(worst[1], 0.02);
 }
 
-// Counts lobes that are sharper than the storage keeps but not single directions; float loses nothing.
+// Counts lobes that are sharper than the storage can keep, except for single directions. Float storage loses nothing.
 TEST_P(QuantizeTest, SharpLobesAreCounted) {
   const auto limit = static_cast<double>(storage_kappa_max(GetParam()));
   MovmfLevel level;

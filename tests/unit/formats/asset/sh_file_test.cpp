@@ -45,7 +45,7 @@ void PrintTo(const ShShape& s, std::ostream* out) {
        << storage_encoding_name(s.encoding) << " from level " << s.first_level;
 }
 
-// Makes harmonics like a bake: level 0 has single directions, other levels are weaker.
+// Makes harmonics as a bake does: level 0 has single directions, and other levels are weaker.
 ShMipmap random_harmonics(const ShShape& shape, unsigned seed) {
   std::mt19937 random(seed);
   ShMipmap mipmap;

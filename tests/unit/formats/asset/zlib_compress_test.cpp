@@ -17,7 +17,8 @@ namespace {
 
 using Bytes = std::vector<Bytef>;
 
-// Makes bytes of `values` different values: 1 compresses to almost nothing, 256 not at all.
+// Makes bytes with `values` different values. With 1 value they compress to almost nothing; with 256 values they do not
+// compress.
 Bytes random_bytes(std::size_t count, std::uint64_t values) {
   Bytes bytes(count);
   for (std::size_t i = 0; i < count; ++i) bytes[i] = static_cast<Bytef>(split_mix(i) % values);

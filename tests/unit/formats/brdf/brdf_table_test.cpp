@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests the table of BRDFs: the properties that each row states hold, and its text forms are read, refused and printed.
+// Tests the table of BRDFs. The properties that a row states must hold, and its texts must be read, refused and printed
+// correctly.
 #include <gtest/gtest.h>
 
 #include <fmt/format.h>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests measured BRDFs of all three formats, made here, and environment files: reading, factoring, refusing.
+// Tests measured BRDFs of all three formats, which this test makes, and environment files: reading, factoring,
+// refusing.
 #include <gtest/gtest.h>
 
 #include <fmt/format.h>
@@ -44,7 +45,7 @@ class MeasuredFileTest : public ::testing::Test {
   fs::path folder_;
 };
 
-// The BRDF is 0.2 / pi + f(theta_h) g(theta_d): f is Blinn-Phong of exponent 60, and g = 1 + 0.5 sin^2 theta_d.
+// The BRDF is 0.2 / pi + f(theta_h) g(theta_d): f is Blinn-Phong with exponent 60, and g = 1 + 0.5 sin^2 theta_d.
 double made_facets(double theta) { return 0.5 * 61.0 / (2.0 * std::numbers::pi) * std::pow(std::cos(theta), 60.0); }
 double made_rho(double theta_h, double theta_d) {
   return 0.2 / std::numbers::pi + made_facets(theta_h) * (1.0 + 0.5 * std::pow(std::sin(theta_d), 2.0));
@@ -138,8 +139,8 @@ std::string radiance(const std::string& size, const std::string& rows) {
 }
 
 TEST_F(MeasuredFileTest, RadianceRows) {
-  // A packed row of 8 texels has 8 times 128, then 3 and 5 values, then 8 times 64, and the exponent 129, which is 2^-7
-  // each.
+  // A packed row of 8 texels has 8 times 128, then 3 and 5 values, then 8 times 64, and 8 times the exponent 129, which
+  // scales a value by 2^-7.
   const std::string packed = std::string("\2\2\0\x8", 4) + std::string("\x88\x80", 2) +
                              std::string("\x3\1\2\3\x5\4\5\6\7\x8", 10) + std::string("\x88\x40", 2) +
                              std::string("\x88\x81", 2);

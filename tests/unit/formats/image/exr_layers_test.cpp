@@ -288,7 +288,7 @@ TEST_F(ForeignCryptomatte, DamagedManifests) {
     ASSERT_FALSE(warnings.empty());
     expect_says(warnings[0], {"manifest", "damaged", "hash"});
   }
-  // Entries before the damage count.
+  // Entries of the manifest before the damage are still used.
   set_rank(part_, 0, 2, 0x11223344u, 0.125f);
   part_.attributes.back().second = R"({"other":"11223344","wal)";
   write_exr(folder_ / "cut.exr", 3, 1, {part_});
@@ -298,10 +298,10 @@ TEST_F(ForeignCryptomatte, DamagedManifests) {
 TEST_F(ForeignCryptomatte, MetadataWithoutANameAreMatchedByTheirKey) {
   part_.attributes = {{"cryptomatte/7f2a5c1/hash", "MurmurHash3_32"},
                       {"cryptomatte/7f2a5c1/manifest", R"({"walls":"0810d53d"})"}};
-  std::vector<std::string> warnings = expect_read("CryptoObject");  // another's key
+  std::vector<std::string> warnings = expect_read("CryptoObject");  // the key of another layer
   ASSERT_EQ(warnings.size(), 1u);
   expect_says(warnings[0], {"no metadata", "\"CryptoObject\"", "MurmurHash3"});
-  // The first digits of the hash of "CryptoObject"; the manifest has its own identifier.
+  // The key has the first digits of the hash of "CryptoObject". The manifest's identifier is not the hash of its name.
   part_.attributes = {{"cryptomatte/3ae39a5/manifest", R"({"other":"11223344"})"}};
   set_rank(part_, 0, 2, 0x11223344u, 0.125f);
   warnings = expect_read("CryptoObject");

@@ -115,7 +115,7 @@ TEST(HeightDetection, PackedBytesAreDecoded) {
   struct Case {
     const char* name;
     Height number;
-    double unit;  // height per number
+    double unit;  // height that the number 1 stands for
     BumpFormat format;
     double tolerance;
   };

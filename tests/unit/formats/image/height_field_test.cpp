@@ -274,8 +274,8 @@ std::pair<double, double> errors(const NormalMap& map, const std::function<doubl
   return {sum / (map.width * map.height), largest};
 }
 
-// Quantized ramps of 7.13 degrees and others are flat except for texels of 45.1 degrees. Dequantizing makes them ramps
-// again.
+// Quantized ramps of 7.13 degrees and others are flat except for texels with a slope of 45.1 degrees. Dequantizing
+// turns these surfaces into ramps again.
 TEST(HeightField, TerracesAreWarnedOfAndDequantized) {
   const std::function<double(int, int)> ramps[] = {[](int x, int) { return 0.25 * 255.0 * x / 1023.0; },
                                                    [](int x, int y) { return 3.3 + 0.031 * x + 0.043 * y; },

@@ -384,8 +384,8 @@ TEST(ImageReaderTest, AlphaMultipliesNothing) {
   }
 }
 
-// If an OpenImageIO keeps WebP colours unchanged, the first half of this test fails: then remove the workaround in
-// image_reader.cpp.
+// If a version of OpenImageIO keeps WebP colours unchanged, the first half of this test fails. Then remove the
+// workaround in image_reader.cpp.
 TEST(ImageReaderTest, WebpWithAlphaIsRefused) {
   const TemporaryFolder folder;
   TestImage image = gradient_image(16, 16, 4);

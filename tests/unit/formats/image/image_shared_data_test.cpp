@@ -113,8 +113,8 @@ TEST(SharedData, HeightsAndNormalsOfOneTerrainAgree) {
     const NormalMap other = read_map(folder + name);
     for (std::size_t i = 0; i < other.x.size(); ++i) ASSERT_NEAR(other.y[i], expected.y[i], 1e-3) << name;
   }
-  // The exact scale of the normals is not stated, so it is fitted. The two fits (metres, 840 metres in 16 bits) must
-  // agree.
+  // The exact scale of the normals is not stated, so it is fitted twice: to heights in metres, and to 16-bit heights
+  // with a range of 840 metres. The two fits must agree.
   double fitted[2] = {0.0, 0.0};
   for (const int source : {0, 1}) {
     const NormalMap heights =
@@ -137,7 +137,7 @@ TEST(SharedData, HeightsAndNormalsOfOneTerrainAgree) {
   EXPECT_NEAR(fitted[1] / fitted[0], 840.0, 1.0);
 }
 
-// Runs in a separate process, which may crash: with 4 GB of address space and 20 s.
+// Runs in a separate process, because it may crash. The process has 4 GB of address space and 20 s.
 [[noreturn]] void read_under_limits(const std::string& path) {
 #ifndef MULTUM_SHADOW_MEMORY  // the sanitizer's shadow memory needs terabytes of address space
   const rlimit limit{rlim_t{4} << 30, rlim_t{4} << 30};

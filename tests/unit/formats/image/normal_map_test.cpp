@@ -159,8 +159,8 @@ TEST(NormalMapReading, TheBlueOfNearlyFlatMapsStaysZ) {
   }
 }
 
-// Normals times any constant are normalised back, and a warning says so. If the file rounds them away, they are refused
-// with their length.
+// Normals that were multiplied by a constant are normalised again, and a warning says so. If they are so short that the
+// file's rounding destroys them, they are refused, and the message gives their length.
 TEST(NormalMapReading, ScaledVectorsAreNormalisedAndSaid) {
   const TemporaryFolder folder;
   struct Case {
@@ -463,8 +463,8 @@ TEST(NormalMapReading, XInAlphaIsNamed) {
   }
 }
 
-// Scaling follows glTF's normalTexture.scale: x and y are multiplied, then normalised; the detected encoding does not
-// change.
+// Scaling follows glTF's normalTexture.scale: x and y are multiplied, and then the normal is normalised. The detected
+// encoding does not change.
 TEST(NormalMapReading, NormalsAreScaled) {
   const TemporaryFolder folder;
   write_test_image(folder / "a.exr", normal_image(32, 16, true));

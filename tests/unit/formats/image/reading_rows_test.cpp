@@ -55,7 +55,7 @@ class ReadingRowsTest : public ::testing::Test {
       }
     }
   }
-  // All storages give the same result as the whole map in memory, whose bands are taller than the image.
+  // All kinds of storage give the same result as the whole map in memory with bands that are taller than the image.
   void expect_same_everywhere(const std::string& path, const NormalMapSettings& settings = {}) {
     SCOPED_TRACE(path);
     const NormalMap whole = read_map(path, settings);

@@ -28,7 +28,7 @@ NormalMapSettings settings_with(WrapOrigin origin, WrapMode mode = WrapMode::kPe
   return settings;
 }
 
-// Makes waves that continue across a border that tiles and are cut mid-wave at a border that does not.
+// Makes waves. They continue across a border that tiles, and are cut mid-wave at a border that does not tile.
 TestImage waves(int width, int height, bool tiles_s, bool tiles_t) {
   TestImage image{.width = width, .height = height, .channels = 1, .type = TypeDesc::UINT16};
   const double u_waves = tiles_s ? 3.0 : 2.5, v_waves = tiles_t ? 2.0 : 2.6;

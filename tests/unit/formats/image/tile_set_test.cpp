@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Compares tiles of a set with the picture that they were cut from: slopes at their borders, and one green for all.
+// Compares tiles of a set with the picture that they were cut from: slopes at their borders, and one direction of green
+// for all tiles.
 #include "host/formats/image/normals/tile_set.h"
 
 #include <atomic>
@@ -33,8 +34,8 @@ TestImage cut_image(int x0, int y0, int width, int height, TypeDesc type = TypeD
 
 class TileSetTest : public ::testing::Test {
  protected:
-  // Writes one tile of the set; rows of tiles count from the bottom. The picture is two tiles wide and two high, with
-  // tiles of kSide.
+  // Writes one tile of the set; rows of tiles are counted from the bottom. The picture is two tiles wide and two high,
+  // with tiles of kSide.
   void write_tile(const std::string& tile, int u, int v, TypeDesc type = TypeDesc::UINT16) {
     write_test_image(folder_ / ("h_" + tile + ".png"), cut_image(u * kSide, (1 - v) * kSide, kSide, kSide, type));
   }
@@ -181,7 +182,7 @@ TEST_F(TileSetTest, ARecordKnowsTheBordersOfOthers) {
   EXPECT_TRUE(is_unchanged());
   std::filesystem::remove(folder_ / "h_1002.png");
   EXPECT_FALSE(is_unchanged());
-  // If the surface repeats, the tile at the other end of the row counts.
+  // If the surface repeats, the tile at the other end of the row counts as a neighbour.
   write_set();
   write_tile("1003", 2, 0);
   for (const WrapMode mode : {WrapMode::kPeriodic, WrapMode::kClamp}) {
@@ -200,8 +201,8 @@ TEST_F(TileSetTest, ARecordKnowsTheBordersOfOthers) {
   }
 }
 
-// A flat tile cannot decide green, and another tile may be painted the other way round. The first tile that can decide
-// does so for all tiles.
+// A flat tile does not show the direction of green, and another tile may be painted the other way round. The first tile
+// that can decide does so for all tiles.
 TEST_F(TileSetTest, GreenIsThatOfTheSet) {
   settings_ = {};
   TestImage flat = normal_image(kSide, kSide);
@@ -224,7 +225,7 @@ TEST_F(TileSetTest, GreenIsThatOfTheSet) {
   EXPECT_FALSE(tiles_are_unchanged(third.report.tiles, again, "1003", FixNan::kBox3));
 }
 
-// Tiles are read in parallel. A thread that needs the set's green waits until another thread has it.
+// Tiles are read in parallel. A thread that needs the set's direction of green waits until another thread has found it.
 TEST_F(TileSetTest, ThreadsAgreeOnGreen) {
   write_tile("1001", 0, 0);
   TileSet set(folder_ / "h_<UDIM>.png");

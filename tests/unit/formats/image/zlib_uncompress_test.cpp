@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests that OpenEXR calls our uncompress function, and that it answers like zlib.
+// Tests that OpenEXR calls our uncompress function, and that the function returns the same results as zlib.
 #include "host/formats/decoder/zlib_uncompress.h"
 
 #include <gtest/gtest.h>

@@ -140,7 +140,7 @@ TEST(SmoothEnvironment, IsThePolynomialThatMadeTheMap) {
   EXPECT_NEAR(smooth.quadratic[2][1][1], 0.0, 1e-2);
 }
 
-// Filtering 1 + cos with a vMF scales the cosine by the vMF's mean cosine, 1 - the level's spread.
+// Filtering 1 + cos with a vMF scales the cosine by the vMF's mean cosine, which is 1 minus the level's spread.
 TEST(PrefilteredLevels, HaveTheirMeanCosines) {
   const PrefilteredLevels result =
       prefilter(make_map(64, [](const glm::dvec3& d) { return glm::vec3(1.0 + d.y, 1.0, 0.0); }));

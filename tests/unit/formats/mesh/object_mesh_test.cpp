@@ -126,8 +126,8 @@ Hit uv_at(const ObjectMesh& object, const glm::dvec3& point) {
 }
 
 // Compares with the renderer's own texture coordinates and depths, at pixels that an object covers completely. The pass
-// is a mean over the pixel: at self-occlusions and at the chart's seam it mixes different places. All except a share of
-// `elsewhere` must be within `tolerance`.
+// is a mean over the pixel: at self-occlusions and at the chart's seam it mixes different places. All pixels except for
+// a share of `elsewhere` must be within `tolerance`.
 void expect_uv_pass(const std::string& geometry, const std::string& mesh, const std::string& name, double tolerance,
                     double elsewhere) {
   const std::string folder = shared_field();

@@ -23,7 +23,8 @@ std::vector<double> channel(std::size_t c) {
   return values;
 }
 
-/// Returns the mean power of 1 to `limit` periods across the mask, relative to the mean of all: 1 for white noise.
+/// Returns the mean power of 1 to `limit` periods across the mask, relative to the mean power of all frequencies. White
+/// noise gives 1.
 double low_power(const std::vector<double>& values, int limit) {
   double sum = 0.0, square = 0.0;
   int count = 0;

@@ -91,7 +91,7 @@ TEST(FourQuarterMap, QuartersAreAsDescribed) {
   EXPECT_NEAR(statistics(map, size - half / 8, half, half / 8, half).slope_x_rms, 0.45 * 1.525, 0.05);
 }
 
-// The map has green down. At the right of a dome, normals lean to the right, and y grows downwards.
+// In this map green points down. At the right of a dome, normals lean to the right, and y grows downwards.
 TEST(FourQuarterMap, ArmourIsOfDomes) {
   const int side = 48, period = 24;
   const NormalMap map = make_four_quarter_map(side, 3, Quarter::kArmour).normals;

@@ -91,7 +91,7 @@ TEST(ChildProcessTest, AChildEndsWithWhoStartedIt) {
     ASSERT_EQ(::pipe(pipe_ends), 0);
     const pid_t starter = ::fork();
     if (starter == 0) {
-      ::dup2(pipe_ends[1], STDERR_FILENO);  // the child prints its id where the parent does not collect it
+      ::dup2(pipe_ends[1], STDERR_FILENO);  // the child prints its id to a stream that the parent does not collect
       const std::vector<std::string> command = {
           "sh", "-c", "echo $$ > /proc/" + std::to_string(::getpid()) + "/fd/2; exec sleep 60"};
       if (is_limited) run_child(command, ChildLimits{std::chrono::minutes(2)});

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests limits of containers, with file trees as kernels and container engines make them, and with a group on this
-// machine.
+// Tests limits of containers, with file trees as kernels and container engines make them, and with a control group on
+// this machine.
 #include "host/foundation/base/processes/container_limits.h"
 
 #include <gtest/gtest.h>
@@ -141,7 +141,7 @@ TEST_F(ContainerLimitsTest, GarbageIsNoLimit) {
   expect(kNone, kAll);
 }
 
-// Makes a version 1 group below this process's own group, with a child of this process in it.
+// Makes a control group (version 1) below this process's own group, and puts a child of this process into it.
 TEST(ContainerLimitsOfThisMachineTest, ARealGroupIsHonoured) {
   std::string own;
   std::ifstream in("/proc/self/cgroup");

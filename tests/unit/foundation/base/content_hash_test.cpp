@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests SHA-256 with the vectors of FIPS 180-4 (NIST's examples), with texts divided in any way.
+// Tests SHA-256 with NIST's examples for FIPS 180-4. Also passes texts in pieces of different sizes.
 #include "host/foundation/base/files/content_hash.h"
 
 #include <gtest/gtest.h>

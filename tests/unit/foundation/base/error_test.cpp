@@ -56,7 +56,7 @@ TEST(ErrorTest, RunGuardedMapsExceptionsToCodesAndMessages) {
   EXPECT_EQ(surprise.message, "tool: unexpected error: odd\n");
 }
 
-// A write beyond the limit of file sizes fails like a write to a full disk, and the message names the limit.
+// A write beyond the limit on file sizes fails like a write to a full disk, and the message names the limit.
 TEST(ErrorTest, ALimitOfFileSizesIsAnErrorAndNoSignal) {
   const testing::TemporaryFolder folder;
   static std::string path;

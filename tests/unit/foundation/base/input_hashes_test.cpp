@@ -31,7 +31,7 @@ TEST_F(InputHashesTest, AFileIsReadOnce) {
   hashes_.check_unchanged(path);
 }
 
-// The noted state counts, because the file's bytes may have been decoded already.
+// The file must still be as it was when note() was called, because its bytes may have been decoded already.
 TEST_F(InputHashesTest, AFileThatChangesBeforeItsHashIsRefused) {
   const std::string path = file("abc");
   hashes_.note(path);

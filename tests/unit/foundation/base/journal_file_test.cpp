@@ -79,7 +79,8 @@ TEST_F(RecordFileTest, AnotherKeyRemovesAll) {
   EXPECT_EQ(read_bytes(rows_), "multum records 1\nanother key\n");
 }
 
-// The reader stops at the key's length instead of searching a file without line breaks for one.
+// The reader stops after as many bytes as the key has. It does not search a whole file without line breaks for a line
+// break.
 TEST_F(RecordFileTest, AKeyOfAnyLengthIsReadUpToTheKeysOwn) {
   stopped_after({});
   fs::resize_file(rows_, std::uint64_t{1} << 40);  // sparse: a terabyte of zeros

@@ -152,8 +152,8 @@ TEST(HelperProcessTest, TimeIsLimited) {
   EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(10));
 }
 
-// Children run in the lowest scheduling class, one of them with a second thread, against twice as many threads as there
-// are processors.
+// Children run in the lowest scheduling class, and one of them has a second thread. They compete with twice as many
+// threads as there are processors.
 TEST(HelperProcessTest, TimeThatOthersHaveTheProcessorsDoesNotCount) {
   HelperProcess helper(kFailingHelper), threaded(kFailingHelper);
   const sched_param lowest = {};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests image files decoded in a child: numbers and refusals equal those of this process. Whatever ends the child
-// becomes a refusal that names the file.
+// Tests image files decoded in a child: numbers and refusals equal those of this process. However the child ends, the
+// result is a refusal that names the file.
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -173,10 +173,10 @@ TEST_F(ImageDecodingTest, WhatEndsAChildIsARefusalOfItsFile) {
   const TestImage image = normal_image(8, 8);
   for (const auto& [name, reason] : std::vector<std::pair<std::string, std::string>>{
 #ifndef MULTUM_SHADOW_MEMORY
-           {"abort", "was ended by signal 6 (Aborted): a library's last words"},
-           {"segfault", "was ended by signal 11 (Segmentation fault)"},
+           {"abort", "was terminated by signal 6 (Aborted): a library's last words"},
+           {"segfault", "was terminated by signal 11 (Segmentation fault)"},
 #endif
-           {"hang", "took more than 700 ms and was ended"},
+           {"hang", "took more than 700 ms and was terminated"},
            {"exit", "ended with exit code 7"},
            {"nonsense", "returned 8 invalid bytes"}}) {
     const std::string refusal = refusal_of(write(name + ".png", image));

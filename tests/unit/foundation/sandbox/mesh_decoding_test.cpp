@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests meshes read in a child: numbers and refusals equal those of this process. Whatever ends the child, and any
-// wrong answer, becomes a refusal that names the file.
+// Tests meshes read in a child: numbers and refusals equal those of this process. However the child ends, and whatever
+// wrong answer it gives, the result is a refusal that names the file.
 #include <filesystem>
 #include <limits>
 
@@ -111,10 +111,10 @@ TEST_F(MeshDecodingTest, WhatEndsAChildIsARefusalOfItsFile) {
   for (const auto& [name, reason] : std::vector<std::pair<std::string, std::string>>{
 #ifndef MULTUM_SHADOW_MEMORY
            {"segfault",
-            "decoding failed (the decoder was ended by signal 11 (Segmentation fault)); expected an undamaged "
+            "decoding failed (the decoder was terminated by signal 11 (Segmentation fault)); expected an undamaged "
             "file that assimp can decode within"},
 #endif
-           {"hang", "took more than 700 ms and was ended"},
+           {"hang", "took more than 700 ms and was terminated"},
            {"nonsense", "returned 8 invalid bytes"}}) {
     const std::string refusal = refusal_of(write(name + ".obj", ""));
     EXPECT_NE(refusal.find(reason), std::string::npos) << refusal;

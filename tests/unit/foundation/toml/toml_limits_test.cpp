@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Tests documents just within and just beyond every limit, and strings and comments that look like structure. Also
-// tests random documents. Every document that the scan accepts is parsed, walked and destroyed on a small stack. The
+// tests random documents. Every document that the scan accepts is parsed, walked and destroyed on a small stack. Such a
 // document is no deeper and no larger than the limits allow.
 #include "host/foundation/toml/toml_limits.h"
 
@@ -177,7 +177,7 @@ TEST_F(TomlLimitsTest, BytesAreCountedBeforeTheyAreRead) {
 
 // ---- Strings and comments
 
-// This is all structure that counts outside strings, except for quotes, backslashes and line breaks.
+// Outside strings, these characters would all count as structure. Quotes, backslashes and line breaks are left out.
 std::string structure() { return repeated("a.b.[{[[x]]=,1,}]#", 20'000); }
 
 struct HidingCase {
@@ -400,7 +400,7 @@ TEST_F(TomlLimitsTest, WhatIsAcceptedIsReadOnASmallStack) {
   on_small_stack([&] {
     for (std::uint64_t i = 0; i < 300; ++i) {
       SplitMix64 random(kSeed + i);
-      // The document is as deep as allowed, and alternates everything that nests.
+      // The document is as deep as allowed, and alternates all kinds of nesting.
       std::string text, end;
       int left = 31;
       while (left > 0) {

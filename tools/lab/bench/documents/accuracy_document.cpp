@@ -147,13 +147,13 @@ std::vector<Variant> compared_variants() {
   Variant unaligned{"4 lobes, unaligned", with_lobes(4)};
   make_unaligned(unaligned.settings);
   variants.push_back(unaligned);
-  Variant no_prior{"4 lobes, started from the parent, without prior", with_lobes(4)};
+  Variant no_prior{"4 lobes, started from the parent's lobes, without a prior", with_lobes(4)};
   no_prior.settings.alignment = 0.0f;
   variants.push_back(no_prior);
   Variant one_pass{"4 lobes, one pass", with_lobes(4)};
   one_pass.settings.pass_count = 1;
   variants.push_back(one_pass);
-  Variant unsearched{"4 lobes, without start search", with_lobes(4)};
+  Variant unsearched{"4 lobes, without a search for the starting lobes", with_lobes(4)};
   unsearched.settings.search_start = false;
   variants.push_back(unsearched);
   Variant farthest{"4 lobes, started from the farthest normals (as in the paper)", with_lobes(4)};
@@ -167,9 +167,9 @@ std::vector<Variant> compared_variants() {
     make_reference(reference.settings);
     variants.push_back(reference);
   }
-  Variant half{"4 lobes, stored as half", with_lobes(4), StorageEncoding::kHalf};
+  Variant half{"4 lobes, stored as 16-bit floats", with_lobes(4), StorageEncoding::kHalf};
   variants.push_back(half);
-  Variant whole{"4 lobes, stored as float", with_lobes(4), StorageEncoding::kFloat};
+  Variant whole{"4 lobes, stored as 32-bit floats", with_lobes(4), StorageEncoding::kFloat};
   variants.push_back(whole);
   return variants;
 }
@@ -209,7 +209,8 @@ std::string quarters_section(Device& device, const AccuracyDocumentOptions& opti
   }
   return fmt::format(
              "The table lists the errors of levels 3 / 5 / 7 over all texels of a white map. Each time is the shortest "
-             "of {} fits on {} cores, and includes the start of the fit. Before the timed fits, one fit per row "
+             "of {} fits on {} cores, and includes the time to compute the starting lobes. Before the timed fits, one "
+             "fit per row "
              "compiled the kernels. The timed fits of the rows ran alternately. *Processor s* is processor time in "
              "seconds.\n\n",
              kTimedRounds, core_count()) +

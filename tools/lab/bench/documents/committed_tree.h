@@ -8,7 +8,8 @@
 namespace multum::bench {
 
 /// Describes the commit of figures for a document. Throws Error(kUsage) that begins with `what` if `commit`
-/// (build_info.h) is unknown or ends in "-dirty". With `allow_dirty`, the text states this instead.
+/// (build_info.h) is unknown or ends in "-dirty". With `allow_dirty`, does not throw, and the text states that the
+/// sources are uncommitted.
 std::string stated_commit(const std::string& what, const std::string& commit, bool allow_dirty);
 
 }  // namespace multum::bench

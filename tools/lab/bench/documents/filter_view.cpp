@@ -27,7 +27,7 @@ struct FilterKey {
   int taps;
   double bias;
   bool shades_taps;
-  int evaluations = 0;  // evaluations of light per pixel; 0 if the taps decide
+  int evaluations = 0;  // evaluations of light per pixel; 0 if the number of taps determines it
 
   auto operator<=>(const FilterKey&) const = default;
 };
@@ -79,8 +79,8 @@ std::vector<std::string> head_of(std::vector<std::string> first, const std::vect
 
 std::string percent_text(double value) { return fmt::format("{:.1f}", 100.0 * value); }
 
-// Returns filters by number of taps, then from the plain level to the sharpest level. Filters that shade each tap come
-// last.
+// Returns filters in the order of their number of taps, and then from the plain level to the sharpest level. Filters
+// that shade each tap come last.
 std::vector<FilterKey> keys_of(const Figures& figures) {
   std::vector<FilterKey> keys;
   for (const auto& [key, unused] : figures) keys.push_back(key);
@@ -252,7 +252,8 @@ ResultView view_filters(const Json& result) {
   return {
       "Texture filters",
       fmt::format(
-          "The scene is the oblique plane of `tools/lab/reproduce maps` with {} x {} pixels and Blinn-Phong (s = 100). "
+          "The scene is the oblique plane of `tools/lab/reproduce maps`, drawn at {} x {} pixels with Blinn-Phong (s = "
+          "100). "
           "The {} maps are {}. Flicker is measured on pictures of half the width and height. Every method uses the "
           "same filter (`multum-view --taps --level-bias`). The reference has {} samples per pixel of the finest "
           "level, averaged with a box filter. The noise of the reference is at most {}. The noise of the blended "

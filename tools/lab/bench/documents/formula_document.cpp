@@ -102,8 +102,7 @@ class ShadingKernels {
              More... more) {
     std::vector<glm::vec4> vectors;
     for (const Direction& d : directions) vectors.emplace_back(glm::vec3(d.w), 0.0f);
-    const MultumHighlight highlight =
-        shaded_highlight(exponent);  // adds the exponent first, because moments use only this value
+    const MultumHighlight highlight = shaded_highlight(exponent);  // moments use only the exponent, so it comes first
     const int count = static_cast<int>(directions.size());
     std::vector<float> values(directions.size());
     const DeviceBuffer around = device_.wrap_buffer(vectors.data(), vectors.size() * sizeof(glm::vec4), "directions");
@@ -149,7 +148,7 @@ std::vector<std::string> kappa_head() {
   return head;
 }
 
-// A row of a table: returns the error at a kappa.
+// A row of a table: a function that returns the error at a given kappa.
 using Row = std::function<std::string(double kappa)>;
 void add_row(MarkdownTable& table, const std::string& name, const Row& error) {
   std::vector<std::string> cells = {name};

@@ -87,8 +87,10 @@ ResultView view_inference(const Json& result) {
       "Texture inference against Eigen",
       fmt::format(
           "Pictures of {0} x {1} pixels show a plane with a texture of {2} x {2} texels. The system of equations has "
-          "three colours and no regularisers. Both programs compute in single precision, and start from texels of 0.5. "
-          "The pictures are computed from the texture itself and have little contrast, so no texel reaches a bound. "
+          "three colours and no regularisers. Both programs compute in single precision, and start with all texels at "
+          "0.5. "
+          "The pictures are computed from the texture itself and have little contrast, so no texel reaches the limits "
+          "of its range. "
           "Both programs therefore compute the same steps of the preconditioned conjugate gradient method. *Eigen* is "
           "the fastest variant of Eigen's `LeastSquaresConjugateGradient`, with one solve per colour. (Eigen solves "
           "three columns in the same way.) Eigen was compiled for this machine. Its fastest variants were {3}. "

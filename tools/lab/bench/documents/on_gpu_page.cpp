@@ -55,7 +55,8 @@ std::string devices_text(const Json& result) {
   for (const char* kind : {"opencl", "egl"})
     for (const Json& driver : result.at("drivers").at(kind)) {
       const std::string named = file_name(driver.at("named_by"));
-      drivers.add({file_name(driver.at("library")), kind, named.empty() ? "none, so on_gpu names it" : named});
+      drivers.add({file_name(driver.at("library")), kind,
+                   named.empty() ? "none; on-gpu tells the loader about this library" : named});
     }
   text += drivers.text() + "\n";
   for (const Json* step : steps_named(result, "GL contexts")) {
@@ -122,8 +123,8 @@ std::string first_bake_text(const Json& result) {
 
 // Describes the steps of whole bakes, on every device that ran them.
 std::string bakes_text(const Json& result) {
-  MarkdownTable table({"map", "device", "read, s", "start search, s", "binning, s", "levels, s", "write, s",
-                       "whole process, s", "processor time, s", "device memory, MiB",
+  MarkdownTable table({"map", "device", "read, s", "search for starting lobes, s", "binning, s", "levels, s",
+                       "write, s", "whole process, s", "processor time, s", "device memory, MiB",
                        "copied to and from the device, MiB"});
   for (const Json* step : steps_named(result, "bake ")) {
     const Json& bake = (*step)["result"].at("bake");
@@ -144,7 +145,7 @@ std::string bakes_text(const Json& result) {
          table.text() + "\n";
 }
 
-// States whether devices write the same bytes.
+// States whether all devices write the same bytes.
 std::string bytes_text(const Json& result) {
   std::string text;
   const std::vector<const Json*> steps = steps_named(result, "bake ");
@@ -201,7 +202,7 @@ std::string summary_text(const Json& result) {
     const double a = gpu.at("kernels_ms").get<double>(), b = cpu.at("kernels_ms").get<double>();
     text += fmt::format(
         "- EM of {0} x {0} texels takes {1} ms on the GPU. On the processor, the same kernels take {3} ms on {2} "
-        "cores, {4} times as long.\n",
+        "cores, which is {4} times as long.\n",
         gpu.at("size").get<int>(), rounded_text(a), result.at("cores").get<int>(), rounded_text(b),
         rounded_text(b / a));
   }
@@ -210,7 +211,8 @@ std::string summary_text(const Json& result) {
     if (gpu.at("size") != cpu.at("size")) continue;
     const auto seconds = [](const Json& bake) { return bake.at("bake").at("process").at("wall_s").get<double>(); };
     text += fmt::format(
-        "- A whole bake of {0} x {0} texels, from file to file, takes {1} s with the GPU and {2} s on the processor. "
+        "- A whole bake of {0} x {0} texels, from file to file, takes {1} s if the kernels run on the GPU, and {2} s "
+        "if they run on the processor. "
         "In both cases, reading, rounding, compression and writing run on the processor.\n",
         gpu.at("size").get<int>(), rounded_text(seconds(gpu)), rounded_text(seconds(cpu)));
   }
@@ -218,8 +220,8 @@ std::string summary_text(const Json& result) {
     for (const Json& row : (*step)["result"].at("rows"))
       if (row.at("name") == "4 lobes")
         text += fmt::format(
-            "- A frame with four lobes at anisotropy {:.0f} takes {} ms, {} times as long as a frame with averaged "
-            "normals and Toksvig's rule.\n",
+            "- A frame with four lobes at anisotropy {:.0f} takes {} ms, which is {} times as long as a frame with "
+            "averaged normals and Toksvig's rule.\n",
             row.at("anisotropy").get<double>(), rounded_text(parse_spread(row.at("draw_ms")).median),
             rounded_text(parse_spread(row.at("ratio")).median));
   return text.empty() ? "" : "## Summary\n\n" + text + "\n";
@@ -236,7 +238,8 @@ std::string page_of_run(const Json& result) {
       result.at("command").get<std::string>(),
       result.contains("device") ? result.at("device").get<std::string>() : "no device yet", conditions_text(result));
   if (result.contains("is_gpu") && !result.at("is_gpu").get<bool>())
-    text += "**This device is a processor: the page shows that the command works, and has no times of a GPU.**\n\n";
+    text +=
+        "**This device is a processor. The page only shows that the command works, and contains no GPU times.**\n\n";
   if (!result.contains("devices")) return text;
   text += summary_text(result) + devices_text(result) + steps_text(result) + checks_text(result);
   if (!steps_named(result, "bake ").empty())

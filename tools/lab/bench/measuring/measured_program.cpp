@@ -18,12 +18,13 @@ void check_result(const std::string& program, const ChildResult& result, const s
   const std::string said = last_words(result.output);
   if (result.signal != 0)
     throw Error(ErrorCode::kEnvironment,
-                fmt::format("{}: ended by signal {}, expected exit code 0\n{}", program, result.signal, said));
+                fmt::format("{}: terminated by signal {}, expected exit code 0\n{}", program, result.signal, said));
   if (result.exit_code != 0)
     throw Error(result.exit_code == exit_code(ErrorCode::kUsage) ? ErrorCode::kUsage : ErrorCode::kEnvironment,
                 fmt::format("{}: exit code {}, expected 0\n{}", program, result.exit_code, said));
   if (!std::filesystem::exists(output))
-    throw Error(ErrorCode::kEnvironment, fmt::format("{}: exit code 0, but it wrote no {}\n{}", program, output, said));
+    throw Error(ErrorCode::kEnvironment,
+                fmt::format("{}: ended with exit code 0, but did not write {}\n{}", program, output, said));
 }
 
 nlohmann::ordered_json spread_of_member(const std::vector<ProgramCost>& costs, double ProgramCost::*member) {

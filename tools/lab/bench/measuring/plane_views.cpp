@@ -15,10 +15,10 @@ namespace {
 constexpr double kHorizon = 0.15;
 constexpr double kScaleS = 1.6, kScaleT = 0.4;  // repetitions of the texture that give one texel per pixel in the
                                                 // foreground
-// The smallest fraction between texels and between levels. Every visible texel then has enough weight to be known in
-// single precision without regularisers, so no texel reaches a bound.
+// Interpolation between texels and between levels uses weights of at least this value. Every visible texel then has
+// enough weight to be determined in single precision without regularisers, so no texel reaches a bound.
 constexpr double kFractionMin = 1.0 / 8;
-constexpr double kTurn = 2.3999632;  // angle between cameras in radians, for which all views differ
+constexpr double kTurn = 2.3999632;  // angle between cameras in radians, chosen so that all views differ
 
 using Entry = std::pair<std::uint32_t, double>;
 

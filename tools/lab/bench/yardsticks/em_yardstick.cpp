@@ -52,9 +52,9 @@ float sum_v(V v) {
   return sum;
 }
 
-// Flushes subnormal floats to 0 in this thread, until the object goes out of scope. Shares of lobes far from a normal
-// are subnormal, and Intel's processors compute with subnormal floats a hundred times more slowly. The kernels avoid
-// subnormal floats (movmf_em.clh).
+// Flushes subnormal floats to 0 in this thread, until the object goes out of scope. The shares of lobes that are far
+// from a normal are subnormal, and Intel's processors compute with subnormal floats a hundred times more slowly. The
+// kernels avoid subnormal floats (movmf_em.clh).
 class FlushedToZero {
  public:
   FlushedToZero() : before_(_mm_getcsr()) { _mm_setcsr(before_ | 0x8040); }

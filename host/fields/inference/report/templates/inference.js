@@ -26,7 +26,7 @@ function sourceText() {
 
 function framesText() {
   if (frames === null) return ["No frames were drawn with them (", node("code", {}, "--no-frames"), ")."];
-  if (!(frames.pixels > 0)) return ["No frame has a pixel that objects cover wholly."];
+  if (!(frames.pixels > 0)) return ["No frame has a pixel that objects cover completely."];
   const uncovered = sum(frames.samples.map((frame) => frame.uncovered_pixels));
   const notFinite = sum(frames.samples.map((frame) => frame.not_finite_pixels));
   const rms = Math.sqrt(frames.mse);
@@ -35,7 +35,7 @@ function framesText() {
   return [
     node("b", {}, `${count} drawn with them by multum-view have a mean squared error of ${mse(frames.mse)}`),
     `, or a root mean square error of ${mse(rms)} of 255 steps${ratio}.`,
-    uncovered > 0 ? ` ${uncovered} of ${all} pixels are not covered wholly by objects and are left out.` : "",
+    uncovered > 0 ? ` ${uncovered} of ${all} pixels are not covered completely by objects and are left out.` : "",
     notFinite > 0 ? ` ${notFinite} pixels are left out because they are not finite.` : "",
   ];
 }
@@ -143,7 +143,7 @@ function axesText() {
 function rowLabels() {
   if (parameters.length < 2) return [];
   const labels = [];
-  const step = Math.max(1, Math.ceil(12 / cellHeight)); // labels are 12 high
+  const step = Math.max(1, Math.ceil(12 / cellHeight)); // labels are 12 units high
   for (let row = 0; row < rowCount; row += step)
     labels.push(label(LEFT - 6, TOP + (row + 0.5) * cellHeight + 4, "end",
       samples[row * columnCount].at.slice(0, -1).join(",")));
@@ -217,7 +217,7 @@ function countTable() {
     ["of these, repaired from neighbours", s.repaired_pixels],
     ["of these, dropped", s.dropped_pixels],
     ["mixed pixels, split into objects", s.mixed_pixels],
-    ["of these, without a wholly covered pixel nearby", s.unguided_pixels],
+    ["of these, without a completely covered pixel nearby", s.unguided_pixels],
     ["values below 0 after that, set to 0", s.clamped_values],
     ["values above the radiance maximum, clipped", s.clipped_values],
     ["depths that are not numbers", data.nan_depths],
