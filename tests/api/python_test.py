@@ -3,12 +3,13 @@
 """Tests the Python package: arrays without copies, the same texels as the program, errors, cancelling, shading, the
 reader that needs no library, and the client of the service.
 
-Environment: MULTUM, the program; PYTHONPATH, the folder with the package.
+Environment: MULTUM, the program; MULTUM_EXAMPLES, the folder of examples; PYTHONPATH, the folder with the package.
 """
 import doctest
 import json
 import os
 import pathlib
+import re
 import shutil
 import signal
 import subprocess
@@ -125,6 +126,17 @@ class BakeTest(FolderTest):
         baked = multum.bake(normals, self.folder / "a.ndf.exr")
         self.assertEqual(multum.measure(self.folder / "a.ndf.exr", normals), baked.error())
 
+    def test_gltf(self):
+        sys.path.insert(0, os.path.join(os.environ["MULTUM_EXAMPLES"], "../../../../tests/cli/gltf"))
+        from model_writing import Model, bumps
+        model = Model()
+        model.square()
+        model.material(normalTexture={"index": model.texture(model.image(bumps(64, 64)))})
+        (self.folder / "a.glb").write_bytes(model.glb())
+        report = multum.gltf(self.folder / "a.glb", self.folder / "b.glb", format="rgba8")
+        self.assertEqual(len(report["materials"]), 1)
+        self.assertEqual((self.folder / "b.glb").read_bytes()[:4], b"glTF")
+
     def test_warnings_are_warnings_of_python(self):
         normals = wavy_normals(32)
         normals[:, :16] = [0.0, 0.0, 1.0]  # does not tile
@@ -185,6 +197,43 @@ class MapTest(FolderTest):
         self.assertEqual((light.shape, pdf.shape), ((4, 5, 3), (4, 5)))
         np.testing.assert_allclose(lobes.pdf(up, light, "ggx:0.4"), pdf, rtol=1e-9)
         np.testing.assert_allclose(np.linalg.norm(light, axis=-1), 1.0, atol=1e-12)
+
+
+class ExamplesTest(FolderTest):
+    """Runs the examples of host/api/python/examples at small sizes. MULTUM_EXAMPLES names their folder."""
+
+    def run_example(self, name, *words):
+        try:
+            import matplotlib  # noqa: F401
+        except ImportError:
+            self.skipTest("matplotlib is not installed")
+        run = subprocess.run([sys.executable, "-W", "ignore", os.path.join(os.environ["MULTUM_EXAMPLES"], name),
+                              *map(str, words)], capture_output=True, text=True, check=False,
+                             env=dict(os.environ, MPLCONFIGDIR=str(self.folder / "matplotlib")))
+        self.assertEqual(run.returncode, 0, run.stderr)
+        return run.stdout
+
+    def test_path_tracer_converges_and_samples_better_than_the_cosine(self):
+        out = self.run_example("path_tracer.py", "-o", self.folder / "trace.png", "--size", 32, "--paths", 12)
+        means = [float(v) for v in re.findall(r"mean radiance (\d+\.\d+)", out)]
+        reference = float(re.search(r"reference (\d+\.\d+)", out).group(1))
+        for mean in means:
+            self.assertAlmostEqual(mean / reference, 1.0, delta=0.08)
+        self.assertGreater(float(re.search(r"needs (\d+\.\d+) times", out).group(1)), 1.5)
+        self.assertGreater((self.folder / "trace.png").stat().st_size, 1000)
+
+    def test_folder_study(self):
+        maps = self.folder / "maps"
+        maps.mkdir()
+        for name in ("a", "b"):
+            program("testmap", "--size", 32, "--write-green", "up", "-o", maps / name)
+            (maps / f"{name}_albedo.png").unlink()
+        out = self.run_example("folder_study.py", maps, "-o", self.folder / "study", "--lobes", 2)
+        self.assertIn("2 maps are baked", out)
+        for name in ("costs.png", "lobes.png", "a_normal.ndf.exr", "b_normal.ndf.exr"):
+            self.assertGreater((self.folder / "study" / name).stat().st_size, 1000, name)
+        errors = [float(v) for v in re.findall(r"error (\d+\.\d+) %", out)]
+        self.assertLess(errors[3], errors[0])
 
 
 class ErrorTest(FolderTest):

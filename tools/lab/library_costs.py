@@ -117,10 +117,12 @@ def page(options, rows, small, hashes_equal, packages):
     lines = ["# Calls of libmultum", "",
              "This page shows what a call of the library costs, compared with the program `multum`.", "",
              f"Processor: {processor()}, {os.cpu_count()} processors. Commit {commit.strip()}. Command: "
-             f"`tools/lab/library_costs.py --sizes {options.sizes} --pairs {options.pairs}`.", "",
+             f"`tools/lab/library_costs.py --sizes {options.sizes} --pairs {options.pairs}`.",
+             "",
              "## A bake from Python", "",
              "The program and a Python process bake the test map alternately. The Python process has already opened "
-             "its device. A ratio below 1 means that the Python call is faster. Median, smallest and largest ratio:", "",
+             "its device. A ratio below 1 means that the Python call is faster. The table shows the median ratio, with "
+             "the smallest and the largest:", "",
              "|size|time, Python / program|processor time, Python / program|", "|---|---|---|"]
     lines += [f"|{size} x {size}|{spread(walls)}|{spread(works)}|" for size, walls, works in rows]
     lines += ["", f"The checksums of the texels are {'equal' if hashes_equal else 'DIFFERENT'} in all runs.", "",
