@@ -184,7 +184,9 @@ void add_lod(CLI::App& app, int* exit_code) {
   o->job.encoding = StorageEncoding::kFloat;
   o->job.wrap_s = o->job.wrap_t = WrapMode::kClamp;
   CLI::App* lod = app.add_subcommand("lod", "make a pyramid of levels of detail from heights or a grid of positions");
-  lod->add_option("image", o->job.input, "heights (integers become 0 to 1), or x, y, z of a grid of points")
+  lod->add_option("image", o->job.input,
+                  "image of heights (integers are scaled to 0 to 1), or of the positions x, y, "
+                  "z of a grid")
       ->required();
   add_output_option(*lod, o->job.output);
   add_parameter_options(*lod, o->values);

@@ -201,7 +201,9 @@ void add_plan_command(CLI::App& app, int* exit_code) {
       "Examples:\n"
       "  multum plan scene.toml\n"
       "  multum plan cliff.png --shards 8");
-  plan->add_option("scene", options->scene, "scene.toml with maps, materials, objects, lights and camera, or one map")
+  plan->add_option("scene", options->scene,
+                   "scene.toml, which lists maps, materials, objects, lights and the camera, "
+                   "or one map")
       ->required();
   plan->add_option(
           "--shards", options->shares,

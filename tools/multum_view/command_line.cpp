@@ -25,7 +25,7 @@ namespace multum {
 namespace {
 
 void add_object_option(CLI::App& app, MapOptions& options) {
-  app.add_option("--object", options.object, "object of the scene to draw (default: the only one)");
+  app.add_option("--object", options.object, "object of the scene to draw (default: the only object)");
 }
 
 void add_scene_options(CLI::App& app, CommandOptions& o) {
@@ -59,7 +59,7 @@ const ViewCommand kOwnCommands[] = {
      "  multum-view scene out/plan.json --object wall -o wall.png", add_scene_options,
      [](const CommandOptions& o) { return draw_map(o.map); }},
     {"animate",
-     "Draw frames between two cameras, lights or BRDFs in even steps; exponents and roughnesses change by equal "
+     "Draw frames in even steps between two cameras, lights or BRDFs. Exponents and roughnesses change by equal "
      "factors",
      "  multum-view animate bricks.ndf.exr --brdf ggx:0.5 --to-brdf ggx:0.1 -o frames/ --frames 60\n\n"
      "In the report, environment_processor_ms is the processor time for the light of a frame. The value made is the\n"
@@ -67,7 +67,7 @@ const ViewCommand kOwnCommands[] = {
      "The value set is the time for uploads and, with --environment-mode sh, for harmonics over the half vectors of\n"
      "the frame.",
      add_animate_options, run_animate},
-    {"pyramid", "Draw a surface with colours from a pyramid, looked up in several ways",
+    {"pyramid", "Draw a surface with colours from a pyramid, using several lookup methods",
      "  multum-view pyramid bricks.exr --lookup reference,nearest,level,driver -o sheet.png\n"
      "  multum-view pyramid lights.exr --mesh ball.obj --lookup reference,level --shifts 8 -o sheet.png",
      [](CLI::App& app, CommandOptions& o) { add_pyramid_options(app, o.pyramid); },
@@ -88,7 +88,8 @@ const ViewCommand kOwnCommands[] = {
      [](CLI::App& app, CommandOptions& o) { add_thumbnail_options(app, o.thumbnails); },
      [](const CommandOptions& o) { return draw_thumbnails(o.thumbnails); }},
     {"each", "Run several command lines in one process, so that GL is loaded once",
-     "  multum-view each views.json\n\n"
+     "  multum-view each views.json\n"
+     "\n"
      "views.json: [[\"bricks.ndf.exr\", \"-o\", \"bricks.png\"], [\"wall.ndf.exr\", \"-o\", \"wall.png\"]]\n"
      "The first command line that fails ends the run with its exit code.",
      [](CLI::App& app, CommandOptions& o) { add_each_options(app, o.each); },

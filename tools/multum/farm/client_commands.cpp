@@ -55,11 +55,11 @@ HttpClient client_of(const ClientOptions& o) {
 }
 
 void add_client_options(CLI::App& command, ClientOptions& o) {
-  command.add_option(
-      "--server", o.server,
-      "address of the service, http://HOST:PORT or unix:PATH (default: $MULTUM_SERVER, else http://127.0.0.1:8470)");
+  command.add_option("--server", o.server,
+                     "set the address of the service, http://HOST:PORT or unix:PATH (default: $MULTUM_SERVER, else "
+                     "http://127.0.0.1:8470)");
   command.add_option("--token-file", o.token_file,
-                     "file with the service token in its first line (default: $MULTUM_TOKEN_FILE)");
+                     "read the service token from the first line of this file (default: $MULTUM_TOKEN_FILE)");
   add_json_option(command, o.json);
 }
 
@@ -409,7 +409,7 @@ void add_retry(CLI::App& app, int* exit_code) {
   CLI::App* retry = app.add_subcommand("retry", "queue dead or cancelled jobs again");
   retry->add_option("job", o->ids, "numbers of the jobs");
   retry->add_flag("--all-dead", o->all_dead, "retry all dead jobs");
-  retry->add_option("--queue", o->queue, "with --all-dead, retry only jobs of this queue");
+  retry->add_option("--queue", o->queue, "with --all-dead, retry only the dead jobs of this queue");
   add_client_options(*retry, o->client);
   retry->callback([o, exit_code] {
     if (o->all_dead == !o->ids.empty())
@@ -469,7 +469,7 @@ void add_client_commands(CLI::App& program, int* exit_code) {
                 if (o.json) printed.add(job);
                 else print_fields(job);
               });
-  add_for_ids(app, "cancel", "stop jobs in any state", exit_code,
+  add_for_ids(app, "cancel", "cancel jobs in any state", exit_code,
               [](HttpClient& client, const ClientOptions&, std::int64_t id, PrintedJobs& printed) {
                 printed.add(client.ask("POST", fmt::format("/v1/jobs/{}/cancel", id)));
               });

@@ -20,7 +20,7 @@ std::vector<ViewCommand> field_commands() {
        "the rest is drawn, and the exit code is 5.",
        [](CLI::App& app, CommandOptions& o) { add_sample_options(app, o.sample); },
        [](const CommandOptions& o) { return draw_samples(o.sample); }},
-      {"play", "Draw frames along a path through the parameters of a packed field, and decode the field during drawing",
+      {"play", "Draw frames along a path through the parameters of a packed field, and decode the field while drawing",
        "  multum-view play field.mpt --path 'view=0..7,light=3.5+3.5*sin(t)' --frames 90 -o frames/\n\n"
        "A path sets parameters to sample indices from 0, such as 2.5. Other parameters stay at 0. An index beyond\n"
        "the last sample counts as the last sample. A value is a formula with numbers, + - * / ( ), sin, cos, pi and\n"
