@@ -148,7 +148,7 @@ void add_bake_command(CLI::App& app, int* exit_code) {
                    bake_parameters().at("input").help +
                        "; also several maps, a tile set such as rock_<UDIM>.png, or one scene.toml");
   bake->add_option("-o,--output", options->job.output,
-                   "file to write, *.ndf.exr; for several maps, a folder or a name with <UDIM>; for a scene, a folder");
+                   "output file, *.ndf.exr; for several maps, a folder or a name with <UDIM>; for a scene, a folder");
   bake->add_option("--shard", options->shard,
                    "bake only share I of N (I/N), or shares I to J (I-J/N), of several maps or a scene; for one map, "
                    "share 0/N contains the coarse levels, and shares 1/N to N/N contain bands of rows");

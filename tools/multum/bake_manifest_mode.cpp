@@ -101,7 +101,7 @@ void add_manifest_options(CLI::App& bake, ManifestModeOptions& o) {
                                            "missing, stale or damaged, or if its error exceeds its stated error or "
                                            "error_max")
                                  ->needs(manifest);
-  bake.add_flag("--dry-run", o.run.dry_run, "with --check, only list findings and bake nothing")->needs(check);
+  bake.add_flag("--dry-run", o.run.dry_run, "with --check, list the findings, but bake nothing")->needs(check);
   bake.add_option("--junit", o.junit, "write the findings to this file as JUnit XML")->needs(manifest);
   bake.add_option("--summary", o.summary, "write the findings as a Markdown table to this file, or to stdout for -")
       ->needs(manifest);

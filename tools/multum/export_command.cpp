@@ -285,7 +285,7 @@ void add_export_command(CLI::App& app, int* exit_code) {
                                             "list files that were missing, stale or damaged, and exit with code 5 if "
                                             "there are any")
                                  ->needs(manifest);
-  command->add_flag("--dry-run", o.dry_run, "with --check, only list findings and export nothing")->needs(check);
+  command->add_flag("--dry-run", o.dry_run, "with --check, list the findings, but export nothing")->needs(check);
   command->add_option("--shard", o.shard_text,
                       "export only share I of N (I/N), or shares I to J (I-J/N), of several maps");
   add_parameter_options(*command, o.values);

@@ -64,7 +64,7 @@ void add_look_command(CLI::App& app, int* exit_code) {
   auto options = std::make_shared<LookOptions>();
   LookOptions& o = *options;
   CLI::App* command = app.add_subcommand("look",
-                                         "show lobes in a browser and compare them with averaged normals, the "
+                                         "show lobes in a browser, and compare them with averaged normals, the "
                                          "roughness rules of engines and the one-lobe export");
   command->add_option("inputs", o.inputs, "baked files of lobes, *.ndf.exr; the page lists them")->required();
   command

@@ -169,8 +169,10 @@ void add_mip(CLI::App& app, int* exit_code) {
 
 void add_reflectance(CLI::App& app, int* exit_code) {
   auto o = std::make_shared<ReflectanceOptions>();
-  CLI::App* command = app.add_subcommand(
-      "reflectance", "bake lights into a mip-mapped map over normals, for alias-free highlights on curved surfaces");
+  CLI::App* command =
+      app.add_subcommand("reflectance",
+                         "bake the light reflected by each normal into a mip-mapped map, for alias-free highlights on "
+                         "curved surfaces");
   add_output_option(*command, o->job.output);
   add_parameter_options(*command, o->values);
   add_common_options(*command, o->common);

@@ -48,8 +48,8 @@ void add_shading_options(CLI::App& app, ShadingOptions& options) {
                "for --unaligned bakes");
   add_choice(
       app, "--surface", options.surface, kMapSurfaces,
-      "magnify lobes of level 0 by blending the light of the texels (texels), or by interpolating the normal map "
-      "as engines do (interpolated)")
+      "in near views of level 0, blend the light of the texels (texels), or interpolate the normal map as engines do "
+      "(interpolated)")
       ->default_str("the value of --reference-texels, else texels");
   add_choice(app, "--moments", options.moments, kMomentShadings,
              "shade a file of moments by this method (default: lean-jacobian); under --environment, all methods draw "
@@ -65,7 +65,7 @@ void add_filter_options(CLI::App& app, ShadingOptions& options) {
           ->check(CLI::Range(1, kTapCountMax))
           ->capture_default_str();
   CLI::Option* const bias =
-      add_level_bias_option(app, options.level_bias, "add this to the mip level; negative values are sharper")
+      add_level_bias_option(app, options.level_bias, "add this to the mip level; negative values make pictures sharper")
           ->default_str(fmt::format("{:g}", kLevelBiasDefault));
   CLI::Option* const shade =
       app.add_flag("--shade-taps,!--no-shade-taps", options.filter.shades_taps,
@@ -84,7 +84,7 @@ void add_filter_options(CLI::App& app, ShadingOptions& options) {
            options.anisotropy = anisotropy;
            options.filter.is_drivers = true;
          },
-         "let the driver filter with this anisotropy; results depend on the driver")
+         "let the driver filter the textures with this anisotropy; the result depends on the driver")
       ->check(number_in(1.0f, 16.0f))
       ->excludes(taps)
       ->excludes(bias)
@@ -110,16 +110,16 @@ void add_repeat_option(CLI::App& app, SurfaceOptions& options) {
 
 void add_camera_options(CLI::App& app, CameraOptions& options) {
   add_parsed(app, "--camera", options.place, parse_camera,
-             "set eye and target: x,y,z,x,y,z[,field of view in degrees] (default: 0,0,0.3,0,1,-0.0939; on a mesh, the "
-             "whole mesh)");
+             "set the eye and the target: x,y,z,x,y,z[,field of view in degrees] (default: 0,0,0.3,0,1,-0.0939; on a "
+             "mesh, the whole mesh)");
   add_parsed(app, "--up", options.up, parse_up,
              "set the up direction of the picture, x,y,z (default: 0,0,1, or 0,1,0 on a mesh)");
 }
 
 void add_distance_option(CLI::App& app, CameraOptions& options) {
   add_parsed(app, "--distance", options.distances, parse_distances,
-             "draw the mesh at a list of relative distances; 1,5,25 writes NAME_1.png, NAME_5.png and NAME_25.png for "
-             "-o NAME.png");
+             "draw the mesh at these relative distances; 1,5,25 with -o NAME.png writes NAME_1.png, NAME_5.png and "
+             "NAME_25.png");
 }
 
 void add_light_options(CLI::App& app, LightOptions& options) {
@@ -139,8 +139,8 @@ void add_material_options(CLI::App& app, MaterialOptions& options) {
       ->expected(1)
       ->multi_option_policy(MultiOptionPolicy::TakeAll);
   app.add_option("--brdf-terms", options.term_count,
-                 "fit measured facets (under an environment all facets) by a sum of this many vMF densities; more "
-                 "densities take longer and lower the error")
+                 "approximate measured facets (under an environment, all facets) by a sum of this many vMF densities; "
+                 "more densities lower the error but take longer")
       ->check(CLI::Range(1, kBrdfTermCountMax))
       ->capture_default_str();
   add_parsed_list(app, "--diffuse", options.diffuse, parse_colour,

@@ -16,8 +16,8 @@ namespace {
 
 void add_source_options(CLI::App& app, SourceOptions& options) {
   app.add_option("--source", options.normals,
-                 "read the original normal map from this file; the reference, the baselines and the levels missing "
-                 "from the baked file need it (default: level 0 of the baked file)");
+                 "read the original normal map from this file, for the reference, the baselines and levels that are "
+                 "not in the baked file (default: level 0 of the baked file)");
   app.add_option("--albedo", options.albedo, "read the colours of the source from this map");
   CLI::Option* const roughness = app.add_option(
       "--roughness", options.roughness, "read the roughness of the source from FILE or FILE:CHANNEL, as in the bake");
@@ -95,7 +95,7 @@ void add_map_options(CLI::App& app, MapOptions& options) {
 
 void add_pictures_option(CLI::App& app, OutputOptions& options) {
   app.add_option("--pictures", options.pictures,
-                 "also write each picture to its own file: PREFIX_multum.png, PREFIX_reference.png, "
+                 "also write each picture to its own file, PREFIX_multum.png, PREFIX_reference.png, "
                  "PREFIX_multum_difference.png and so on");
 }
 

@@ -131,8 +131,8 @@ Rows material_rows() {
 Rows representation_rows() {
   return {{.name = "ndf",
            .kind = Kind::kChoice,
-           .help = "set the representation of normals: vmf (lobes, Han 2007, most accurate), moments (slopes and their"
-                   " squares, LEAN), gmm (planar Gaussians, Tan 2005) or sh (spherical harmonics)",
+           .help = "store normals as vmf (lobes, Han 2007, most accurate), moments (slopes and their squares, LEAN), "
+                   "gmm (planar Gaussians, Tan 2005) or sh (spherical harmonics)",
            .default_text = "vmf",
            .choices = choice_names(kRepresentations),
            .hashed_as = "representation",
@@ -163,8 +163,8 @@ Rows storage_rows() {
                 .surfaces = kJob},
                {.name = "data_format",
                 .kind = Kind::kChoice,
-                .help = "set the storage precision; half, the default for moments and sh, is inaccurate for lobes with "
-                        "kappa above 1000",
+                .help = "set the storage precision; half, the default for moments and sh, is inaccurate for lobes with"
+                        " kappa above 1000",
                 .default_text = "snorm16",
                 .choices = choice_names(kStorageEncodings),
                 .hashed_as = "encoding",
@@ -235,7 +235,8 @@ Rows fit_rows() {
        .surfaces = kJob},
       {.name = "coarse_normals",
        .kind = Kind::kChoice,
-       .help = "fit coarse texels to one normal per bin of similar normals (binned, faster) or to all normals (all)",
+       .help = "fit coarse texels either to one normal per bin of similar normals (binned, faster) or to all normals "
+               "(all)",
        .default_text = "binned",
        .choices = choice_names(kCoarseNormals),
        .hashed_as = "coarse_normals",
@@ -259,8 +260,8 @@ Rows fit_rows() {
        .surfaces = kJob},
       {.name = "align",
        .kind = Kind::kNumber,
-       .help = "set the weight of the prior that aligns lobes with the lobes of the parent texel and of neighbouring "
-               "texels; 0 turns the prior off",
+       .help = "set the weight of the prior that aligns lobes with those of the parent and neighbouring texels; 0 "
+               "turns the prior off",
        .low = 0,
        .high = 10,
        .default_text = "0.1",
@@ -333,7 +334,8 @@ Rows target_rows() {
            .surfaces = kJob},
           {.name = "budget_ms",
            .kind = Kind::kNumber,
-           .help = "choose the most accurate settings whose bake (reading, fitting, writing) takes at most this time",
+           .help = "choose the most accurate settings whose bake, including reading and writing, takes at most this "
+                   "time",
            .high = kUnbounded,
            .low_excluded = true,
            .unit = "ms",
@@ -376,7 +378,7 @@ Rows run_rows() {
        .surfaces = kOnCommandLine},
       {.name = "scratch",
        .kind = Kind::kText,
-       .help = "store data that does not fit in memory in this folder",
+       .help = "write data that does not fit in memory to files in this folder",
        .unit = "FOLDER",
        .default_text = "the folder of the output",
        .surfaces = kOnCommandLine},

@@ -158,7 +158,7 @@ Rows export_run_rows() {
       {.name = "resume", .help = "store fitted rows, and continue an interrupted export", .surfaces = kOnCommandLine},
       {.name = "scratch",
        .kind = Kind::kText,
-       .help = "store data that does not fit in memory in this folder",
+       .help = "write data that does not fit in memory to files in this folder",
        .unit = "FOLDER",
        .default_text = "the output",
        .surfaces = kOnCommandLine}};

@@ -83,8 +83,8 @@ const ParameterTable& pack_parameters() {
                     .surfaces = kPackJob});
     rows.push_back({.name = "coder",
                     .kind = ParameterKind::kChoice,
-                    .help = "code images by block cosines (dct), by embedded wavelets (wavelet), or by the better "
-                            "method for each chunk (auto)",
+                    .help = "code images by block cosines (dct), embedded wavelets (wavelet), or the better method for"
+                            " each chunk (auto)",
                     .default_text = "auto",
                     .choices = {"auto", "dct", "wavelet"},
                     .surfaces = kPackJob});
@@ -96,8 +96,8 @@ const ParameterTable& pack_parameters() {
                     .choices = {"closed", "open"},
                     .surfaces = kPackJob});
     rows.push_back(
-        memory_parameter("limit the resident memory to this size; less memory makes packing slower, but does not "
-                         "change the result",
+        memory_parameter("limit the resident memory to this size; less memory makes packing slower, with the same "
+                         "result",
                          kLeastPackMemory, "a quarter of the memory of the machine", kPackJob));
     rows.push_back(
         {.name = "resume", .help = "continue an interrupted packing to the same output", .surfaces = kOnCommandLine});

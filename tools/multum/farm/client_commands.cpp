@@ -223,7 +223,7 @@ void add_submit(CLI::App& app, int* exit_code) {
       if (field.option != nullptr && command->get_option_no_throw(field.option) == nullptr)
         with_field(field, o->asked, [&](auto& value) { add_field_option(*command, field, value); });
     command->add_flag("--again", o->again, "run the job even if an earlier job made the same result");
-    command->add_flag("--wait", o->wait, "wait until the job ends; exit with code 0 if it succeeded, else 1");
+    command->add_flag("--wait", o->wait, "wait until the job ends, and exit with code 0 if it succeeded, else with 1");
     add_client_options(*command, o->client);
     command->callback([&type, o, exit_code] { *exit_code = run_submit(type, *o); });
   }
@@ -376,9 +376,9 @@ void add_list(CLI::App& app, int* exit_code) {
   };
   auto o = std::make_shared<Options>();
   CLI::App* list = app.add_subcommand("list", "list the jobs of a service, newest first");
-  list->add_option("--state", o->state, "list only jobs of this state")
+  list->add_option("--state", o->state, "list only jobs in this state")
       ->check(CLI::IsMember({"waiting", "queued", "running", "publishing", "succeeded", "dead", "cancelled"}));
-  list->add_option("--queue", o->queue, "list only jobs of this queue");
+  list->add_option("--queue", o->queue, "list only jobs in this queue");
   list->add_option("--limit", o->limit, "list at most this many jobs")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
@@ -482,7 +482,9 @@ void add_client_commands(CLI::App& program, int* exit_code) {
   tail_command->callback([tail, exit_code] { *exit_code = run_tail(tail->first, tail->second); });
 
   auto wait = std::make_shared<WaitOptions>();
-  CLI::App* wait_command = app.add_subcommand("wait", "wait until jobs end; exit with code 0 if all succeeded, else 1");
+  CLI::App* wait_command = app.add_subcommand("wait",
+                                              "wait until jobs end, and exit with code 0 if all succeeded, "
+                                              "else with 1");
   wait_command->add_option("job", wait->ids, "numbers of the jobs");
   wait_command->add_flag("--all", wait->all, "wait for all jobs that have not ended");
   add_client_options(*wait_command, wait->client);
