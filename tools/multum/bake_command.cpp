@@ -144,17 +144,17 @@ int run_bake(const CLI::App& bake, BakeOptions& o) {
 void add_bake_command(CLI::App& app, int* exit_code) {
   auto options = std::make_shared<BakeOptions>();
   CLI::App* bake = app.add_subcommand("bake", "bake normal maps or height fields into mipmaps of normal distributions");
-  bake->add_option(
-      "input", options->inputs,
-      bake_parameters().at("input").help + ", several maps, a set such as rock_<UDIM>.png, or one scene.toml");
+  bake->add_option("input", options->inputs,
+                   bake_parameters().at("input").help +
+                       "; also several maps, a tile set such as rock_<UDIM>.png, or one scene.toml");
   bake->add_option("-o,--output", options->job.output,
-                   "file to write, *.ndf.exr; for several maps, a folder or a name with <UDIM>; for a scene, a folder");
+                   "output file, *.ndf.exr; for several maps, a folder or a name with <UDIM>; for a scene, a folder");
   bake->add_option("--shard", options->shard,
                    "bake only share I of N (I/N), or shares I to J (I-J/N), of several maps or a scene; for one map, "
-                   "share 0/N is the coarse levels, and shares 1/N to N/N are bands of rows");
+                   "share 0/N contains the coarse levels, and shares 1/N to N/N contain bands of rows");
   bake->add_option("--merge", options->merged_shards,
-                   "write the file of one map from its shares 0/N to N/N; for a scene, check shares 1/N to N/N and "
-                   "write plan and report")
+                   "merge shares 0/N to N/N of one map into its file; for a scene, check shares 1/N to N/N, and write "
+                   "the plan and report")
       ->type_name("N")
       ->check(CLI::Range(1, kMergedSharesMax));
   add_parameter_options(*bake, options->values);
@@ -167,7 +167,7 @@ void add_bake_command(CLI::App& app, int* exit_code) {
       "  multum bake 'rock_<UDIM>.png' -o 'rock_<UDIM>.ndf.exr'     # all tiles of a set\n"
       "  multum bake --manifest maps.toml --check                   # the changed maps of a project\n"
       "  multum bake scene.toml -o baked                            # only what a scene shows of its maps\n"
-      "A map that fails does not stop the others. Shares are files next to the output. With --region, texels\n"
+      "If one map fails, the other maps are still baked. Shares are files next to the output. With --region, texels\n"
       "outside of the region keep their lobes, so the checksum differs from a full bake. Scratch files need about\n"
       "40 bytes per texel with four lobes. More: docs/reference/input_maps.md, docs/reference/manifests.md,\n"
       "docs/reference/scenes.md and docs/how-to/clusters.md.");

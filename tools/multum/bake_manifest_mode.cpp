@@ -94,15 +94,16 @@ void print_outcome(const ManifestOutcome& outcome, const BakePrinting& printing)
 
 void add_manifest_options(CLI::App& bake, ManifestModeOptions& o) {
   CLI::Option* const manifest = bake.add_option("--manifest", o.manifest,
-                                                "bake the changed maps that this maps.toml lists; replaces input and "
-                                                "--output");
+                                                "bake the changed maps in this maps.toml; this option replaces the "
+                                                "input and --output");
   CLI::Option* const check = bake.add_flag("--check", o.run.check,
                                            "also verify and measure existing files; exit with code 5 if a file was "
-                                           "missing, stale, damaged, or above its stated error or error_max")
+                                           "missing, stale or damaged, or if its error exceeds its stated error or "
+                                           "error_max")
                                  ->needs(manifest);
-  bake.add_flag("--dry-run", o.run.dry_run, "with --check, only list findings and bake nothing")->needs(check);
-  bake.add_option("--junit", o.junit, "write the findings as JUnit XML")->needs(manifest);
-  bake.add_option("--summary", o.summary, "write the findings as a Markdown table; - writes to stdout")
+  bake.add_flag("--dry-run", o.run.dry_run, "with --check, list the findings, but bake nothing")->needs(check);
+  bake.add_option("--junit", o.junit, "write the findings to this file as JUnit XML")->needs(manifest);
+  bake.add_option("--summary", o.summary, "write the findings as a Markdown table to this file, or to stdout for -")
       ->needs(manifest);
   check->excludes("--force");
 }

@@ -83,7 +83,7 @@ int run_doctor(const DoctorOptions& options) {
 
 void add_doctor_command(CLI::App& app, int* exit_code) {
   auto options = std::make_shared<DoctorOptions>();
-  CLI::App* command = app.add_subcommand("doctor", "check this machine, report problems, and say how to solve them");
+  CLI::App* command = app.add_subcommand("doctor", "check this machine, report problems, and suggest solutions");
   command->add_option("--device", options->device,
                       "check this OpenCL device: its number in `multum devices`, or part of its name");
   command->add_option("--server", options->server,

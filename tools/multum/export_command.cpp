@@ -271,17 +271,21 @@ void add_export_command(CLI::App& app, int* exit_code) {
                                          "write normal maps as textures for engines: normal, roughness and anisotropy "
                                          "with fitted mips");
   command->add_option("input", o.inputs,
-                      "normal map, height field or baked file with level 0 (NAME.ndf.exr); several maps; or a set such "
-                      "as rock_<UDIM>.png");
+                      "normal map, height field or baked file with level 0 (NAME.ndf.exr); also several maps, or a "
+                      "tile set such as rock_<UDIM>.png");
   command->add_option("-o,--output", o.job.output,
-                      "folder to write to, or NAME.ktx2 or NAME.dds for NAME_normal.ktx2, NAME_orm.ktx2 and so on; for "
-                      "several maps, a folder or a name with <UDIM>");
-  CLI::Option* const manifest = command->add_option(
-      "--manifest", o.manifest, "export the changed maps that this maps.toml lists; replaces input and --output");
-  CLI::Option* const check =
-      command->add_flag("--check", o.check, "print a list and exit with code 5 if files were missing, stale or damaged")
-          ->needs(manifest);
-  command->add_flag("--dry-run", o.dry_run, "with --check, only list findings and export nothing")->needs(check);
+                      "output folder, or NAME.ktx2 or NAME.dds, which gives NAME_normal.ktx2, NAME_orm.ktx2 and so on;"
+                      " for several maps, a folder or a name with <UDIM>");
+  CLI::Option* const manifest =
+      command->add_option("--manifest", o.manifest,
+                          "export the changed maps in this maps.toml; this option replaces the input and "
+                          "--output");
+  CLI::Option* const check = command
+                                 ->add_flag("--check", o.check,
+                                            "list files that were missing, stale or damaged, and exit with code 5 if "
+                                            "there are any")
+                                 ->needs(manifest);
+  command->add_flag("--dry-run", o.dry_run, "with --check, list the findings, but export nothing")->needs(check);
   command->add_option("--shard", o.shard_text,
                       "export only share I of N (I/N), or shares I to J (I-J/N), of several maps");
   add_parameter_options(*command, o.values);

@@ -280,7 +280,9 @@ void add_verify_command(CLI::App& app, int* exit_code) {
   auto path = std::make_shared<std::string>();
   auto common = std::make_shared<CommonOptions>();
   CLI::App* verify =
-      app.add_subcommand("verify", "check a baked file or a packed field: structure, finite values, sums, checksums");
+      app.add_subcommand("verify",
+                         "check the structure, finite values, sums and checksums of a baked file or a packed"
+                         " field");
   verify->add_option("file", *path, "baked file, *.ndf.exr, or packed field, *.mpt")->required();
   add_common_options(*verify, *common);
   verify->callback([path, common, exit_code] { *exit_code = run_verify(*path, *common); });

@@ -51,7 +51,9 @@ void add_help_commands(CLI::App& app, int* exit_code) {
   auto shell = std::make_shared<std::string>();
   CLI::App* completion =
       app.add_subcommand("completion", "print a script that completes commands and options in a shell");
-  completion->add_option("shell", *shell, "shell to write the script for")->required()->check(CLI::IsMember(kShells));
+  completion->add_option("shell", *shell, "shell for which the script is printed")
+      ->required()
+      ->check(CLI::IsMember(kShells));
   completion->footer(
       "Examples:\n"
       "  multum completion bash > ~/.local/share/bash-completion/completions/multum\n"

@@ -163,10 +163,10 @@ int run_materials(const MaterialsOptions& o) {
 void add_materials_command(CLI::App& app, int* exit_code) {
   auto options = std::make_shared<MaterialsOptions>();
   CLI::App* materials = app.add_subcommand(
-      "materials", "list the materials of a glTF model; write a manifest that bakes its normal maps");
+      "materials", "list the materials of a glTF model, and write a manifest that bakes its normal maps");
   materials->add_option("model", options->model, "model to read, *.gltf or *.glb")->required();
   materials->add_option("-o,--output", options->folder,
-                        "folder for maps.toml and for images inside the model; created if missing");
+                        "folder for maps.toml and for the images inside the model; a missing folder is created");
   materials->add_flag("--force", options->force, "overwrite an existing maps.toml");
   add_json_option(*materials, options->json);
   add_decoding_option(*materials);

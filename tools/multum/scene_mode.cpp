@@ -201,11 +201,13 @@ void add_plan_command(CLI::App& app, int* exit_code) {
       "Examples:\n"
       "  multum plan scene.toml\n"
       "  multum plan cliff.png --shards 8");
-  plan->add_option("scene", options->scene, "scene.toml with maps, materials, objects, lights and camera, or one map")
+  plan->add_option("scene", options->scene,
+                   "scene.toml, which lists maps, materials, objects, lights and the camera, "
+                   "or one map")
       ->required();
   plan->add_option(
           "--shards", options->shares,
-          "predict the processor time of shares 0/N to N/N of one map and of their merge (docs/how-to/clusters.md)")
+          "predict the processor time of one map's shares 0/N to N/N and of their merge (docs/how-to/clusters.md)")
       ->type_name("N")
       ->check(CLI::Range(2, 4096));
   plan->add_option("--share-seconds", options->share_seconds,

@@ -77,17 +77,21 @@ int run_selftest_command(SelftestCommandOptions options) {
 void add_selftest_command(CLI::App& app, int* exit_code) {
   auto options = std::make_shared<SelftestCommandOptions>();
   CLI::App* selftest =
-      app.add_subcommand("selftest", "run numerically hard test cases of the kernels on a device, to check its driver");
+      app.add_subcommand("selftest",
+                         "check the driver of a device by running numerically difficult test cases of the "
+                         "kernels");
   selftest->add_option("--device", options->device,
                        "use this OpenCL device: its number in `multum devices`, or part of its name");
-  selftest->add_option("--filter", options->selftest.filter, "run only cases or kernels with this text in their name");
+  selftest->add_option("--filter", options->selftest.filter,
+                       "run only the cases and kernels whose names contain this "
+                       "text");
   selftest->add_flag("--without-guards", options->selftest.without_guards,
-                     "also run each case without the code that protects against it");
-  selftest->add_option("--report", options->report, "write the verdicts to this file as JSON");
+                     "also run each case without the code that guards against the numerical problem");
+  selftest->add_option("--report", options->report, "write the results to this file as JSON");
   selftest->add_option("--markdown", options->markdown,
                        "write docs/contributing/STABILITY.md to this file; implies --without-guards");
   selftest->add_option("--with", options->with,
-                       "with --markdown, read the verdicts about GL from this file, which gl_stability_test wrote");
+                       "with --markdown, read the GL results from this file, which gl_stability_test wrote");
   add_common_options(*selftest, options->common);
   selftest->callback([options, exit_code] { *exit_code = run_selftest_command(*options); });
 }

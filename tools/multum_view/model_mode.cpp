@@ -185,8 +185,8 @@ void add_model_options(CLI::App& app, ModelOptions& options) {
   PictureOptions& picture = options.picture;
   app.add_option("model", picture.surface.mesh, "model to draw: glTF or GLB")->required();
   app.add_option("--material", options.materials,
-                 "draw the material NAME with its baked map, NAME=FILE.ndf.exr; once per material (multum materials "
-                 "lists them)");
+                 "draw the material NAME with a baked map, NAME=FILE.ndf.exr; give one per material (`multum "
+                 "materials` lists them)");
   add_picture_option(app, picture.output)->required();
   add_repeat_option(app, picture.surface);
   add_camera_options(app, picture.camera);

@@ -55,11 +55,11 @@ HttpClient client_of(const ClientOptions& o) {
 }
 
 void add_client_options(CLI::App& command, ClientOptions& o) {
-  command.add_option(
-      "--server", o.server,
-      "address of the service, http://HOST:PORT or unix:PATH (default: $MULTUM_SERVER, else http://127.0.0.1:8470)");
+  command.add_option("--server", o.server,
+                     "set the address of the service, http://HOST:PORT or unix:PATH (default: $MULTUM_SERVER, else "
+                     "http://127.0.0.1:8470)");
   command.add_option("--token-file", o.token_file,
-                     "file with the service token in its first line (default: $MULTUM_TOKEN_FILE)");
+                     "read the service token from the first line of this file (default: $MULTUM_TOKEN_FILE)");
   add_json_option(command, o.json);
 }
 
@@ -223,7 +223,7 @@ void add_submit(CLI::App& app, int* exit_code) {
       if (field.option != nullptr && command->get_option_no_throw(field.option) == nullptr)
         with_field(field, o->asked, [&](auto& value) { add_field_option(*command, field, value); });
     command->add_flag("--again", o->again, "run the job even if an earlier job made the same result");
-    command->add_flag("--wait", o->wait, "wait until the job ends; exit with code 0 if it succeeded, else 1");
+    command->add_flag("--wait", o->wait, "wait until the job ends, and exit with code 0 if it succeeded, else with 1");
     add_client_options(*command, o->client);
     command->callback([&type, o, exit_code] { *exit_code = run_submit(type, *o); });
   }
@@ -376,9 +376,9 @@ void add_list(CLI::App& app, int* exit_code) {
   };
   auto o = std::make_shared<Options>();
   CLI::App* list = app.add_subcommand("list", "list the jobs of a service, newest first");
-  list->add_option("--state", o->state, "list only jobs of this state")
+  list->add_option("--state", o->state, "list only jobs in this state")
       ->check(CLI::IsMember({"waiting", "queued", "running", "publishing", "succeeded", "dead", "cancelled"}));
-  list->add_option("--queue", o->queue, "list only jobs of this queue");
+  list->add_option("--queue", o->queue, "list only jobs in this queue");
   list->add_option("--limit", o->limit, "list at most this many jobs")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
@@ -409,7 +409,7 @@ void add_retry(CLI::App& app, int* exit_code) {
   CLI::App* retry = app.add_subcommand("retry", "queue dead or cancelled jobs again");
   retry->add_option("job", o->ids, "numbers of the jobs");
   retry->add_flag("--all-dead", o->all_dead, "retry all dead jobs");
-  retry->add_option("--queue", o->queue, "with --all-dead, retry only jobs of this queue");
+  retry->add_option("--queue", o->queue, "with --all-dead, retry only the dead jobs of this queue");
   add_client_options(*retry, o->client);
   retry->callback([o, exit_code] {
     if (o->all_dead == !o->ids.empty())
@@ -469,7 +469,7 @@ void add_client_commands(CLI::App& program, int* exit_code) {
                 if (o.json) printed.add(job);
                 else print_fields(job);
               });
-  add_for_ids(app, "cancel", "stop jobs in any state", exit_code,
+  add_for_ids(app, "cancel", "cancel jobs in any state", exit_code,
               [](HttpClient& client, const ClientOptions&, std::int64_t id, PrintedJobs& printed) {
                 printed.add(client.ask("POST", fmt::format("/v1/jobs/{}/cancel", id)));
               });
@@ -482,7 +482,9 @@ void add_client_commands(CLI::App& program, int* exit_code) {
   tail_command->callback([tail, exit_code] { *exit_code = run_tail(tail->first, tail->second); });
 
   auto wait = std::make_shared<WaitOptions>();
-  CLI::App* wait_command = app.add_subcommand("wait", "wait until jobs end; exit with code 0 if all succeeded, else 1");
+  CLI::App* wait_command = app.add_subcommand("wait",
+                                              "wait until jobs end, and exit with code 0 if all succeeded, "
+                                              "else with 1");
   wait_command->add_option("job", wait->ids, "numbers of the jobs");
   wait_command->add_flag("--all", wait->all, "wait for all jobs that have not ended");
   add_client_options(*wait_command, wait->client);

@@ -151,22 +151,27 @@ void add_serve_commands(CLI::App& app, int* exit_code) {
   auto options = std::make_shared<ServeOptions>();
   CLI::App* serve =
       app.add_subcommand("serve", "run a service that bakes maps for its clients (docs/reference/service.md)");
-  serve->add_option("--data", options->data, "folder for the ledger, logs and uploads; created if missing")->required();
+  serve->add_option("--data", options->data, "folder for the ledger, logs and uploads; a missing folder is created")
+      ->required();
   serve->add_option("--listen", options->listen,
                     "listen on HOST:PORT, [::1]:PORT or unix:PATH (default: 127.0.0.1:8470)");
   serve
       ->add_option("--root", options->roots,
-                   "folder below which jobs may read and write; repeatable; it must not contain files of the service")
+                   "allow jobs to read and write below this folder, which must not contain files of the service; can "
+                   "be repeated")
       ->allow_extra_args(false);
   serve->add_option("--workers", options->workers, "run this many jobs at once (default: 2)")
       ->check(CLI::Range(1, 256));
   serve->add_option("--token-file", options->token_file, "file whose first line is the token that clients must send");
-  serve->add_option("--config", options->config, "settings file, TOML; options replace its settings");
+  serve->add_option("--config", options->config,
+                    "read the settings from this TOML file; command-line options override"
+                    " them");
   CLI::Option* const begins_anew = serve->add_flag("--new-ledger", options->begins_anew,
-                                                   "begin a new ledger if the ledger is lost; removes no files");
+                                                   "start a new ledger if the ledger is lost; no files are removed");
   serve
       ->add_flag("--rescue", options->rescues,
-                 "copy the readable jobs of a damaged ledger into a new one, and exit; stop the service first")
+                 "copy the readable jobs of a damaged ledger into a new ledger, and exit; the service must not be "
+                 "running")
       ->excludes(begins_anew);
   serve->callback([options, exit_code] {
     if (options->rescues) check_rescue(*options);

@@ -135,10 +135,11 @@ void add_infer_command(CLI::App& app, int* exit_code) {
   infer->add_option("job", o.job, infer_parameters().at("job").help)->required();
   infer->add_option("-o,--output", o.settings.output, "folder for textures, matrices, manifest and report")->required();
   infer->add_option("--shard", o.shard,
-                    "infer only the textures of share I of N (I/N), or of shares I to J (I-J/N), into the same folder");
+                    "infer only the textures of share I of N (I/N), or of shares I to J (I-J/N); all shares have the "
+                    "same output folder");
   infer
       ->add_option("--merge", o.merged_shards,
-                   "check the textures of shares 1/N to N/N, and write manifest, frames and report")
+                   "check the textures of shares 1/N to N/N, and write the manifest, the frames and the report")
       ->type_name("N")
       ->check(CLI::Range(1, kMergedSharesMax));
   add_parameter_options(*infer, o.values);

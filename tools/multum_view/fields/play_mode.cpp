@@ -241,15 +241,15 @@ void add_play_options(CLI::App& app, PlayOptions& options) {
       ->check(CLI::Range(1, 8));
   app.add_flag("--linear", options.is_linear,
                "interpolate linearly between samples along each parameter, instead of using the nearest sample");
-  app.add_flag(
-      "--no-wait", options.draws_what_is_there,
-      "draw only decoded images, coarsest first, without waiting; pictures then depend on the speed of the machine");
-  app.add_flag("--cold", options.is_cold, "forget all decoded data before each frame, to measure jumps");
+  app.add_flag("--no-wait", options.draws_what_is_there,
+               "do not wait for images that are not decoded yet; pictures then depend on the speed of the machine");
+  app.add_flag("--cold", options.is_cold,
+               "discard all decoded data before each frame, to measure jumps along the path");
   app.add_option("--ahead", options.ahead, "also decode this many frames ahead on the path")
       ->check(CLI::Range(0, 1000))
       ->capture_default_str();
   app.add_option("--memory", options.memory,
-                 "keep decoded data within this memory, including GPU memory, such as 800M or 2G")
+                 "limit the memory for decoded data, including GPU memory, to this size, such as 800M or 2G")
       ->capture_default_str();
   app.add_option("--upload", options.upload, "with --no-wait, send at most this many bytes per frame to the GPU")
       ->capture_default_str();
@@ -263,9 +263,7 @@ void add_play_options(CLI::App& app, PlayOptions& options) {
   app.add_option("--threads", options.threads, "decode with this many threads; 0 means one per core")
       ->check(CLI::Range(0, 1024))
       ->capture_default_str();
-  app.add_option("--debug-picture", options.debug_picture,
-                 "write a picture of the playback, one column per frame: available and late images per layer, decoded "
-                 "images, memory");
+  app.add_option("--debug-picture", options.debug_picture, "write a picture of the playback with one column per frame");
   app.add_option("--exposure", options.exposure, "multiply the brightness of the frames by this")
       ->check(number_in(1e-6f, 1e6f))
       ->capture_default_str();

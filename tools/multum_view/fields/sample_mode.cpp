@@ -200,8 +200,8 @@ void add_sample_options(CLI::App& app, SampleOptions& options) {
                  "folder written by `multum infer`, its inferred.json, or a packed field, *.mpt")
       ->required();
   app.add_option("--at", options.samples,
-                 "draw the sample with this name or with these indices along the parameters, such as 3,5; repeatable, "
-                 "with one -o per sample")
+                 "draw the sample with this name or with these indices along the parameters, such as 3,5; can be "
+                 "repeated, with one -o per sample")
       ->required()
       ->allow_extra_args(false);  // otherwise the option would also take the folder at the end
   app.add_option("-o,--output", options.outputs,

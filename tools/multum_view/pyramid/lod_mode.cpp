@@ -24,7 +24,8 @@ void add_lod_options(CLI::App& app, LodOptions& options) {
   add_detail_options(app, options.detail);
   app.add_option(
          "--patches", options.patch_steps,
-         "use the points of the level as control points of bicubic B-spline patches with this many cells per side")
+         "draw bicubic B-spline patches with this many cells per side, whose control points are the points of the "
+         "level")
       ->check(CLI::Range(1, kPatchStepsMax));
   add_camera_options(app, picture.camera);
   add_light_options(app, picture.light);

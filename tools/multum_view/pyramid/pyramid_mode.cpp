@@ -245,12 +245,12 @@ void write_pyramid_report(const PyramidOptions& options, const std::string& path
 void add_lookup_options(CLI::App& app, PyramidOptions& options) {
   app.add_option_function<std::string>(
          "--lookup", [&options](const std::string& text) { options.lookups = parse_lookups("--lookup", text); },
-         "look up the pyramid in these ways: a list of nearest, bilinear (finest level), level (by the longer side of "
-         "a "
-         "pixel), driver, reference (supersampled)")
+         "use these lookup methods: a list of nearest, bilinear (finest level), level (chosen by the longer side of a "
+         "pixel), driver, and reference (supersampled)")
       ->default_str("level");
   app.add_option("--shifts", options.shifts,
-                 "measure the flicker of reflected light against the reference over this many sub-pixel shifts")
+                 "measure how much reflected light flickers, compared with the reference, over this many sub-pixel "
+                 "shifts")
       ->check(CLI::Range(2, 256));
 }
 
@@ -277,7 +277,7 @@ void add_pyramid_options(CLI::App& app, PyramidOptions& options) {
   add_surface_detail_options(app, options.detail);
   add_repeat_option(app, options.surface);
   add_camera_options(app, options.camera);
-  app.add_option("--anisotropy", options.anisotropy, "set the anisotropy of the lookup by the driver")
+  app.add_option("--anisotropy", options.anisotropy, "set the anisotropy of the lookup method driver")
       ->check(number_in(1.0f, 16.0f))
       ->capture_default_str();
   add_output_options(app, options.output);
