@@ -16,8 +16,8 @@ namespace multum {
 namespace {
 
 // File times have the resolution of the kernel's timer tick, 1 to 10 ms on Linux, so two writes within one tick have
-// the same time. After a very recent write, the file is examined with a short delay, so that any later write has
-// another time. File systems that store whole seconds (FAT) are not supported.
+// the same time. If a file was written very recently, it is therefore examined after a short delay, so that any later
+// write gets another time. File systems that store whole seconds (FAT) are not supported.
 constexpr std::int64_t kTickNs = 20'000'000;
 
 std::int64_t nanoseconds(const timespec& time) { return time.tv_sec * std::int64_t{1'000'000'000} + time.tv_nsec; }

@@ -23,7 +23,7 @@ class OpenFile {
 
   bool is_open() const { return descriptor_ >= 0; }
   int descriptor() const { return descriptor_; }
-  /// Gives up ownership: the caller closes the descriptor.
+  /// Gives up ownership. The caller must close the descriptor.
   int release() { return std::exchange(descriptor_, -1); }
 
  private:
