@@ -54,7 +54,7 @@ struct BakedHeader {
   float mean_cosine = 1.0f;  // mean of c over the map; diffuse light is divided by it
 
   int level_count() const;
-  /// Value of multum:formatVersion. Programs that do not support weights or roughness reject the file.
+  /// The value of multum:formatVersion. Programs that do not support weights or roughness reject the file.
   int format_version() const;
 };
 

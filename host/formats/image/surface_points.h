@@ -26,7 +26,7 @@ namespace multum {
 
 inline const char* map_surface_name(MapSurface surface) { return choice_name(kMapSurfaces, surface); }
 
-/// How values continue beyond the border. Black and mirrored borders repeat the texels of the border itself.
+/// The continuation of values beyond the border. Black and mirrored borders repeat the texels of the border itself.
 struct MapWrap {
   WrapMode s = WrapMode::kPeriodic, t = WrapMode::kPeriodic;
 };

@@ -15,7 +15,8 @@ LogLevel log_level();
 /// the problem. Unless the log is quiet, shows "warning: SUBJECT: MESSAGE", so that users know which of many files the
 /// warning is about.
 void log_warning(const std::string& subject, const std::string& message);
-/// Like log_warning(), but for a text that begins with its subject. Such texts come from HeldWarnings or from a report.
+/// Works like log_warning() for a text that begins with its subject. Such texts come from HeldWarnings or from a
+/// report.
 void log_named_warning(const std::string& warning);
 /// Logs findings and decisions. These messages are shown unless the log is quiet.
 void log_info(const std::string& message);

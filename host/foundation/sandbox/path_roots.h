@@ -25,7 +25,7 @@ class PathRoots {
   /// Returns the file's path without links or dots. Throws Error(kUsage) if the path is not absolute, missing, not a
   /// file, or outside the roots. The message reveals nothing about files outside.
   std::string input(const std::string& path) const;
-  /// Like input(), but for the path of a result. The folder of the path must exist. The path itself may be a file, a
+  /// Works like input() for the path of a result. The folder of the path must exist. The path itself may be a file, a
   /// folder or missing, but not a link.
   std::string output(const std::string& path) const;
   bool is_inside(const std::string& canonical) const;

@@ -50,7 +50,7 @@ class MomentReader {
   MomentReader& operator=(const MomentReader&) = delete;
 
   const BakedHeader& header() const;
-  /// Height of one row of tiles. The reader decompresses whole rows of tiles.
+  /// The height of one row of tiles. The reader decompresses whole rows of tiles.
   int tile_size() const;
   /// Reads rows of a stored level.
   MomentLevel read_level(int level, int first_row, int row_count);

@@ -52,7 +52,7 @@ class ShReader {
 
   const BakedHeader& header() const;
   int order() const;
-  /// Height of one row of tiles. The reader decompresses whole rows of tiles.
+  /// The height of one row of tiles. The reader decompresses whole rows of tiles.
   int tile_size() const;
   /// Reads rows of a stored level.
   ShLevel read_level(int level, int first_row, int row_count);

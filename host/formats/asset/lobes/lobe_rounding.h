@@ -14,7 +14,7 @@ constexpr int kSnormSteps = 32767;
 /// binary digits of k/32767 repeat every 15 bits, so no quotient is close to the midpoint of two floats.
 constexpr double kSnormStep = 1.0 / kSnormSteps;
 
-/// Number of texels that are rounded at once.
+/// The number of texels that are rounded at once.
 constexpr std::size_t kRoundingBlock = 256;
 /// Rounds one lobe of `count` texels. `amplitudes` holds the amplitudes, which are already rounded.
 using RoundLobes = void (*)(glm::vec4* lobes, const double* amplitudes, std::size_t count, StorageEncoding encoding);
