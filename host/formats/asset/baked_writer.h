@@ -41,7 +41,7 @@ class BakedRows {
 /// reason.
 class BakedWriter {
  public:
-  /// Takes one header per part. Throws as AtomicFile does if the path cannot be written.
+  /// Takes one header per part. Throws like AtomicFile if the path cannot be written.
   BakedWriter(const std::string& path, const BakedHeader& header, std::vector<BakedPart> parts,
               const std::vector<Imf::Header>& headers, const BakedWriteOptions& options);
   /// Removes the file, unless commit() was called.

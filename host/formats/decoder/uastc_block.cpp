@@ -143,7 +143,7 @@ Endpoints read_endpoints(BitReader& bits, const UastcMode& mode) {
   Endpoints values{};
   const unsigned count = mode.components * 2 * mode.subsets;
   const unsigned together = mode.endpoint_base == 3 ? 5 : 3;
-  // Number of bits that store 0 to 5 trits, or 0 to 3 quints.
+  // The numbers of bits that store 0 to 5 trits, or 0 to 3 quints.
   constexpr std::array<unsigned, 6> kTritBits = {0, 2, 4, 5, 7, 8}, kQuintBits = {0, 3, 5, 7, 0, 0};
   for (unsigned first = 0; mode.endpoint_base > 1 && first < count; first += together) {
     const unsigned here = std::min(together, count - first);

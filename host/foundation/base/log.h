@@ -11,7 +11,7 @@ enum class LogLevel { kQuiet, kNormal, kVerbose };
 void set_log_level(LogLevel level);
 LogLevel log_level();
 
-/// Warns about a possible problem with `subject`; the work continues. `subject` is a file, or the library that reported
+/// Warns about a possible problem with `subject`. The work continues. `subject` is a file, or the library that reported
 /// the problem. Unless the log is quiet, shows "warning: SUBJECT: MESSAGE", so that users know which of many files the
 /// warning is about.
 void log_warning(const std::string& subject, const std::string& message);

@@ -14,7 +14,7 @@ namespace multum {
 
 class ExrOutputStream : public Imf::OStream {
  public:
-  /// Throws as OutputFile does.
+  /// Throws like OutputFile.
   explicit ExrOutputStream(const AtomicFile& file);
 
   void write(const char values[], int count) override;

@@ -42,7 +42,7 @@ struct MovmfMipmap {
   BakedHeader header;                   // full_header() sets its sizes and its has_colours according to the levels
   std::vector<MovmfLevel> levels = {};  // ROUND_DOWN: level l is max(1, W >> l) by max(1, H >> l), down to 1 x 1
 
-  // Size of the map (level 0).
+  // The size of the map (level 0).
   int width() const { return levels.empty() ? 0 : levels.front().width; }
   int height() const { return levels.empty() ? 0 : levels.front().height; }
   int lobe_count() const { return levels.empty() ? 0 : static_cast<int>(levels.front().lobes.size()); }

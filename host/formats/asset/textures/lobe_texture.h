@@ -21,7 +21,7 @@ constexpr int kLobeTextureVersion = 1;
 constexpr int kLobeChannels = 4;
 
 int layers_per_lobe(LobeTexels texels);
-/// Bytes of one layer of one level.
+/// Returns the bytes of one layer of one level.
 std::uint64_t layer_bytes(LobeTexels texels, int width, int height);
 
 /// (a r, a) = offset + the sum of all columns, each times its channel. The first layer of a lobe holds the first
@@ -64,7 +64,7 @@ bool is_ktx2_file(const std::string& path);
 LobeTextureHeader read_lobe_texture_header(const std::string& path);
 LobeTexture read_lobe_texture(const std::string& path);
 
-/// Bytes of all layers and levels on a GPU.
+/// Returns the bytes of all layers and levels on a GPU.
 std::uint64_t lobe_texture_bytes(const LobeTextureHeader& header);
 
 /// Returns the channels of the texels of a lobe in a level, as shaders see them: [texel * kLobeChannels + channel].
