@@ -100,7 +100,7 @@ Facets facets_of(const Lobe& lobe, const multum_brdf& brdf, const glm::dvec3& h,
 
 double total(const glm::dvec3& c) { return c.x + c.y + c.z; }
 
-// V at the mean cosines, over those normals of the lobe that reflect from l to v.
+// V at the mean cosines over the normals of the lobe that reflect light from l to v.
 double visibility(const Lobe& lobe, const multum_brdf& brdf, const Facets& facets, const glm::dvec3& h,
                   const glm::dvec3& v) {
   const BrdfFamily& family = family_of(brdf.brdf);

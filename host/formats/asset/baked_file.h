@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Types that all baked files share, whatever their representation. A baked file is a multi-part, tiled, mip-mapped
-// OpenEXR file whose header names its source (docs/reference/file_format.md).
+// Types that baked files of all representations share. A baked file is a multi-part, tiled, mip-mapped OpenEXR file
+// whose header names its source (docs/reference/file_format.md).
 #pragma once
 
 #include <cstddef>
@@ -12,7 +12,7 @@
 
 namespace multum {
 
-/// The Blinn-Phong exponent with which files with roughness are shaded. It is the largest exponent in the tests of the
+/// The Blinn-Phong exponent that is used to shade files with roughness. It is the largest exponent in the tests of the
 /// formulas. A highlight with this exponent adds no width to roughness above 0.1, and keeps the highlights of mirrors
 /// finite.
 constexpr float kRoughnessExponent = 1e5f;

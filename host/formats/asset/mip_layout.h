@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Places the texels of a mip pyramid in one list. The finest level comes first, and each level begins with its top row.
-// Levels are ROUND_DOWN, as in OpenGL: level l is max(1, width >> l) by max(1, height >> l), down to 1 x 1.
+// The sizes of levels are rounded down (ROUND_DOWN), as in OpenGL: level l is max(1, width >> l) by max(1, height >>
+// l), down to 1 x 1.
 #pragma once
 
 #include <algorithm>

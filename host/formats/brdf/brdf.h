@@ -40,7 +40,7 @@ inline const BrdfFamily& family_of(const Brdf& brdf) { return brdf_family(brdf.k
 inline float& width_of(const BrdfFamily& family, Brdf& brdf) {
   return brdf.*kBrdfNumbers[static_cast<std::size_t>(family.members[0].field)];
 }
-/// Returns the width, or 0 if the family has none.
+/// Returns the width, or 0 if the family has no width.
 inline float width_of(const Brdf& brdf) {
   const BrdfFamily& family = family_of(brdf);
   return family.has_width() ? brdf.*kBrdfNumbers[static_cast<std::size_t>(family.members[0].field)] : 0.0f;

@@ -10,8 +10,8 @@
 namespace multum {
 
 /// Parses the text, and sets the default diffuse and specular parts of the family. A measurement has its own diffuse
-/// part, families with Schlick's F have a specular part of 1, and Lambert has none. Throws Error(kUsage), which names
-/// `option`, or Error(kInput) for a file.
+/// part, families with Schlick's F have a specular part of 1, and Lambert has no specular part. Throws Error(kUsage),
+/// which names `option`, or Error(kInput) for a file.
 Brdf parse_brdf(const std::string& option, const std::string& text, int term_count);
 
 /// Returns whether `text` names a file.

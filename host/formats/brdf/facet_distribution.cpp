@@ -38,7 +38,7 @@ glm::dvec3 facet_total(const Brdf& brdf) {
   return integrate_zonal([&](double e) { return facet_density(brdf, e); });
 }
 
-// The panels start at e = 1e-12 and double in width, so they resolve every f that is wider, whatever its tail.
+// The panels start at e = 1e-12 and double in width, so they resolve every wider f, no matter how its tail falls off.
 // Densities of the hemisphere end at e = 1, where two panels meet.
 glm::dvec3 integrate_zonal(const std::function<glm::dvec3(double)>& f) {
   glm::dvec3 sum(0.0);

@@ -32,7 +32,7 @@ glm::dvec3 facet_total(const Brdf& brdf);
 /// a_l (Han et al. 2007, eq. 7).
 std::vector<glm::dvec3> zonal_coefficients(const Brdf& brdf, int order);
 
-/// Returns the integral over the sphere of a function of e = 1 - cosine.
+/// Returns the integral of a function of e = 1 - cosine over the sphere.
 glm::dvec3 integrate_zonal(const std::function<glm::dvec3(double)>& f);
 
 }  // namespace multum

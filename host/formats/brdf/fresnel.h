@@ -14,7 +14,7 @@ bool has_diffuse_fresnel(const Brdf& brdf);
 
 /// Returns (1 - v.h)^5.
 double schlick_part(double v_h);
-/// Returns F, or 1 if the BRDF has none.
+/// Returns F, or 1 if the BRDF has no F.
 glm::dvec3 fresnel(const Brdf& brdf, double v_h);
 
 /// A constant that replaces F while v.h stays above v_h_min. The relative difference between the constant and F is the

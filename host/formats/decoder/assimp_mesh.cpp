@@ -18,7 +18,7 @@ namespace multum {
 namespace {
 
 // assimp must not compute tangents or join vertices. It averages tangents without weights, even across mirrored charts,
-// and merges positions that are closer than 1e-5, whatever the unit is.
+// and merges positions that are closer than 1e-5, no matter what the unit is.
 constexpr unsigned kMeshSteps = aiProcess_Triangulate | aiProcess_SortByPType | aiProcess_GenSmoothNormals |
                                 aiProcess_PreTransformVertices | aiProcess_ValidateDataStructure;
 

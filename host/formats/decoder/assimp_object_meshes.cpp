@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Flattens assimp's node tree to one object for each node that has triangles. Only equal vertices are joined, and this
-// is done here because assimp merges positions that are closer than 1e-5, whatever the unit is.
+// is done here because assimp merges positions that are closer than 1e-5, no matter what the unit is.
 #include "host/formats/decoder/mesh_readers.h"
 
 #include <array>

@@ -39,7 +39,7 @@ void check_flat(const std::string& path, const ImagePart& part) {
   if (part.depth > 1) refuse_file(path, fmt::format("found a volume of depth {}, expected a flat image", part.depth));
 }
 
-// Rejects luminance/chroma images, which OpenEXR's own programs can write, because they hold neither vectors nor RGB.
+// Rejects luminance/chroma images, which OpenEXR's own programs can write, because they do not hold vectors or RGB.
 void check_no_luminance(const std::string& path, const ImagePart& part) {
   for (const std::string& name : part.channel_names)
     if (const std::string last = name.substr(name.rfind('.') + 1); last == "RY" || last == "BY")

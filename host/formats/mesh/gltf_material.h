@@ -50,7 +50,7 @@ GltfMaterials read_gltf_materials(const std::string& path);
 /// Turns a name into a safe file name: "Hull, front" becomes "Hull__front".
 std::string safe_file_name(const std::string& name);
 
-/// Returns the path of the image. This is its own file, or `folder`/NAME.EXTENSION, which this call writes. Throws
+/// Returns the path of the image. An embedded image is first written to `folder`/NAME.EXTENSION. Throws
 /// Error(kEnvironment).
 std::string extract_image(const GltfImage& image, const std::string& folder);
 

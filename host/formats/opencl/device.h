@@ -29,7 +29,7 @@ struct DeviceInfo {
   std::string driver;
   std::string version;  // version of OpenCL, with the driver's additions
   bool is_cpu;
-  bool shares_memory;      // true if memory is shared with the host, so that fewer copies save no time
+  bool shares_memory;      // true if memory is shared with the host; avoiding copies then saves no time
   bool rounds_when_asked;  // true if divisions and roots are rounded as IEEE requires only in programs built with an
                            // option
   bool has_atomic_longs;   // true if the device has cl_khr_int64_base_atomics

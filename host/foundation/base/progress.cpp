@@ -78,7 +78,7 @@ bool is_interrupted() { return g_interrupted != 0; }
 
 namespace {
 
-// LLVM, which the OpenCL driver loads, replaces these handlers with its own. The first signal removes LLVM's handlers
+// The OpenCL driver loads LLVM, which replaces these handlers with its own. The first signal removes LLVM's handlers
 // again (SA_RESETHAND), so a second signal at the same moment would end the program. Therefore this program restores
 // its handlers regularly.
 void keep_interrupt_handlers() {

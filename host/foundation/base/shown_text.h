@@ -15,7 +15,7 @@ namespace multum {
 /// that are not UTF-8 are escaped too. Each escaped byte becomes \x and two digits.
 std::string shown_text(std::string_view text);
 
-/// Writes shown_text() of the text if the stream is a terminal; otherwise writes the text unchanged.
+/// If the stream is a terminal, writes shown_text() of the text. Otherwise writes the text unchanged.
 void write_shown(std::FILE* stream, std::string_view text);
 /// Formats its arguments like printf() and writes the result in the same way.
 [[gnu::format(printf, 2, 3)]] void print_shown(std::FILE* stream, const char* format, ...);

@@ -37,8 +37,8 @@ enum class BrdfFit {
 struct BrdfFamily {
   BrdfKind kind;
   std::string_view name;  // name, such as "ggx"
-  /// The width of f, and F0 if F is Schlick's term. The width has no default; F0 has the default of struct Brdf. The
-  /// list is empty if the text form of the family is only a name or a file.
+  /// The width of f, and F0 if F is Schlick's term. The width has no default, and F0 has the default of struct Brdf.
+  /// The list is empty if the text form of the family is only a name or a file.
   std::span<const BrdfMember> members = {};
   bool is_file = false;   // true if the text form is the path of a measurement
   float specular = 0.1f;  // default of k_s

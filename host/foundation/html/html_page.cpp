@@ -17,8 +17,8 @@ std::string both(const std::string& name, std::string_view own) {
 
 }  // namespace
 
-// Without '<', the text contains neither "</script" nor "<!--", which could end or change the element. Because
-// non-ASCII characters are escaped, U+2028 cannot end a line.
+// Without '<', the text cannot contain "</script" or "<!--", which could end or change the element. Because non-ASCII
+// characters are escaped, U+2028 cannot end a line.
 std::string script_json(const nlohmann::ordered_json& data) {
   std::string html;
   for (const char c : json_text(data, -1, true))

@@ -33,7 +33,7 @@ Parameter numbers_parameter(const char* name, const char* help, const char* unit
           .surfaces = kOnCommandLine};
 }
 
-// Adds the rows with which all three tables end.
+// Adds the rows that are at the end of all three tables.
 ParameterTable table_of(const char* command, Rows rows) {
   rows.push_back(memory_parameter("use this much memory for buffers and the image; larger images use a scratch file",
                                   1.0, "256M", kOnCommandLine));

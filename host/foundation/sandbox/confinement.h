@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Blocks a process from files that it does not need, with Linux's Landlock. The system then opens only allowed files,
-// whatever path, link or library the process and its children use. Newer kernels also block TCP (6.7), and signals to
-// processes outside the confinement (6.12). Landlock needs no privilege and cannot be undone.
+// no matter which path, link or library the process and its children use. Newer kernels also block TCP (6.7), and
+// signals to processes outside the confinement (6.12). Landlock needs no privilege and cannot be undone.
 #pragma once
 
 #include <functional>

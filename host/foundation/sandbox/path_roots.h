@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Confines reading and writing to files below certain folders. This holds whatever names and links are used, and even
-// if a name changes after its check. A file is opened only beneath its root's descriptor, by a name without links
+// Confines reading and writing to files below certain folders. This works no matter which names and links are used, and
+// even if a name changes after its check. A file is opened only beneath its root's descriptor, by a name without links
 // (openat2).
 #pragma once
 

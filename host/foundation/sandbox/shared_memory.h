@@ -17,8 +17,9 @@ class SharedMemory {
   SharedMemory& operator=(const SharedMemory&) = delete;
 
   int descriptor() const { return descriptor_; }
-  /// Returns memory of at least `byte_count` bytes, perhaps at another address. The memory keeps its earlier contents,
-  /// and new bytes are zero. The memory never shrinks, because a process that maps more memory than exists would crash.
+  /// Returns memory of at least `byte_count` bytes. The address may have changed. The memory keeps its earlier
+  /// contents, and new bytes are zero. The memory never shrinks, because a process that maps more memory than exists
+  /// would crash.
   std::byte* reserve(std::size_t byte_count);
   /// Maps the whole memory at its present size, because the other process may have extended it.
   std::byte* see(std::size_t& byte_count);

@@ -15,7 +15,7 @@ namespace multum {
 
 struct MomentScan::Texels {
   std::size_t nonfinite = 0;
-  WorstTexel variance, slope, length, weight;  // the amounts by which values exceed their tolerances
+  WorstTexel variance, slope, length, weight;  // how much values exceed their tolerances
 };
 
 namespace {

@@ -16,7 +16,7 @@ namespace multum {
 
 struct ShScan::Texels {
   std::size_t nonfinite = 0;
-  WorstTexel strong, unlike, weight;  // the amounts by which values exceed their tolerances
+  WorstTexel strong, unlike, weight;  // how much values exceed their tolerances
 };
 
 namespace {

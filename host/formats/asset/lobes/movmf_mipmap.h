@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // The contents of a baked file in memory. They are a mip pyramid whose texels each hold a mixture of von Mises-Fisher
-// lobes
-// (Han et al. 2007, section 7). This is the only code that both the bakes (OpenCL) and the runtime (GL) link.
-//
-// A lobe is stored as a * (r_x, r_y, r_z, 1). The amplitude is a; the amplitudes of a texel sum to 1. The mean vector
+// lobes (Han et al. 2007, section 7). This is the only code that both the bakes (OpenCL) and the runtime (GL) link. A
+// lobe is stored as a * (r_x, r_y, r_z, 1). The amplitude is a, and the amplitudes of a texel sum to 1. The mean vector
 // of the lobe's normals is r, with |r| <= 1, in tangent space: +X right (u grows), +Y up (towards the image's first
-// row), +Z out. All four channels are linear in the normals, so hardware filtering T(.) gives exact first moments:
-// a = T(a), r = T(a r) / T(a).
+// row), +Z out. All four channels are linear in the normals, so hardware filtering T(.) gives exact first moments: a =
+// T(a), r = T(a r) / T(a).
 #pragma once
 
 #include <cstddef>

@@ -44,7 +44,8 @@ glm::dvec3 reflectance_normal(const ReflectanceFrame& frame, const glm::dvec2& p
 /// The side of the square of points p that is mapped to 0..1.
 constexpr double kReflectanceSide = 2.8284271247461903;
 
-/// Writes and reads the frame as "frame" in the file's settings. The reader throws Error(kInput), which names `path`.
+/// Write and read the frame, which is stored as "frame" in the settings of the file. The reader throws Error(kInput),
+/// which names `path`.
 std::string reflectance_frame_json(const ReflectanceFrame& frame);
 ReflectanceFrame parse_reflectance_frame(const std::string& settings, const std::string& path);
 

@@ -238,8 +238,8 @@ void inspect_exr(const std::string& path, ByteFile& file, ImageContainer& contai
   keep(container, 0, file.size());
 }
 
-// Returns whether all words of a colour map are multiples of `unit`, and some of them are not 0. Some programs write `v
-// * 256` instead of `v * 257`.
+// Returns whether all words of a colour map are multiples of `unit`, and some of them are not 0. Some programs
+// multiply 8-bit values by 256 instead of 257.
 bool have_unit(ByteFile& file, const ByteRange& words, bool is_big_endian, int unit) {
   bool has_any = false;
   for (std::int64_t at = words.begin; at < words.end; at += 2) {
@@ -257,9 +257,9 @@ constexpr int kUnsigned = 1, kSigned = 2, kFloats = 3;
 std::string either(const std::vector<int>& numbers) { return fmt::format("{}", fmt::join(numbers, ", ")); }
 
 // Rejects files that OpenImageIO 2.4.7 misreads without an error. Each kind has a case in
-// tests/cli/odd_inputs/odd_cases.py. Ink colours and Lab colours are neither vectors nor light. OpenImageIO mixes up
-// the bytes of 24-bit samples, and reads signed integers of few bits as unsigned integers. OpenImageIO also assumes 8
-// bits if the file does not state the number, although the standard means 1.
+// tests/cli/odd_inputs/odd_cases.py. Ink colours and Lab colours are not vectors, and they are not light. OpenImageIO
+// mixes up the bytes of 24-bit samples, and reads signed integers of few bits as unsigned integers. OpenImageIO also
+// assumes 8 bits if the file does not state the number, although the standard means 1.
 void refuse_misread_tiff(const std::string& path, const TiffSurvey& tiff) {
   if (!tiff.is_whole) return;                                   // the library reports the fault
   const std::vector<int> kOtherColours = {5, 8, 9, 10, 32803};  // CMYK, three kinds of Lab, a camera's mosaic

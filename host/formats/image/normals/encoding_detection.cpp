@@ -82,8 +82,8 @@ std::optional<std::string> grey_refusal(const Evidence& evidence) {
   return fmt::format("every texel is {:.4g} or {:.4g}, as in a mask", range.low, range.high);
 }
 
-// Returns whether all vectors around +Z have the same length, whatever this length is. Such vectors are normals times a
-// constant factor, which normalising removes.
+// Returns whether all vectors around +Z have the same length, no matter how long they are. Such vectors are normals
+// times a constant factor, which normalising removes.
 bool has_one_length(const VectorStatistics& s) {
   constexpr double kSpreadMax = 0.05;
   return s.length_spread <= kSpreadMax && s.below_share <= 0.05 && s.mean_z >= 0.4 * s.length_mean &&
@@ -273,8 +273,8 @@ bool has_x_in_alpha(const Evidence& evidence) {
   return spread(0) <= kNoise && spread(1) > kNoise;
 }
 
-// Returns whether x and y are plausible without z. Two conditions must hold: the slopes agree with a surface, and x^2 +
-// y^2 leaves room for z.
+// Returns whether x and y are plausible when z is ignored. Two conditions must hold: the slopes agree with a surface,
+// and x^2 + y^2 leaves room for z.
 bool is_two_channel_plausible(const Evidence& evidence, const Reading& reading) {
   if (reading.encoding.rebuild_z || evidence.info().channel_count < 3) return false;
   VectorEncoding encoding = reading.encoding;

@@ -63,7 +63,7 @@ struct HeightSides {
 };
 
 /// Returns the sides for wrap modes. With clamp and mirror, the surface ends. The mirror line is between texels, and a
-/// slope would change its sign there, so a texel keeps the slope of its own side.
+/// slope would change its sign there, so a texel uses only the slope on its own side.
 HeightSides wrapped_sides(WrapMode wrap_s, WrapMode wrap_t);
 
 class HeightSurface {

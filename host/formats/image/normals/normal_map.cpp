@@ -166,7 +166,7 @@ GreenOfSet green_of_set(const NormalMapSettings& settings, const SpillPolicy& sp
   };
 }
 
-// Chooses the neighbouring tile. If there is none, chooses the side given by the wrap mode.
+// Chooses the neighbouring tile. If there is no such tile, chooses the side that the wrap mode gives.
 HeightSide side_of(const HeightSide& neighbour, const HeightSide& repeated, const HeightSide& wrapped) {
   if (neighbour.beyond != HeightSide::Beyond::kEnd) return neighbour;
   return wrapped.beyond == HeightSide::Beyond::kWrapped ? repeated : wrapped;

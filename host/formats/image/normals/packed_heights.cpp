@@ -68,7 +68,7 @@ void add_row(const float* values, std::size_t width, std::size_t channel_count, 
   }
 }
 
-// Ranges of red. Heights reach from 11,000 m below the sea to 9,500 m above it in Terrarium, and also in Mapbox, whose
+// Ranges of red. In Terrarium and in Mapbox, heights reach from 11,000 m below the sea to 9,500 m above it. In Mapbox,
 // red has units of 6553.6 m.
 std::optional<HeightCoding> coding_of(const PackedSums& sums, bool has_blue) {
   const bool is_terrarium_red = sums.is_within(0, 85.0f, 165.0f), is_mapbox_red = sums.is_within(0, 0.0f, 2.0f);

@@ -26,7 +26,7 @@ const char* tile_side_name(TileSide side);
 struct TileBeside {
   enum class Kind {
     kNeighbour,  // another tile
-    kOtherEnd,   // last tile of a complete, repeating row or column, perhaps the tile itself
+    kOtherEnd,   // last tile of a complete, repeating row or column; it may be the tile itself
     kGap,        // `tile` is missing between two tiles of the row or column
     kBroken      // end of a row or column that has a gap elsewhere
   };

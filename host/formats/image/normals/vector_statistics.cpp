@@ -50,7 +50,7 @@ struct CorrelationSums {
 };
 
 // The correlation ratio of z on the tilt is the share of the variance of z that the means of z in bins of the tilt
-// explain. The share that the same number of bins explains in noise is subtracted.
+// explain. From this share, the share that the same number of bins explains in noise is subtracted.
 struct DependenceSums {
   static constexpr std::size_t kBinCount = 32;
   std::array<double, kBinCount> count{}, z{};

@@ -39,7 +39,7 @@ InputHashes::Known* InputHashes::noted(const std::string& path) {
   if (const auto found = known_.find(path); found != known_.end()) return &found->second;
   std::optional<Stamp> stamp = stamp_of(path);
   if (!stamp) return nullptr;
-  // A file time in the future, from a clock that runs ahead, does not lengthen the wait.
+  // If a clock that runs ahead caused a file time in the future, the wait is not longer.
   const std::int64_t age = std::max(std::int64_t{0}, now_ns() - stamp->changed_ns);
   if (age < kTickNs) {
     std::this_thread::sleep_for(std::chrono::nanoseconds(kTickNs - age));

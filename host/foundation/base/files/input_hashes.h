@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Hashes each file that a program reads, once. The hash covers the bytes that the file had when it was first examined;
-// a file that changes later is rejected.
+// Hashes each file that a program reads, once. The hash covers the bytes that the file had when it was first examined.
+// A file that changes later is rejected.
 #pragma once
 
 #include <cstdint>

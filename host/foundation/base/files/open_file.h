@@ -10,7 +10,7 @@ namespace multum {
 
 class OpenFile {
  public:
-  /// Takes ownership of the descriptor; -1 means none.
+  /// Takes ownership of the descriptor. -1 means that there is no descriptor.
   explicit OpenFile(int descriptor = -1) : descriptor_(descriptor) {}
   OpenFile(OpenFile&& other) noexcept : descriptor_(std::exchange(other.descriptor_, -1)) {}
   OpenFile& operator=(OpenFile&& other) noexcept {

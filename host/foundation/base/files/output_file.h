@@ -24,7 +24,7 @@ class OutputFile {
   bool write(const void* bytes, std::size_t count);
   bool seek(std::uint64_t position);
   std::uint64_t position() const { return position_; }
-  /// Returns a description of the first failure, or an empty text if there was none.
+  /// Returns a description of the first failure, or an empty text if nothing has failed.
   std::string failure() const;
   /// Passes all bytes to the system. Throws Error(kEnvironment) if this or an earlier write failed.
   void close();

@@ -99,7 +99,7 @@ bool remove_one(int folder, dev_t device, const std::string& name, int depth) {
 }
 
 // Lists the names in an open folder. Returns false and sets errno if they cannot be read. Uses the descriptor itself,
-// so a process that cannot open more files can still remove its own.
+// so a process that cannot open more files can still remove its own folder.
 bool list_names(int folder, std::vector<std::string>& names) {
   if (::lseek(folder, 0, SEEK_SET) < 0) return false;
   alignas(dirent64) char entries[32 << 10];

@@ -25,8 +25,8 @@ enum class StandardInput { kRefused, kAllowed };
 /// name that no file system accepts.
 OpenFile open_regular_file(const std::string& path, StandardInput input = StandardInput::kRefused);
 
-/// Like open_regular_file(), but resolves `folder` and all links: the file's real name must be beneath `folder`.
-/// Otherwise throws Error(kInput).
+/// Works like open_regular_file(), but also resolves `folder` and all links. The real name of the file must be beneath
+/// `folder`. Otherwise throws Error(kInput).
 OpenFile open_file_beneath(const std::string& folder, const std::string& path);
 
 /// Returns up to `count` bytes from the beginning of the file. Returns no bytes for a folder or an unreadable file.

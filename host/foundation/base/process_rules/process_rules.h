@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // States what this code may do to the process that it runs in. A program owns its process: it sets environment
-// variables for drivers, writes its log to stderr, and stops after a programming error. A library may do none of this
-// in the process that loads it. Each binary links one implementation: program_rules.cpp, or host/api/library_rules.cpp
-// for libmultum.
+// variables for drivers, writes its log to stderr, and stops after a programming error. A library may not do any of
+// this in the process that loads it. Each binary links one implementation: program_rules.cpp, or
+// host/api/library_rules.cpp for libmultum.
 #pragma once
 
 #include <string>
