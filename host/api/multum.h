@@ -167,7 +167,7 @@ typedef struct multum_image {
   int width, height; /* texels, at least 1 */
   int channels;      /* 1 to 4: grey; grey, alpha; red, green, blue; red, green, blue, alpha */
   multum_type type;
-  ptrdiff_t row_bytes; /* from one row to the next; 0 if there are no gaps between rows */
+  ptrdiff_t row_bytes; /* distance from one row to the next; 0 if there are no gaps between rows */
   const void* pixels;  /* the first row; must stay unchanged during the call */
 } multum_image;
 #define MULTUM_IMAGE_INIT \
@@ -187,7 +187,7 @@ typedef struct multum_maps {
 
 typedef struct multum_map multum_map;
 
-/* Bakes a mipmap of distributions of normals. Like `multum bake`, it makes equal texels from equal settings and pixels.
+/* Bakes a mipmap of distributions of normals. For equal settings and pixels, the texels equal those of `multum bake`.
  * `values` holds settings of "bake"; NULL means the defaults. `output` is the file to write, which appears complete or
  * not at all. If `output` is NULL, the result is kept in a temporary file that multum_map_free() removes. `map` may be
  * NULL if `output` is given. */
@@ -250,7 +250,7 @@ MULTUM_API const char* multum_map_text(multum_map* map, const char* key);
 /* Writes a copy of the file. The copy appears complete or not at all. */
 MULTUM_API multum_status multum_map_save(multum_map* map, const char* path, multum_error** error);
 
-/* The values of one part of one level. They belong to the map, and are read at the first call. They are valid until
+/* The values of one part of one level. They belong to the map, and are read at the first call. They remain valid until
  * multum_map_forget() or multum_map_free() is called. */
 typedef struct multum_view {
   const float* values; /* [layer][row][column][channel] */
