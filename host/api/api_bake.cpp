@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bakes, exports and measurements of multum.h.
+// Implements the bakes, exports and measurements of multum.h.
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -85,7 +85,7 @@ MemoryImage memory_image(const multum_image& image, const std::string& name) {
   return result;
 }
 
-// Names of the maps of a job. Images in memory have names until the object ends.
+// The names of the maps of a job. Images in memory keep their names until the object ends.
 class JobMaps {
  public:
   JobMaps(const multum_maps* maps, const char* function) {
@@ -110,7 +110,7 @@ class JobMaps {
   const std::string& roughness() const { return roughness_; }
   const std::string& weights() const { return weights_; }
 
-  /// Replaces a file that the settings name by the image in memory, if there is one.
+  /// If there is an image in memory, uses it in place of the file that the settings name.
   static void choose(std::string& file, const std::string& image, const char* name) {
     if (image.empty()) return;
     if (!file.empty())
@@ -144,7 +144,7 @@ BakeJob bake_job(const JobMaps& maps, const ParameterValues& parameters, const m
   return job;
 }
 
-// Returns multum-view next to multum-decode, else from PATH.
+// Returns the multum-view next to multum-decode. If there is none there, searches PATH.
 std::string find_viewer() {
   const std::filesystem::path beside = std::filesystem::path(program_folder()) / "multum-view";
   std::error_code error;

@@ -14,7 +14,7 @@
 namespace multum {
 namespace {
 
-// Made in advance, because no error can be made when memory has run out. multum_error_free() ignores it.
+// This error is made in advance, because no error can be made when memory has run out. multum_error_free() ignores it.
 multum_error& no_memory() {
   static multum_error error{MULTUM_OUT_OF_MEMORY, "out of memory", "", "", ""};
   return error;

@@ -107,7 +107,7 @@ void check_part(multum_part part) {
     throw Error(ErrorCode::kUsage, fmt::format("part is {}, expected a value of multum_part", static_cast<int>(part)));
 }
 
-// Appends the bytes of a file to an open one. `shown`: name of the open file in messages.
+// Appends the bytes of a file to an open file. `shown` is the name of the open file in messages.
 void copy_bytes(const std::string& from, int to, const std::string& shown) {
   constexpr std::int64_t kBlock = std::int64_t{1} << 20;
   const ByteFile file(from);

@@ -30,7 +30,7 @@ std::vector<float> numbers_of(std::string_view text) {
   }
 }
 
-// Reads the family's width, then F0 if the family has one. Returns false if the text does not match.
+// Reads the width of the family, then F0 if the family has it. Returns false if the text does not match.
 bool read_members(const BrdfFamily& family, std::string_view text, Brdf& brdf) {
   const BrdfMember& width = family.members[0];
   const std::vector<float> n = numbers_of(text);
@@ -44,7 +44,7 @@ bool read_members(const BrdfFamily& family, std::string_view text, Brdf& brdf) {
   return true;
 }
 
-// Returns the family that a text names, either by its name only, or by "NAME:" and members.
+// Returns the family that a text names. The text is either only the name, or "NAME:" and members.
 const BrdfFamily* family_of_text(std::string_view text) {
   const std::size_t name = text.find(':');
   const BrdfFamily* const family = find_brdf_family(text.substr(0, name));

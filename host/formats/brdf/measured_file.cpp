@@ -43,7 +43,7 @@ glm::dvec3 linear_srgb(const glm::dvec3& xyz) {
           0.0557 * xyz.x - 0.2040 * xyz.y + 1.0570 * xyz.z};
 }
 
-// Converts spectra to colours; a flat spectrum of 1 gives white, (1, 1, 1).
+// Converts spectra to colours. A flat spectrum of 1 gives white, (1, 1, 1).
 class SpectrumColour {
  public:
   explicit SpectrumColour(const std::vector<double>& wavelengths) {

@@ -10,7 +10,7 @@
 namespace multum {
 namespace {
 
-// Returns whether positions, normals and uv set 0 stay as the core format defines them if an extension is used.
+// Returns whether positions, normals and uv set 0 have the same meaning as in the core format if an extension is used.
 bool leaves_geometry_alone(const std::string& extension) {
   for (const char* prefix : {"KHR_materials_", "KHR_lights_", "KHR_texture_basisu", "KHR_xmp", "EXT_texture_webp"})
     if (extension.compare(0, std::strlen(prefix), prefix) == 0) return true;

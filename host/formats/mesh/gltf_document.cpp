@@ -68,8 +68,8 @@ std::uint32_t little_endian(const std::string& bytes, std::size_t at) {
   return value;
 }
 
-// Splits a GLB file. The header of a GLB has 12 bytes ("glTF", version, length). Chunks of (length, type, data) follow:
-// JSON, then optional bytes.
+// Splits a GLB file. The header of a GLB has 12 bytes ("glTF", version, length). Chunks of (length, type, data) follow.
+// The first chunk is JSON, and the optional second chunk holds bytes.
 void split_glb(const std::string& bytes, const std::string& path, std::string& json, std::string& binary) {
   constexpr std::uint32_t kJsonChunk = 0x4E4F534A;
   if (bytes.size() < 20 || bytes.compare(0, 4, "glTF") != 0)

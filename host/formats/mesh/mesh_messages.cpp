@@ -16,7 +16,7 @@ namespace {
 template <typename Meshes>
 constexpr bool is_whole = std::is_same_v<std::remove_const_t<Meshes>, TriangleMesh>;
 
-// Visits the arrays in the order of messages and memory.
+// Visits the arrays in the order in which they are in messages and in memory.
 template <typename Meshes, typename Action>
 void for_each_array(Meshes& meshes, const Action& action) {
   if constexpr (is_whole<Meshes>) {

@@ -9,7 +9,7 @@
 namespace multum {
 namespace {
 
-// The first name is for PoCL before 4.0, the second for 4.0 and later.
+// The first name is for PoCL before 4.0, and the second name is for 4.0 and later.
 constexpr const char* kThreadVariables[] = {"POCL_MAX_PTHREAD_COUNT", "POCL_CPU_MAX_CU_COUNT"};
 
 bool processor_has_avx512() {

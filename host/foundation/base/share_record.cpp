@@ -16,7 +16,7 @@
 namespace multum {
 namespace {
 
-// A record needs some hundred bytes per sample of each texture. A larger file cannot be a record, and is not read.
+// A record needs a few hundred bytes per sample of each texture. A much larger file cannot be a record and is not read.
 constexpr std::int64_t kBytesMax = std::int64_t{256} << 20;
 
 [[noreturn]] void refuse(const ShareName& share, const std::string& found) {

@@ -14,7 +14,7 @@ using Kind = ParameterKind;
 using Rows = std::vector<Parameter>;
 
 constexpr unsigned kJob = kOnCommandLine | kInManifest | kInService;
-constexpr double kLeastMemory = 288.0 * (1 << 20);  // 280 MiB for the program and 8 MiB for a window (bake_job.cpp)
+constexpr double kLeastMemory = 288.0 * (1 << 20);  // 280 MiB for the program, and 8 MiB for a window (bake_job.cpp)
 
 void add(Rows& rows, Rows more, const char* group) {
   for (Parameter& row : more) {
@@ -407,7 +407,7 @@ const ParameterTable& bake_parameters() {
         "input", "normal map or height field (PNG, TIFF, EXR, JPEG or WebP, up to 32768 texels per side)",
         kInManifest | kInService)};
     add(rows, material_rows(), kMaterialGroup);
-    // The order in help texts is: representation, fit, storage.
+    // Help texts show the groups in this order: representation, fit, storage.
     add(rows, representation_rows(), kStorageGroup);
     add(rows, fit_rows(), kFitGroup);
     add(rows, storage_rows(), kStorageGroup);

@@ -23,7 +23,7 @@ Parameter data_format_parameter(const char* default_text) {
           .surfaces = kOnCommandLine};
 }
 
-// A colour, a direction or another list of numbers in one string.
+// A colour, a direction or another list of numbers that is written as one string.
 Parameter numbers_parameter(const char* name, const char* help, const char* unit, const char* default_text) {
   return {.name = name,
           .kind = Kind::kText,
@@ -33,7 +33,7 @@ Parameter numbers_parameter(const char* name, const char* help, const char* unit
           .surfaces = kOnCommandLine};
 }
 
-// Adds the rows that end all three tables.
+// Adds the rows that are at the end of all three tables.
 ParameterTable table_of(const char* command, Rows rows) {
   rows.push_back(
       memory_parameter("use at most this much memory for buffers and the image; larger images use a scratch"

@@ -14,7 +14,7 @@
 namespace multum {
 namespace {
 
-// Keeps a child process for the next file.
+// Keeps a child process so that it can decode the next file.
 class IdleChildren {
  public:
   std::unique_ptr<HelperProcess> take(const std::string& program) {

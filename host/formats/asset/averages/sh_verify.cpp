@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // By the addition theorem, the coefficients of band l of one direction are on a sphere of radius sqrt((2l+1)/4pi). A
-// mean of directions is therefore inside the sphere, and level 0 is on the sphere. If a BRDF's width is included, level
-// 0 is inside too. Band l = 1 of level 0 is then at c times the radius, where c is 1/2 to 1.
+// mean of directions is therefore inside the sphere, and level 0 is on the sphere. If the width of a BRDF is included,
+// level 0 is inside too. Band l = 1 of level 0 is then at c times the radius, where c is between 1/2 and 1.
 #include "host/formats/asset/averages/sh_verify.h"
 
 #include <fmt/format.h>
@@ -16,7 +16,7 @@ namespace multum {
 
 struct ShScan::Texels {
   std::size_t nonfinite = 0;
-  WorstTexel strong, unlike, weight;  // how far values exceed their tolerances
+  WorstTexel strong, unlike, weight;  // how much values exceed their tolerances
 };
 
 namespace {

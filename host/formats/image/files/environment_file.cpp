@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Reads Radiance's format (Ward 1991, "Real Pixels"; Radiance's filefmts). Such a file consists of "#?" and lines of
 // text up to an empty line, then "-Y height +X width", then rows of RGBE texels: mantissas of 8 bits with one exponent,
-// (R, G, B) 2^(E - 136). A row of 8 to 32767 texels can be run-length coded: the bytes 2, 2 and the width (two bytes),
-// then one plane per channel. A plane is a list of runs. A run is a byte 128 + n and one value to repeat n times, or a
-// byte n <= 128 and n values. Other orders of rows and columns, and XYZE, are rejected.
+// (R, G, B) 2^(E - 136). A row of 8 to 32767 texels can be run-length coded. Such a row has the bytes 2, 2 and the
+// width (two bytes), then one plane per channel. A plane is a list of runs. A run is a byte 128 + n and one value that
+// is repeated n times, or a byte n <= 128 and n values. Other orders of rows and columns, and XYZE, are rejected.
 #include "host/formats/image/files/environment_file.h"
 
 #include <algorithm>
@@ -73,7 +73,7 @@ class RadianceReader {
     return text;
   }
 
-  /// Returns the product of EXPOSURE lines.
+  /// Returns the product of the values in the EXPOSURE lines.
   double read_header() {
     double exposure = 1.0;
     for (std::string text = line(); !text.empty(); text = line()) {

@@ -44,7 +44,7 @@ bool write_all(int file, RecordFile::Bytes bytes, std::uint64_t offset) {
   return true;
 }
 
-// If a process was killed or the power failed, the file may hold only the beginning of the first line, or zeros.
+// If the process was killed or the power failed, the file may hold only the beginning of the first line, or only zeros.
 bool is_torn(const std::string& text) {
   return text[0] == '\0' || (text.size() < kFormatBytes && std::string(kFormatLine).starts_with(text));
 }
