@@ -51,7 +51,8 @@ std::string escaped(const std::string& name_or_reason, const Escape& escape) {
   return result;
 }
 
-// Escapes contents, and attributes in double quotes, where parsers would convert tabs and line ends to spaces.
+// Escapes the contents of elements, and attributes in double quotes. In attributes, parsers would convert tabs and line
+// ends to spaces.
 std::string xml(const std::string& text) {
   return escaped(text, [](char c) -> std::string {
     switch (c) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bakes maps to one lobe per texel. The lobe stores only the mean of the normals, so plain averages
-// (host/bakes/pyramid/average_pass.h) give the same lobe as EM in one pass over the map.
+// Bakes maps to one lobe per texel. Such a lobe stores only the mean of the normals, so plain averages
+// (host/bakes/pyramid/average_pass.h), which take one pass over the map, give the same lobe as EM.
 #pragma once
 
 #include "host/bakes/movmf/bake_settings.h"
