@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Draws baked maps of a sweep with multum-view, many in one child process, because starting a process with a GL driver
-// takes longer than drawing a small map. Baked files are kept until they are drawn, and their total size is limited.
+// Draws the baked maps of a sweep with multum-view. One child process draws many maps, because starting a process with
+// a GL driver takes longer than drawing a small map. Baked files are kept until they are drawn, and their total size is
+// limited.
 #pragma once
 
 #include <cstdint>

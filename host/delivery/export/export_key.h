@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lists everything that an export's bytes depend on. The list shows whether existing files were made from the same map
-// and settings.
+// Lists everything on which the bytes of an export depend. The list is used to find out whether existing files were
+// made from the same map with the same settings.
 #pragma once
 
 #include <functional>
