@@ -128,7 +128,7 @@ class AccuracyMeter {
  protected:
   /// Reads the wrap modes from `header`, and determines whether the file contains the width of a BRDF.
   AccuracyMeter(PlaneSize map, const BakedHeader& header, const AccuracySettings& settings);
-  /// The texels that models keep.
+  /// Returns the texels that models keep.
   const TexelSelection& texels() const { return texels_; }
   virtual AccuracyModel& model() = 0;
 

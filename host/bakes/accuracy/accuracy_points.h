@@ -55,10 +55,10 @@ class AccuracyPoints {
  public:
   AccuracyPoints(const std::vector<PlaneSize>& levels, const SampleSettings& settings);
 
-  /// The samples, ordered from the finest level to the coarsest.
+  /// Returns the samples, ordered from the finest level to the coarsest.
   const std::vector<AccuracySample>& samples() const { return samples_; }
-  /// The number of samples in sampled levels. These samples come first. In the remaining levels, every texel is a
-  /// sample.
+  /// Returns the number of samples in sampled levels. These samples come first. In the remaining levels, every texel is
+  /// a sample.
   std::size_t chosen_count() const { return chosen_count_; }
   /// All texels that are read by at least one point.
   const TexelSelection& texels() const { return texels_; }

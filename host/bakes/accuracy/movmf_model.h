@@ -28,8 +28,8 @@ class MovmfModel : public AccuracyModel {
   bool has_colours() const override { return !colours_.empty(); }
   const std::vector<std::string>& shadings() const override;
   std::unique_ptr<PointShading> make_shading(Device& device, const ShadingDirections& directions) const override;
-  /// The number of lobes per filtered point. The lobes of the file come first. If fine levels are missing, one lobe for
-  /// the map's averages follows.
+  /// Returns the number of lobes per filtered point. The lobes of the file come first. If fine levels are missing, one
+  /// lobe for the map's averages follows.
   std::size_t lobe_count() const { return lobe_count_ + (first_level() > 0 ? 1 : 0); }
   const ProgramChoice& program() const { return program_; }
 

@@ -17,9 +17,9 @@
 namespace multum {
 namespace {
 
-// The size in bytes of the largest map that stays in memory. The limit is low if the job has a memory limit. A map of
-// 4096 x 4096 texels needs 192 MiB, and writing it to a scratch file would take a fifth of the time of a plan. While
-// the file is read, its 16-bit values need another 96 MiB, which are freed before the bake needs the most memory.
+// Returns the size in bytes of the largest map that stays in memory. The limit is low if the job has a memory limit. A
+// map of 4096 x 4096 texels needs 192 MiB, and writing it to a scratch file would take a fifth of the time of a plan.
+// While the file is read, its 16-bit values need another 96 MiB, which are freed before the bake needs the most memory.
 std::int64_t map_bytes_in_memory(const BakeJob& job, MapReadings readings) {
   constexpr std::int64_t kLittle = std::int64_t{16} << 20, kDefault = std::int64_t{96} << 20;
   if (job.memory_bytes > 0) return kLittle;

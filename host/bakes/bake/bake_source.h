@@ -43,7 +43,7 @@ std::string scratch_folder(const BakeJob& job);
 /// Returns the header of files that are baked from the source, without provenance.
 BakedHeader baked_header_of(const BakeJob& job, const BakeSource& source);
 
-/// The properties that were found in the files, and the assumptions about unclear properties
+/// Returns the properties that were found in the files, and the assumptions about unclear properties
 /// (BakedProvenance::reading).
 std::string reading_json(const BakeJob& job, const BakeSource& source);
 

@@ -50,7 +50,7 @@ class MovmfFit {
 
   std::size_t lobe_count() const { return static_cast<std::size_t>(settings_.lobe_count); }
   bool has_features() const { return !map_.features.empty(); }
-  // The number of feature planes, [triple][lobe].
+  // Returns the number of feature planes, [triple][lobe].
   std::size_t feature_planes() const { return lobe_count() * map_.features.rgb_planes.size(); }
   LevelReport& report_of(int level) { return report_.levels[static_cast<std::size_t>(level - settings_.first_level)]; }
   bool makes_level_zero(int level) const { return level == 1 && settings_.first_level == 0 && rows_.sink() != nullptr; }

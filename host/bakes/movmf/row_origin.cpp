@@ -122,7 +122,7 @@ void ShareRows::keep(const DoneRows& rows) {
       {row_of(rows.lobes, level_.lobe_row_bytes, at), row_of(rows.features, level_.feature_row_bytes, at), nullptr});
 }
 
-// The rows of the level from the coarse share.
+// Returns the rows of the level from the coarse share.
 RowStore ShareRows::rows_of_coarse_share() {
   if (there_.row_count(level_.level, level_.row_bytes()) != level_.height)
     throw Error(ErrorCode::kEnvironment,

@@ -65,7 +65,7 @@ void BoxPyramid::make_columns() {
 // such a distance would compete for the same cache sets.
 int BoxPyramid::row_length() const { return static_cast<int>((blocks_.node_count() + 15) / 16 * 16 + 16); }
 
-// The memory for one more row per band.
+// Returns the memory for one more row per band.
 std::uint64_t BoxPyramid::row_bytes() const {
   return (memory_.caller_row_values + size_of(map_.plane_count) * size_of(row_length())) * sizeof(float);
 }

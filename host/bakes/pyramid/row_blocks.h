@@ -24,8 +24,8 @@ class RowBlocks {
   explicit RowBlocks(int row_width);
 
   std::size_t node_count() const { return node_count_; }
-  /// The number of block sizes. For each k from 0 to depth() - 1, the blocks of 2^k texels have a first node and a
-  /// count.
+  /// Returns the number of block sizes. For each k from 0 to depth() - 1, the blocks of 2^k texels have a first node
+  /// and a count.
   int depth() const { return static_cast<int>(block_begin_.size()); }
   std::size_t block_begin(int k) const { return block_begin_[static_cast<std::size_t>(k)]; }
   int block_count(int k) const { return row_width_ >> k; }

@@ -328,8 +328,9 @@ double LobeErrors::colour_correlation(int lobe_count) {
   for (std::size_t t = 0; t < fitted.size(); ++t) {
     const auto count = static_cast<double>(survey_.texels[t].normals.size());
     const auto lobes = static_cast<double>(fitted[t].lobes.size());
-    if (count < 8.0 * std::max(lobes, 1.0)) continue;  // if there are few normals per lobe, lobes explain all of the
-                                                       // variance
+    if (count < 8.0 * std::max(lobes, 1.0))
+      continue;  // if there are few normals per lobe, lobes explain all of the
+                 // variance
     // If colours are independent of lobes, a share (lobes - 1) / (count - 1) of the variance is between lobes by
     // chance.
     within += fitted[t].colour_within;

@@ -78,7 +78,7 @@ class LobeErrors {
   using Model = std::function<glm::dvec3(std::size_t texel, const ShadedBy& by, const glm::dvec3& direction)>;
   double error_of(const Model& model, const std::vector<ShadedBy>& given, ColourModel colours) const;
   const std::vector<TexelFit>& fits(int lobe_count);
-  // The means over the normals of each fitted lobe.
+  // Adds the means over the normals of each fitted lobe.
   void add_means(const SurveyedTexel& texel, TexelFit& fit) const;
   double lobes_error(int lobe_count, bool planar, const std::vector<ShadedBy>& shadings, ColourModel colours);
   TexelFit fit(const SurveyedTexel& texel, int lobe_count, const std::vector<MixtureLobe>& top) const;

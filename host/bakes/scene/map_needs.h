@@ -32,8 +32,8 @@ struct MapNeeds {
     exponent_min = is_first ? exponent : std::min(exponent_min, exponent);
     exponent_max = is_first ? exponent : std::max(exponent_max, exponent);
   }
-  // The exponents of the sharpest and the broadest highlight, for which a bake measures errors. The list is empty if
-  // the map contains the widths of highlights.
+  // Returns the exponents of the sharpest and the broadest highlight, for which a bake measures errors. The list is
+  // empty if the map contains the widths of highlights.
   std::vector<double> exponents() const {
     std::vector<double> ends;
     if (exponent_max > 0.0) ends.push_back(exponent_max);

@@ -31,7 +31,7 @@ class MapPlanner {
   const MapNeeds& needs() const { return needs_; }
   const MapSurvey& survey() const { return survey_; }
   LobeErrors& errors() { return *errors_; }
-  /// The share of lobes that are too sharp for 16 bits, or nullopt if no visible material needs this share.
+  /// Returns the share of lobes that are too sharp for 16 bits, or nullopt if no visible material needs this share.
   std::optional<double> share_unrepresentable(int lobe_count);
 
  private:

@@ -154,7 +154,7 @@ FramePixels draw_reference(const PlaneStore& normals, const PlaneStore* material
         const CoveredSide& column = columns[size_of(x)];
         const glm::dvec3 light = light_of(view, x, y), half = glm::normalize(light + eye());
         double& pixel = pixels[size_of(y) * size_of(kFrameSide) + size_of(x)];
-        for (std::size_t c = 0; c < column.texels.size();) {  // runs of adjacent texels end at the map's border
+        for (std::size_t c = 0; c < column.texels.size();) {  // a run of adjacent texels ends at the map's border
           const std::size_t at = size_of(column.texels[c]);
           const std::size_t count = std::min(column.texels.size() - c, size_of(width) - at);
           pixel += rows.shares[r] * facets_highlight(light, eye(), half, &nx[at], &ny[at], &nz[at],
