@@ -18,7 +18,8 @@ import sys
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 SHARED = ("accuracy", "asset", "averages", "bake", "base", "brdf", "export", "gltf", "image", "light", "look",
           "manifest", "mesh", "movmf", "opencl", "pyramid", "sandbox", "scene", "target")
-# Sources that only one command uses, with the command whose options they name, and sources that run command lines.
+# The sources that only one command uses, each with the command whose options it names, and the sources that run command
+# lines.
 OF_ONE_COMMAND = {
     "host/bakes/bake/region_bake.cpp": "bake --region", "host/foundation/base/share_record.cpp": "those with --shard",
     "host/delivery/export/export_job.cpp": "export", "host/delivery/export/lobes/lobe_export.cpp": "export --lobes",

@@ -15,7 +15,7 @@ import pathlib
 import re
 
 INCLUDE = re.compile(r'^\s*#include\s+"([^"]+)"')
-# Compilers warn about "??=" and similar sequences, which were once trigraphs.
+# Compilers warn about "??=" and similar sequences, because they were trigraphs in earlier standards.
 ESCAPES = {ord("\n"): "\\n", ord('"'): '\\"', ord("\\"): "\\\\", ord("?"): "\\?"}
 
 

@@ -111,7 +111,7 @@ def hlsl(text):
 
     def change(code):
         code = re.sub(r"\bconst float\b", "static const float", code)
-        # HLSL has no float3(x) constructor for a single number, so a cast is used instead.
+        # HLSL has no constructor float3(x) for a single number, so a cast is used instead.
         code = re.sub(r"\bvec([234])\(([^(),]+|\w+\([^()]*\))\)", r"((vec\1)(\2))", code)
         return renamed(names)(code)
     text = with_samplers(text, "Texture2D<float4> {texture}, SamplerState {texture}_sampler",

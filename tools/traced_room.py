@@ -16,7 +16,8 @@ import zlib
 
 WIDTH, HEIGHT, VIEWS, LIGHTS = 96, 72, 4, 4
 SUB_PIXELS = 2  # number of sub-pixels along each side of a pixel
-# Objects in alphabetical order, as id_*.png numbers them: name, corner, edge along u, edge along v.
+# The objects in alphabetical order, which is the order of the numbers in id_*.png. Each has a name, a corner, and its
+# edges along u and v.
 QUADS = (("board", (-0.5, 0.4, 0.0), (0.9, 0.2, 0.0), (0.0, 0.0, 0.7)),
          ("floor", (-1.5, -1.0, 0.0), (3.0, 0.0, 0.0), (0.0, 3.0, 0.0)))
 BOARD = 0

@@ -14,7 +14,7 @@ import subprocess
 import tempfile
 
 SYMBOL = re.compile(r"^\s*\d+:\s+\S+\s+(\d+)\s+(\w+)\s+(\w+)\s+\w+\s+(?:\[.*\]\s+)?(\S+)\s+(\S+?)(?:\s+\(\d+\))?$")
-# OpenImageIO's list of formats holds the version of each decoder as text.
+# OpenImageIO's list of formats contains the version of each decoder as text.
 ASKED_ALWAYS = re.compile(r"^libraw_version$")
 
 
@@ -49,7 +49,7 @@ def source_of(soname, wanted, defined):
             lines.append(f"char {name}[{max(size, 8)}] __attribute__((aligned(32)));")
     script = []
     for version, names in versions.items():
-        if version:  # without a version, a symbol stays global by default
+        if version:  # a symbol without a version is global by default
             script.append(version + " { global: " + " ".join(f"{n};" for n in names) + " };")
     return "\n".join(lines) + "\n", "\n".join(script)
 

@@ -7,11 +7,11 @@ import shlex
 import subprocess
 
 PROGRAMS = ("multum", "multum-view", "multum-decode", "multum-bench", "multum-drill", "multum-farm-simulation")
-# Each of these words runs the command that follows.
+# Each of these words runs the command that follows it.
 BEFORE = {"sudo", "time", "env", "nohup", "exec", "do", "then", "else", "if", "while", "until", "!", "{", "python3",
           "bash", "node"}
 END = re.compile(r"[;|&()]+|\}")
-# The words after this command are a command line of multum.
+# The words after this command form a command line of multum.
 RUNS_MULTUM = ("multum", "openjd")
 HELP_TIMEOUT_S = 60
 OPTION_LINE = re.compile(r" {1,8}(-[^\s]+)")

@@ -12,7 +12,8 @@
 
 namespace multum {
 
-/// Returns the job that bakes the map of an export to `output`, with the memory and scratch folder of the export.
+/// Returns the job that bakes the map of an export to `output`, with the memory limit and the scratch folder of the
+/// export.
 BakeJob compared_bake_job(const ExportJob& job, const std::string& output);
 
 /// Bakes into a temporary file. The destructor removes the file.

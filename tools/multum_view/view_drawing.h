@@ -24,7 +24,7 @@ std::shared_ptr<const gl::FloatImage> background_of(const PictureOptions& option
 /// Returns the picture drawn in front of its background.
 gl::FloatImage shown_image(const NamedPicture& picture);
 
-/// Draws every picture that the options list, for any number of scenes. Textures are uploaded once.
+/// Draws every picture that the options list, for any number of scenes. Textures are uploaded only once.
 class PictureDrawer {
  public:
   /// All arguments must outlive this object.

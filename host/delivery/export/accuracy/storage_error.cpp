@@ -84,7 +84,8 @@ glm::dvec3 random_view(SplitMix64& random) {
   return {std::sin(polar) * std::cos(turn), std::sin(polar) * std::sin(turn), std::cos(polar)};
 }
 
-// Computes the light that a surface reflects from unit lights. Highlights are D V (n . l), without the Fresnel factor.
+// The light that a surface reflects if it is lit by unit lights. Highlights are D V (n . l), without the Fresnel
+// factor.
 struct Reflection {
   double metalness = 0.0;
   glm::dvec3 diffuse_normal{0.0, 0.0, 1.0};  // length 0 to 1
