@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Finds shared code whose messages name an option literally. A command without that option would also print these
-messages.
+"""Finds shared code whose messages name an option literally. Commands that do not have this option would also print
+these messages.
 
 advice() and option_text() of host/foundation/base/messages/option_words.h name options of the command that runs.
 

@@ -5,8 +5,8 @@
     tools/check_copies.py [--root DIR]     # exit code 1, and a line for each copy
 
 A copy is a table row, or a triple "10.5 / 7.2 / 7.1", whose numbers are neighbours in one line of a generated page. It
-has at least three numbers, none of which is whole. Numbers are compared with the decimals that the copy has. Link to
-the page instead, or put a mark into the page: tools/lab/readme_figures fills in figures between marks.
+has at least three numbers, none of which is an integer. Numbers are compared with as many decimals as the copy has.
+Link to the page instead, or put a mark into the page: tools/lab/readme_figures fills in figures between marks.
 """
 import argparse
 import pathlib

@@ -5,8 +5,8 @@
     tools/shading_languages.py SHADERS OUT
 
 SHADERS is runtime_gl/shaders. OUT gets multum_lobes with four endings: .glsl (330, and ES 300 after `precision highp
-float;`), .hlsl (shader model 4 and later), .metal and .wgsl. The input is functions and constants of a small part of
-GLSL: floats, vectors, one texture lookup, `if`, `for` and `?:`. Anything else stops the translation.
+float;`), .hlsl (shader model 4 and later), .metal and .wgsl. The input consists of functions and constants in a small
+part of GLSL, which has floats, vectors, one texture lookup, `if`, `for` and `?:`. Anything else stops the translation.
 """
 import argparse
 import pathlib

@@ -4,7 +4,7 @@
 
 The heights, int16 metres on a grid of 3 arc seconds, come with Debian's python-matplotlib-data as an .npz file, a ZIP
 of .npy arrays. The standard library is enough to read that file and to write PNG. Prints the matching --height-scale,
-which is the height in texels of a value difference of 1, times the chosen exaggeration.
+which is the height in texels that a value difference of 1 represents, times the chosen exaggeration.
 
   tools/terrain_height.py OUT.png [--exaggeration 4] [--every 1] [--input jacksboro_fault_dem.npz]
 """

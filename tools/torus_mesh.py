@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Writes a torus as an OBJ file: a closed surface whose texture coordinates wrap, for pictures that show every angle.
+"""Writes a torus as an OBJ file. It is a closed surface whose texture coordinates wrap, for pictures that show every
+angle.
 
   tools/torus_mesh.py OUT.obj
 

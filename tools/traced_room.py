@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Ray-traces a tiled floor and a glossy board: 4 views under 4 lights, as a folder that `multum animation` reads.
+"""Ray-traces a tiled floor and a glossy board in 4 views under 4 lights. The result is a folder that `multum animation`
+reads.
 
   tools/traced_room.py FOLDER
 
@@ -73,7 +74,7 @@ def camera_of(view):
 
 
 def seen_from(view):
-    """Returns the object, u and v of each sub-pixel by rows, or None where no object is seen."""
+    """Returns the object, u and v of each sub-pixel, row by row, or None if no object is visible there."""
     eye, (right, up, back), (scale_x, scale_y) = camera_of(view)
     columns, rows = WIDTH * SUB_PIXELS, HEIGHT * SUB_PIXELS
     seen = []

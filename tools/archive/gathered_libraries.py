@@ -41,7 +41,7 @@ def needed(file):
 
 
 def library_path(soname, cache={}):
-    """Returns the path where ld.so finds a library."""
+    """Returns the path at which ld.so finds a library."""
     if not cache:
         for line in run("/sbin/ldconfig", "-p").splitlines():
             found = re.match(r"\s*(\S+) \(libc6,x86-64.*\) => (\S+)", line)
@@ -70,7 +70,7 @@ def closure(files, opened=OPENED, given=()):
 
 
 def place_with_path(source, target, path):
-    """Copies a program or library, strips it, and sets its search path, a list of folders."""
+    """Copies a program or library, strips it, and sets its search path, which is a list of folders."""
     shutil.copyfile(source, target)
     target.chmod(0o755)
     subprocess.run(["strip", "--strip-unneeded", str(target)], check=True)
@@ -83,8 +83,8 @@ def place(source, target, to_libraries):
 
 
 def packages_of(paths):
-    """Returns the Debian packages that files belong to. dpkg may know a file of /usr by its path before the /usr
-    merge."""
+    """Returns the Debian packages to which files belong. dpkg may know a file in /usr by the path that it had before
+    the /usr merge."""
     names = {path: [os.path.realpath(path), os.path.realpath(path).removeprefix("/usr")] for path in paths}
     # All names are in one query, because each query reads the file lists of every package.
     found = subprocess.run(["dpkg-query", "-S", *(name for both in names.values() for name in both)],

@@ -125,7 +125,7 @@ def option_name(word):
 
 
 def program_faults(programs, words):
-    """States why a command line of a program cannot work."""
+    """Yields the reasons why a command line of a program cannot work."""
     path = (words[0],)
     if not programs.has(path[0]) or programs.help_text(path) is None:
         return
@@ -165,7 +165,7 @@ def script_text(path):
 
 
 def script_faults(root, words):
-    """States why a command line of a script in tools/ cannot work."""
+    """Yields the reasons why a command line of a script in tools/ cannot work."""
     name = words[0].removeprefix("./")
     path = pathlib.Path(root) / name
     if not path.is_file():

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Checks pages: links and their anchors, command lines, code blocks, and how many words each folder has."""
+"""Checks the links, anchors, command lines and code blocks of pages, and the number of words in each folder."""
 import ast
 import json
 import os
@@ -38,7 +38,7 @@ def link_faults(page, pages):
 
 
 def json_fault(text):
-    """States why a block is neither one JSON document nor one document per line. Returns None if it is one of them."""
+    """Returns the reason why a block is neither one JSON document nor one document per line, or None if it is valid."""
     try:
         json.loads(text)
         return None
