@@ -55,7 +55,7 @@ void check_values(const CLI::App& app) {
     check_values(*command);
 }
 
-// NewFolders removes folders that stay empty, so a command that fails leaves no folder.
+// NewFolders removes folders that are still empty at the end, so a command that fails leaves no folder.
 void make_output_folders(const CLI::App& command) {
   if (command.get_option_no_throw("--server") != nullptr) return;  // with --server, the output is on the service's disk
   for (const CLI::Option* option : command.get_options()) {

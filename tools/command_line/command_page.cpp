@@ -174,7 +174,8 @@ std::string key_values(const Parameter& row) {
   return cell(text);
 }
 
-// Returns the rows for parameters that are not options: keys of files and jobs, and settings that are only hashed.
+// Returns the rows for parameters that are not options, which are keys of files and jobs, and settings that are only
+// hashed.
 std::string key_rows(const Columns& columns, const std::set<std::string>& shown = {}) {
   std::string text;
   for (const Parameter& row : columns.table->rows())

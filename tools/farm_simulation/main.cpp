@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum-farm-simulation: simulates many maps on many Slurm nodes, in virtual time. The ledger (a JobQueue on a disk,
+// The program multum-farm-simulation simulates bakes of many maps on many Slurm nodes in virtual time. The ledger (a
+// JobQueue on a disk,
 // with synced commits), the chunks and the files of the shared folder are real. Slurm's commands, the nodes, their
 // failures and the bake times are simulated with random numbers. The measured time of real code is added to the virtual
 // time.

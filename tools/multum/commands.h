@@ -28,7 +28,7 @@ struct CommonOptions {
 int apply(const CommonOptions& options);
 void add_common_options(CLI::App& command, CommonOptions& options);
 
-/// Returns the progress of a long command: a bar on a terminal, or the callback of a worker.
+/// Returns the progress of a long command, which is a bar on a terminal or the callback of a worker.
 std::unique_ptr<Progress> make_progress(const CommonOptions& options);
 
 /// Runs a command line and returns its exit code. Throws Error and Cancelled.
@@ -46,13 +46,13 @@ std::string find_viewer();
 void add_bake_command(CLI::App& app, int* exit_code);
 void add_export_command(CLI::App& app, int* exit_code);
 void add_gltf_command(CLI::App& app, int* exit_code);
-/// look: writes a page that shows lobes in a browser.
+/// Adds look, which writes a page that shows lobes in a browser.
 void add_look_command(CLI::App& app, int* exit_code);
 void add_devices_command(CLI::App& app, int* exit_code);
-/// doctor: checks the machine.
+/// Adds doctor, which checks the machine.
 void add_doctor_command(CLI::App& app, int* exit_code);
 void add_info_command(CLI::App& app, int* exit_code);
-/// shaders: writes the shading of lobes in several languages.
+/// Adds shaders, which writes the shading of lobes in several languages.
 void add_shaders_command(CLI::App& app, int* exit_code);
 void add_selftest_command(CLI::App& app, int* exit_code);
 void add_tradeoff_command(CLI::App& app, int* exit_code);
@@ -61,7 +61,7 @@ void add_testmap_command(CLI::App& app, int* exit_code);
 void add_plan_command(CLI::App& app, int* exit_code);
 /// mip, reflectance, lod.
 void add_pyramid_commands(CLI::App& app, int* exit_code);
-/// parameters: prints the table of all parameters.
+/// Adds parameters, which prints the table of all parameters.
 void add_parameters_command(CLI::App& app, int* exit_code);
 /// completion, man.
 void add_help_commands(CLI::App& app, int* exit_code);

@@ -40,7 +40,7 @@ DoctorFindings machine_findings();
 /// Checks the OpenCL devices, and checks that --device names one of them.
 DoctorFindings device_findings(const DoctorSettings& settings);
 
-/// Checks the access rights and sizes of the folders of compiled kernels. Call it after device_findings().
+/// Checks the access rights and sizes of the folders of compiled kernels. Call this function after device_findings().
 DoctorFindings cache_findings(const KernelCacheFolders& folders);
 
 /// Checks the program that decodes images and meshes, and checks whether the operating system's kernel can confine it.

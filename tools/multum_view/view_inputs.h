@@ -16,7 +16,7 @@ constexpr float kPlaneSize = 60.0f;
 gl::MeshData make_mesh(const PictureOptions& options, ViewScenes& scenes);
 gl::MeshData to_mesh_data(const TriangleMesh& mesh);
 /// Moves the camera so that it shows the whole mesh, unless the options set a camera. Always sets the near and far
-/// planes. Prints the camera and the bounds of the mesh, which comes from `file`.
+/// planes. Prints the camera and the bounds of the mesh. `file` is the file of the mesh.
 void frame_mesh(const TriangleMesh& mesh, const std::string& file, const OutputOptions& output, ViewScenes& scenes);
 
 /// Returns whether levels are missing in the file. Missing levels are taken from the source.

@@ -16,8 +16,7 @@ namespace multum {
 namespace {
 
 // Adds up the errors of each level, kind of point and BRDF. Each sample represents all texels of its cell. For sampled
-// levels, the
-// errors of each point are also kept, because their spread gives the confidence interval.
+// levels, the errors of each point are also kept, because the confidence interval follows from their spread.
 //
 // The error of a level is R = sum_i w_i d_i / sum_i w_i t_i. For the sample of cell i, d_i is the difference, t_i is
 // the reference, and w_i is the number of texels in the cell. Both sums are Horvitz-Thompson estimates (Cochran 1977,

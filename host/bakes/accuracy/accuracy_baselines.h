@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Measures the alternatives to a bake: averaged normals, Toksvig, and LEAN moments. Errors are measured at texel
-// centres as in host/bakes/accuracy/accuracy.h, in double precision and with convolved Blinn-Phong without n . l.
+// Measures the alternatives to a bake, which are averaged normals, Toksvig and LEAN moments. Errors are measured at
+// texel centres as in host/bakes/accuracy/accuracy.h, in double precision and with convolved Blinn-Phong without n . l.
 #pragma once
 
 #include <string>

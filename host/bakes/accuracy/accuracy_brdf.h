@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Identifies the subject of a measured error: a BRDF, its shading method, and whether colours are included. The text
-// form, which is used in tables, reports and file headers, is written and parsed only here.
+// Identifies what an error was measured for. This is a BRDF, its shading method, and whether colours are included. The
+// text form, which is used in tables, reports and file headers, is written and parsed only here.
 #pragma once
 
 #include <string>

@@ -40,7 +40,7 @@ struct FinestRow {
 class RowSums {
  public:
   virtual ~RowSums() = default;
-  /// Adds a row. Call it once per row, from the top.
+  /// Adds a row. Call this function once per row, from the top.
   virtual void add_row(const FinestRow& row) = 0;
   /// Called after the last row.
   virtual void finish() {}

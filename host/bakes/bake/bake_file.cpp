@@ -48,7 +48,7 @@ constexpr std::uint64_t kRoomy = std::uint64_t{128} << 20;  // memory above the 
 // The default is 5/32 of the machine's memory: a quarter, minus 3/32 for up to three maps
 // (host/bakes/bake/bake_source.cpp). In a small container, this share is too small. The default is then the bake's
 // minimum plus kRoomy, up to seven eighths of the memory. The process can run with less memory than it asks for,
-// because the system can drop pages of libraries. For example, maps of 4096 x 4096 were baked with 400 MB.
+// because the system can drop pages of libraries. For example, maps of 4096 x 4096 texels were baked with 400 MB.
 std::uint64_t usual_memory(std::uint64_t least) {
   const std::uint64_t all = machine_memory_bytes(), most = all / 8 * 7;
   if (most < least)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Describes a bake: the files it reads and writes, and its settings. host/bakes/bake/bake_file.h runs it.
+// Describes a bake by its input files, output files and settings. host/bakes/bake/bake_file.h runs bakes.
 #pragma once
 
 #include <memory>
@@ -49,7 +49,7 @@ struct BakeJob {
   std::string scratch_folder;      // folder for data that does not fit into memory; if empty, the output's folder is
                                    // used
   bool resume = false;             // continue a killed bake of the same output
-  // For lobes only: the share of the map that this process fits, into a file next to the output
+  // The share of the map that this process fits and writes to a file next to the output. This is only for lobes
   // (host/bakes/movmf/map_shard.h).
   std::optional<MapShard> shard;
   int merged_shards = 0;  // number of finished shares to merge into the output; if 0, all rows are fitted

@@ -37,7 +37,8 @@ struct BakeSource {
   bool has_roughness() const { return map.normals.is_shortened(); }
 };
 
-/// The folder for data that does not fit into memory: the job's scratch folder, or the output's folder.
+/// Returns the folder for data that does not fit into memory, which is the job's scratch folder or else the output
+/// folder.
 std::string scratch_folder(const BakeJob& job);
 
 /// Returns the header of files that are baked from the source, without provenance.

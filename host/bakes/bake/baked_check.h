@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Checks that a finished file is undamaged and that its error is no larger than stated. Verifies it as `multum verify`
 // does and measures it again as the bake did (docs/evidence/ACCURACY.md). The texels, lights, views and BRDFs are the
-// same, so an unchanged file gives the same errors.
+// same, so the errors of an unchanged file are the same.
 #pragma once
 
 #include <optional>

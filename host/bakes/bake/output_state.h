@@ -18,8 +18,8 @@ namespace multum {
 /// there.
 MovmfSettings fitting_settings(const BakeJob& job, WrapMode wrap_s, WrapMode wrap_t);
 
-/// Returns every setting that changes the file: settings for reading and fitting, hashes of the material maps, and the
-/// kernels. Throws Error(kInput) if one of the maps cannot be read.
+/// Returns every setting that changes the file. These are the settings for reading and fitting, the hashes of the
+/// material maps, and the kernels. Throws Error(kInput) if one of the maps cannot be read.
 std::string all_settings_json(const BakeJob& job);
 
 /// Returns one line that identifies the inputs of a bake's rows. Rows of a killed bake or of a share can be used only

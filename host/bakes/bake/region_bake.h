@@ -27,7 +27,7 @@ struct MapRegion {
 /// Returns the smallest rectangle of level 0 that contains every changed texel. Changed texels differ from `old` by
 /// more than two steps of 16-bit normals or of 16-bit floats. The rectangle's height is 0 if no texel differs. Returns
 /// nullopt if `old` stores no level 0. `header` belongs to the file to write. `normals` and `features` are the data to
-/// compare. Throws as RegionBake does.
+/// compare. Throws the same errors as RegionBake.
 std::optional<MapRegion> find_changed_region(const std::string& old, const MovmfMipmap& header,
                                              const PlaneStore& normals, const FeaturePlanes& features, int threads);
 

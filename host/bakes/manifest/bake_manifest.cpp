@@ -152,7 +152,7 @@ ManifestEntry read_entry(const std::string& path, const toml::table& toml, const
   return entry;
 }
 
-// Compares names by means of a map, not pair by pair as check_paths_differ() does, because a manifest may list
+// Compares names by means of a std::map and not pair by pair like check_paths_differ(), because a manifest may list
 // thousands of maps.
 void check_apart(const std::vector<ManifestEntry>& entries) {
   std::map<std::string, std::string> inputs, outputs;  // the use of each canonical name

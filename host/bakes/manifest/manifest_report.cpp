@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Escapes names and reasons for XML and Markdown. File names may contain any byte except '/' and NUL. XML 1.0 allows
-// only valid UTF-8 without most control characters, and Markdown gives punctuation a meaning.
+// only valid UTF-8 without most control characters, and punctuation has a meaning in Markdown.
 #include "host/bakes/manifest/manifest_report.h"
 
 #include <fmt/format.h>

@@ -128,7 +128,8 @@ MapResult run_manifest_map(const ManifestMap& map, const ManifestRunSettings& se
     note_finding(found, result);
     if (is_current) check_in_place(map, found, device, progress, result);
   }
-  // A file that is worse than allowed is not baked again, because the same source would give the same error.
+  // A file that is worse than allowed is not baked again, because a new bake from the same source would have the same
+  // error.
   const bool must_be_baked = !is_current || result.state == MapState::kDamaged;
   try {
     if (must_be_baked && settings.dry_run) check_can_be_baked(map, progress);

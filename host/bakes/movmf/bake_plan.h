@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Plans how a bake fits into memory: the bands of rows in which each level is fitted, and the data that stays in memory
-// between levels. The plan does not change a single byte of the result.
+// Plans the use of memory by a bake. The plan states the bands of rows in which each level is fitted, and the data that
+// stays in memory between levels. The plan does not change a single byte of the result.
 #pragma once
 
 #include <cstdint>

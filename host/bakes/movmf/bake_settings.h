@@ -64,8 +64,8 @@ struct MovmfSettings {
 /// Applies the given values of bake_parameters() to the settings, `reference` and `unaligned` first.
 void apply(const ParameterValues& values, MovmfSettings& settings);
 
-/// Sets the reference with which the default settings are compared: every normal at every level, 30 iterations, 10 in
-/// further passes, and no early stop (docs/contributing/ALGORITHMS.md, "Fewer evaluations").
+/// Sets the reference with which the default settings are compared. It uses every normal at every level, 30 iterations,
+/// 10 iterations in further passes, and no early stop (docs/contributing/ALGORITHMS.md, "Fewer evaluations").
 void make_reference(MovmfSettings& settings);
 
 /// Makes the bake fit every texel independently and without alignment, as in figures 5 and 6 of Tan et al. 2005. This

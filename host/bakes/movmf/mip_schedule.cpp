@@ -107,7 +107,7 @@ MipSchedule make_mip_schedule(int map_width, int map_height, const MovmfSettings
     fit.sample_columns = covered_max(map_width, fit.width);
     fit.sample_rows = covered_max(map_height, fit.height);
     fit.order = settings.order == FitOrder::kScanline ? MULTUM_ORDER_SCANLINE : MULTUM_ORDER_COLOUR;
-    // Scan-line order does not wrap: texels across the border are fitted later.
+    // Scan-line order does not wrap, because texels across the border are fitted later.
     const bool wraps = settings.order == FitOrder::kColour;
     fit.periodic_x = wraps && settings.periodic_x ? 1 : 0;
     fit.periodic_y = wraps && settings.periodic_y ? 1 : 0;

@@ -16,7 +16,7 @@ namespace multum {
 /// lobes around the part already exist.
 bool averages_suffice(const RowOrigin& rows, const MovmfSettings& settings);
 
-/// Bakes as bake_movmf() does, for settings for which averages_suffice() returns true. Progress advances by
+/// Does the same as bake_movmf(), for settings for which averages_suffice() returns true. Progress advances by
 /// movmf_bake_units().
 void average_movmf(Device& device, const MapInputs& map, const MovmfSettings& settings, MovmfSink& sink,
                    FitReport& report, Progress* progress);

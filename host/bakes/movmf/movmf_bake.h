@@ -18,8 +18,8 @@
 
 namespace multum {
 
-/// Checks the settings as validate() does, and also checks limits that depend on the map's size. Throws Error(kUsage),
-/// and Error(kInput) for a map that is too large.
+/// Makes the same checks as validate(), and also checks limits that depend on the map's size. Throws Error(kUsage), and
+/// Error(kInput) for a map that is too large.
 void validate(const MovmfSettings& settings, int map_width, int map_height);
 
 /// Number of progress units of a bake of lobes.

@@ -141,7 +141,8 @@ void MovmfFit::hand_over_there(const LevelSchedule& level, const LevelShape& sha
 // Returns the number of rows of level 0 whose parents are in rows of level 1 above `row`.
 int MovmfFit::finest_end(const MultumMovmfFit& fit, int row) const { return row == fit.height ? map_height_ : 2 * row; }
 
-// Returns the start of texels without a parent: texels of the coarsest level, and of every level in an unaligned bake.
+// Returns the start of texels without a parent. These are the texels of the coarsest level and, in an unaligned bake,
+// of every level.
 RowStore MovmfFit::parentless_start(const LevelSchedule& level) {
   const MultumMovmfFit& fit = level.fit;
   const auto width = static_cast<std::size_t>(fit.width);

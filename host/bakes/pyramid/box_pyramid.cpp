@@ -12,8 +12,8 @@
 namespace multum {
 namespace {
 
-// More memory does not make a bake faster. Averaging a map of 4096 x 4096 takes 3.6 s in bands of 16 MiB, 3.9 s in
-// bands of 64 MiB and 4.5 s in bands of 2 MiB. These times are medians of three runs on 2 cores of an AMD EPYC with
+// More memory does not make a bake faster. Averaging a map of 4096 x 4096 texels takes 3.6 s in bands of 16 MiB, 3.9 s
+// in bands of 64 MiB and 4.5 s in bands of 2 MiB. These times are medians of three runs on 2 cores of an AMD EPYC with
 // PoCL 3.1, while other programs were running.
 constexpr std::uint64_t kUsefulBandBytes = std::uint64_t{16} << 20;
 constexpr int kBoxMapSideMax = 32768;  // with this limit, products of two sides fit into an int

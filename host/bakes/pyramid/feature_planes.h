@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Describes a map's normals and the linear features of its material: colours, then weights of basis BRDFs (Han et al.
-// 2007, section 7.3). Features are averaged or divided among lobes together with the normals. Every bake treats
-// features as triples of planes, regardless of their meaning.
+// Describes a map's normals and the linear features of its material, which are colours, followed by weights of basis
+// BRDFs (Han et al. 2007, section 7.3). Features are averaged or divided among lobes together with the normals. Every
+// bake treats features as triples of planes, regardless of their meaning.
 #pragma once
 
 #include <cstdint>
@@ -40,7 +40,7 @@ struct MapInputs {
   SpillPolicy spill{.memory_bytes = 4 << 20};  // policy for rows that the next level needs
 };
 
-/// Splits features [triple][texel] into the form of the file: colours, and weights texel by texel.
+/// Splits features [triple][texel] into colours and weights, texel by texel, as in the file.
 void split_features(std::vector<std::vector<glm::vec3>> rgb_planes, const FeaturePlanes& features,
                     std::vector<glm::vec3>& colours, std::vector<float>& weights);
 

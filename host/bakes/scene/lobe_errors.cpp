@@ -120,8 +120,8 @@ std::vector<MixtureLobe> LobeErrors::fit_top(int lobe_count) const {
       ->lobes;
 }
 
-// Fits a texel as the bake does. The start consists of the coarser texel's lobes, broadened and with a minimum
-// amplitude, or of normals that are far apart if these lead to a better fit.
+// Fits a texel in the same way as the bake. The start consists of the coarser texel's lobes, broadened and with a
+// minimum amplitude, or of normals that are far apart if these lead to a better fit.
 LobeErrors::TexelFit LobeErrors::fit(const SurveyedTexel& texel, int lobe_count,
                                      const std::vector<MixtureLobe>& top) const {
   const Normals& normals = texel.normals;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Estimates the error of lobes before a bake. Fits mixtures of 0, 1, 2, ... lobes to the normals under each surveyed
-// texel and shades them as the runtime does. The reference shades the same normals one by one. The estimate is used to
-// choose settings. It ignores alignment and filtering, so it applies to texel centres.
+// Estimates the error of lobes before a bake. Fits mixtures of 0, 1, 2, ... lobes to the normals that each surveyed
+// texel covers, and shades them in the same way as the runtime. The reference shades the same normals one by one. The
+// estimate is used to choose settings. It ignores alignment and filtering, so it applies to texel centres.
 #pragma once
 
 #include <functional>
@@ -12,8 +12,8 @@
 
 namespace multum {
 
-/// The shading of texels: max(n . l, 0), or normalised facets with this Blinn-Phong exponent. Other families of BRDFs
-/// use the exponent of a Blinn-Phong of equal width.
+/// The shading of texels, which is max(n . l, 0), or normalised facets with this Blinn-Phong exponent. Other families
+/// of BRDFs use the exponent of a Blinn-Phong of equal width.
 struct ShadedBy {
   std::optional<double> exponent;  // nullopt means Lambert; infinity means that the width is given by the lengths of
                                    // the shortened normals

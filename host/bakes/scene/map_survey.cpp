@@ -25,7 +25,7 @@ constexpr int kBandLevel = 5;
 constexpr std::int64_t kSummedTexels = std::int64_t{1} << 22;
 constexpr int kBandStride = 4;
 
-// Sums over the normals under a texel.
+// The sums over the normals that a texel covers.
 struct Sums {
   double count = 0.0, x = 0.0, y = 0.0, z = 0.0, xx = 0.0, yy = 0.0, xy = 0.0;
 

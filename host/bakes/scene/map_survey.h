@@ -32,7 +32,7 @@ struct LevelStatistics {
 
 struct SurveyedTexel {
   int level = 0;
-  Normals normals;                  // all normals under the texel, or a random selection
+  Normals normals;                  // all normals that the texel covers, or a random selection of them
   std::vector<glm::dvec3> colours;  // [normal], linear RGB; empty if the map has no colours
   std::vector<glm::dvec4> weights;  // [normal], weights of basis BRDFs; empty if the map has none
 };

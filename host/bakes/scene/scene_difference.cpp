@@ -73,8 +73,8 @@ struct Estimate {
   double value = 0.0, confidence = 0.0;
 };
 
-// Returns the sum of differences divided by the sum of `by_default` over all mosaics. The delta method gives the
-// interval.
+// Returns the sum of differences divided by the sum of `by_default` over all mosaics. The interval follows from the
+// delta method.
 Estimate ratio(const std::vector<LevelDifference>& of_mosaics) {
   double difference = 0.0, by_default = 0.0, squares = 0.0;
   for (const LevelDifference& one : of_mosaics) {

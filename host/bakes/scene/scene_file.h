@@ -74,7 +74,7 @@ struct SceneDescription {
 /// names the file, the line, the value found and the value expected.
 SceneDescription read_scene(const std::string& path, const BakeJob& pattern);
 
-/// Lists the files that a scene names, and reads none of them. Throws as read_scene() does.
+/// Lists the files that a scene names, and reads none of them. Throws the same errors as read_scene().
 std::vector<std::string> scene_files(const std::string& path);
 
 }  // namespace multum

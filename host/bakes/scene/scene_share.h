@@ -26,12 +26,12 @@ struct SceneShareReport {
   int maps = 0;            // number of maps in the share
 };
 
-/// Bakes share `index` of `count`. Shares are counted from 1. Throws as plan_scene() and bake_scene() do.
+/// Bakes share `index` of `count`. Shares are counted from 1. Throws the same errors as plan_scene() and bake_scene().
 SceneShareReport bake_scene_share(const SceneRun& run, int index, int count, Device& device, const SceneMapDone& done,
                                   Progress* progress);
 
 /// If records or files of shares are missing, damaged or from another bake, throws Error(kEnvironment) that names these
-/// shares and the option that bakes a share again. Also throws as plan_scene() does.
+/// shares and the option that bakes a share again. Also throws the errors of plan_scene().
 SceneReport merge_scene(const SceneRun& run, int count, Progress* progress);
 
 }  // namespace multum

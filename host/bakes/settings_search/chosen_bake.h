@@ -45,7 +45,7 @@ std::string target_key(const BakeJob& job, const BakeTarget& target);
 
 /// Ignores JOB's representation, lobes, order and effort. JOB.output appears if the target is met or `best_effort` is
 /// set. Keeps an existing file that was chosen for the same target and baked from the same source
-/// (BakeReport::unchanged), unless JOB.force is set. Throws as bake_file() does.
+/// (BakeReport::unchanged), unless JOB.force is set. Throws the same errors as bake_file().
 ChosenBake bake_to_target(const BakeJob& job, const BakeTarget& target, Device& device, Progress* progress);
 /// Bakes from `source`, the result of read_bake_source() for the job. If `source` is null, reads it.
 ChosenBake bake_to_target(const BakeJob& job, const BakeTarget& target, const BakeSource* source, Device& device,

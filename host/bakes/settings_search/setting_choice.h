@@ -28,7 +28,7 @@ struct TargetBrdf {
   /// Returns the BRDF's highlight, unless every bake measures it anyway.
   std::vector<Highlight> more_highlights() const;
 };
-/// Parses a BRDF as parse_brdf() does, and uses only its highlight. Throws Error(kUsage) that names `option`, and
+/// Parses a BRDF with parse_brdf(), and uses only its highlight. Throws Error(kUsage) that names `option`, and
 /// Error(kInput).
 TargetBrdf parse_target_brdf(const std::string& text, const std::string& option = "--brdf");
 

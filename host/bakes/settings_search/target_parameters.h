@@ -13,7 +13,8 @@ bool has_target(const ParameterValues& values);
 /// Returns the target. `viewer` is the program that draws a picture of the result (BakeTarget::viewer).
 BakeTarget bake_target(const ParameterValues& values, const std::string& viewer);
 
-/// Throws Error(kUsage) for target parameters without a target, and for settings that a target chooses.
+/// Throws Error(kUsage) if there are target parameters without a target, or settings that would be chosen for the
+/// target.
 void check_target_values(const ParameterValues& values);
 
 /// Throws Error(kVerification) if no settings reach the target.

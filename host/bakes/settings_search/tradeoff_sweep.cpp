@@ -70,7 +70,7 @@ void add_term_views(const TargetBrdf& target, std::vector<View>& views) {
 void add_default_views(const TradeoffJob& job, std::vector<View>& views) {
   if (job.length == SweepLength::kQuick) return;
   views.push_back({"shading formula", "--shade-first", "", false});
-  if (job.has_roughness()) return;  // the BRDF comes from the map and has only one formula
+  if (job.has_roughness()) return;  // the BRDF is determined by the map and has only one formula
   if (job.brdf.brdf.kind == BrdfKind::kBlinnPhong) views.push_back({"shading formula", "--formula paper", "", false});
   if (job.brdf.has_highlight()) add_term_views(job.brdf, views);
 }
@@ -337,7 +337,7 @@ class Sweep {
     return arguments;
   }
 
-  // A row without a drawn frame does not meet any time budget.
+  // A row for which no frame was drawn does not meet any time budget.
   void mark_budgets() {
     for (TradeoffRow& row : result_.rows)
       row.fits = (!job_.bytes_max || row.gpu_bytes <= *job_.bytes_max) &&

@@ -11,7 +11,8 @@
 
 namespace multum {
 
-/// Returns everything that determines a fit: this program, the hashes of its input files, and the lobe settings.
+/// Returns everything that determines a fit, which is this program, the hashes of its input files, and the lobe
+/// settings.
 nlohmann::json fit_key(const ExportJob& job, const std::function<std::string(const std::string&)>& hash);
 
 /// Returns everything that determines the bytes of the files. Throws Error(kInput) if a file cannot be read.

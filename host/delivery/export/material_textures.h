@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Defines the textures of an exported material: their roles, the contents of their channels, and their files.
+// Defines the roles, the contents of the channels, and the files of the textures of an exported material.
 #pragma once
 
 #include <algorithm>

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Decides which materials of a glTF file get fitted textures, and from which inputs (glTF 2.0, section 3.9; the rules
-// are in docs/reference/gltf.md). A material's normal texture and metallic-roughness texture are fitted together if
-// their texels cover the same places on the surface. Otherwise the material stays unchanged, and the reason is stated.
+// Decides which materials of a glTF file receive fitted textures, and from which inputs these are made (glTF 2.0,
+// section 3.9; the rules are in docs/reference/gltf.md). A material's normal texture and metallic-roughness texture are
+// fitted together if their texels cover the same places on the surface. Otherwise the material stays unchanged, and the
+// reason is stated.
 #pragma once
 
 #include <array>

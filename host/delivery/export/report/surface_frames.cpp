@@ -43,7 +43,7 @@ LightSet one_light(const glm::dvec3& light) {
   return set;
 }
 
-// Adds the weighted highlights of adjacent facets under one light, as add_highlights() does. The inner loop is over
+// Adds the weighted highlights of adjacent facets under one light, like add_highlights(). The inner loop is over
 // facets. `base` holds alpha^2 of each facet. If it is null, all facets have `alpha_squared`.
 MULTUM_VECTOR_CLONES double facets_highlight(const glm::dvec3& l, const glm::dvec3& v, const glm::dvec3& h,
                                              const float* x, const float* y, const float* z, const float* base,

@@ -23,7 +23,7 @@ constexpr double kTurnReach = 0.15;  // slope of the circling half vector
 constexpr double kTurnLevel = 4.0;
 constexpr double kWhiteShare = 0.98;  // share of the reference's pixels that are darker than white
 
-// Stores levels from kStudyFirstLevel on as a texture: normal, roughness, axis and strength.
+// Stores level kStudyFirstLevel and coarser levels as a texture of normal, roughness, axis and strength.
 class LevelSink : public MaterialSink {
  public:
   LevelSink(int width, int height, bool has_axis) : texture(has_axis ? 7 : 4, kStudyFirstLevel) {

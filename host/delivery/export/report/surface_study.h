@@ -20,7 +20,7 @@ struct StudyPicture {
   double energy = 1.0;             // energy relative to the reference
 };
 
-/// Pictures from one distance. The reference comes first, then each model.
+/// Pictures from one distance. The first picture shows the reference, and the others show the models.
 struct StudyDistance {
   double level;
   std::vector<StudyPicture> pictures;

@@ -19,8 +19,8 @@ const STRIP_TEXELS = 1 << 17; // texels of a strip; the encoder accepts at most 
 const BLOCK_SIDE = 4;
 const BLOCK_BYTES = 16;
 
-// Lists folders that may hold the package, in node's order: the given folder, the parent folders, and the system
-// folders.
+// Lists folders that may contain the package. As in node, the order is the given folder, the parent folders, and the
+// system folders.
 function findEncoder(said) {
   const above = [];
   for (let at = process.cwd(); ; at = path.dirname(at)) {
