@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum bake. Options that maketx also has keep their names from maketx.
+// Implements multum bake. Options that also exist in maketx have the same names as in maketx.
 #include <cstdio>
 #include <memory>
 
@@ -46,7 +46,7 @@ BakeReport bake_chosen(const BakeJob& job, const BakeOptions& o, Device& device)
   return chosen.report;
 }
 
-// Bakes each map. A map that fails does not stop the others. Returns the exit code of the first failure.
+// Bakes each map. If a map fails, the others are still baked. Returns the exit code of the first failure.
 int bake_several(const std::vector<BakeJob>& jobs, const BakeOptions& o, Device& device) {
   int code = 0;
   std::size_t unchanged = 0, failed = 0, begun = 0;
@@ -123,7 +123,7 @@ int run_bake(const CLI::App& bake, BakeOptions& o) {
     check_merge(o, is_several);
     jobs[0].merged_shards = o.merged_shards;
   }
-  // A single map is checked before the device is opened. Several maps are read only after a device was opened.
+  // A single map is checked before the device is opened. Several maps are read only after the device has been opened.
   Device device = is_several ? Device::open(device_choice) : Device::when_needed(device_choice);
   device.time_launches(o.values.flag("runstats"));
   if (is_several) return bake_several(jobs, o, device);

@@ -19,8 +19,8 @@ namespace {
 
 constexpr char kStdout[] = "-";
 
-// Checks result files before any work, so that a long run does not end with a report that cannot be written or that
-// overwrites a map.
+// Checks the names of result files before any work. Otherwise a long run could end with a report that cannot be written
+// or that overwrites a map.
 void check_result_files(const ManifestModeOptions& o, const std::vector<ManifestMap>& maps) {
   std::vector<std::string> taken = {o.manifest};
   for (const ManifestMap& map : maps) {
@@ -47,7 +47,7 @@ void print_result(const ManifestMap& map, const BakePrinting& printing, const Ma
   }
 }
 
-// Bakes or checks one map. A map that fails does not stop the others.
+// Bakes or checks one map. If it fails, the other maps are still handled.
 MapResult run_map(const ManifestMap& map, const ManifestModeOptions& o, Device& device, const CommonOptions& common,
                   const BakePrinting& printing) {
   const Stopwatch stopwatch;

@@ -60,7 +60,7 @@ DoctorFinding cache_finding(const std::string& folder, const std::string& what, 
   if (folder.empty())
     return {DoctorState::kWarning, "cache", fmt::format("{}: switched off, so kernels are compiled in every run", what),
             fmt::format("Unset {}, or set it to a folder that can be written.", variable)};
-  // If a folder is not writable, opening a device replaces it with a private folder (kernel_caches.h).
+  // If a folder is not writable, it is replaced with a private folder when a device is opened (kernel_caches.h).
   const char* const used = std::getenv(variable.c_str());
   if (used != nullptr && used != folder)
     return {DoctorState::kWarning, "cache",
@@ -90,7 +90,7 @@ std::string last_line(const std::string& text) {
   return text.substr(begin == std::string::npos ? 0 : begin + 1, end - (begin == std::string::npos ? -1 : begin));
 }
 
-// Returns the reason why a child failed, in one line. Empty if it succeeded.
+// Returns one line with the reason why a child process failed, or an empty string if it succeeded.
 std::string failure_of(const ChildResult& child) {
   if (child.is_over_time) return "it took longer than five minutes";
   if (child.signal != 0) return fmt::format("it was terminated by signal {}", child.signal);

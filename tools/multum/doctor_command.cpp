@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum doctor: checks the machine, reports problems, and says how to solve them.
+// Implements multum doctor, which checks the machine, reports problems, and says how to solve them.
 #include <fmt/format.h>
 
 #include <filesystem>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum export: writes a normal map as a material with one lobe per texel. Engines load it without a new shader.
+// Implements multum export, which writes a normal map as a material with one lobe per texel. Engines can load this
+// material without a new shader.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -54,7 +55,7 @@ const char* finding_name(ExportFinding finding) {
   return "";
 }
 
-// Throws Error(kUsage) for options about reading a map. These options have no effect on a baked file, which already
+// Throws Error(kUsage) for options that control how a map is read. They have no effect on a baked file, which already
 // holds decoded normals.
 void check_no_reading_is_given(const std::string& input, const ParameterValues& values) {
   for (const Parameter& row : export_parameters().rows())
@@ -100,7 +101,7 @@ OrderedJson export_json(const ExportJob& job, const ExportReport& report) {
   return json;
 }
 
-// Exports each map. A map that fails does not stop the others. Returns the exit code of the first failure.
+// Exports each map. If a map fails, the others are still exported. Returns the exit code of the first failure.
 int export_several(const std::vector<ExportJob>& jobs, const CommonOptions& common, Device& device) {
   int code = 0;
   std::size_t failed = 0;
@@ -166,7 +167,7 @@ int run_export_manifest(const ExportOptions& o) {
       const Error error = caught_error(maps[i].job.input);
       print_shown(stderr, "multum: %s\n", error.what());
       counts.maps.push_back({{"name", maps[i].name}, {"state", "failed"}, {"why", error.what()}});
-      // A setting that does not fit its map is an error in the manifest file, not in the command line.
+      // A setting that does not suit its map is an error in the manifest, not in the command line.
       if (code == 0) code = exit_code(error.code() == ErrorCode::kUsage ? ErrorCode::kInput : error.code());
     }
   }

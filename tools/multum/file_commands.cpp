@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum info, verify, devices, testmap.
+// Implements multum info, verify, devices and testmap.
 #include <fmt/format.h>
 
 #include <cstdio>
@@ -53,7 +53,8 @@ std::string size_text(std::uint64_t bytes) {
   return kib < 1024.0 ? fmt::format("{:.1f} KiB", kib) : fmt::format("{:.1f} MiB", kib / 1024.0);
 }
 
-// The lines of `multum info` that depend on the representation: texel contents and encoding losses.
+// The lines of `multum info` that depend on the representation. They describe the texel contents and the losses of the
+// encoding.
 struct InfoKind {
   Representation representation;
   std::string (*texels)(const std::string& path, const BakedHeader& file);
@@ -116,7 +117,7 @@ const InfoKind& info_kind(Representation representation) {
   return kInfoKinds[0];
 }
 
-// Returns the size on the GPU, compared with BC5 and BC4 textures of the same map.
+// Describes the size on the GPU, compared with BC5 and BC4 textures of the same map.
 std::string on_the_gpu(std::uint64_t bytes, const BakedHeader& file) {
   const std::uint64_t by_default = default_gpu_bytes(file.width, file.height);
   return fmt::format("on the GPU      {}{}, {:.1f} times the {} of a BC5 normal and a BC4 roughness\n",
@@ -124,7 +125,8 @@ std::string on_the_gpu(std::uint64_t bytes, const BakedHeader& file) {
                      static_cast<double>(bytes) / static_cast<double>(by_default), size_text(by_default));
 }
 
-// Returns what the bake found in its source files. Empty for files that earlier versions wrote.
+// Returns the properties that the bake found in its source files. The result is empty for files that earlier versions
+// wrote.
 std::string reading_text(const std::string& reading) {
   const nlohmann::json json = nlohmann::json::parse(reading, nullptr, false);
   if (!json.is_object()) return "";

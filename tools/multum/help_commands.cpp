@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum completion, multum man: write shell completion and manual pages of multum and multum-view.
+// Implements multum completion and multum man, which write shell completion and manual pages of multum and multum-view.
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -18,7 +18,8 @@ struct ManOptions {
   bool markdown = false, json = false;
 };
 
-// Runs the same command of multum-view, which describes its own command line. Returns "" if it is not installed.
+// Runs the same command of multum-view, which describes its own command line. Returns "" if multum-view is not
+// installed.
 std::string answer_of_viewer(const std::vector<std::string>& words) {
   std::vector<std::string> command = {find_viewer()};
   command.insert(command.end(), words.begin(), words.end());

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum look: writes a page that shows lobes next to the results of engines, and opens it on a desktop.
+// Implements multum look, which writes a page that shows lobes next to the results of engines, and opens this page on a
+// desktop.
 #include <fmt/format.h>
 
 #include <cstdio>

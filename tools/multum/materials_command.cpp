@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum materials: lists the materials of a glTF model and writes a manifest that bakes its normal maps.
+// Implements multum materials, which lists the materials of a glTF model and writes a manifest for baking its normal
+// maps.
 #include <fmt/format.h>
 
 #include <algorithm>

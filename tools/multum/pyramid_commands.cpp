@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum mip, reflectance, lod: make pyramids of images, of lights over normals, and of surfaces (Williams 1983).
+// Implements multum mip, reflectance and lod, which make pyramids of images, of reflected light by normal, and of
+// surfaces (Williams 1983).
 #include <fmt/format.h>
 
 #include <cmath>
@@ -149,7 +150,7 @@ int run_reflectance(ReflectanceOptions& o) {
   char rest = 0;
   if (std::sscanf(brdf.c_str(), "blinn-phong:%f%c", &job.exponent, &rest) != 1)
     throw Error(ErrorCode::kUsage, "--brdf is '" + brdf + "', expected blinn-phong:S with S from 1 to 100000");
-  validate(o.job);  // called before a device is searched
+  validate(o.job);  // called before a device is selected
   Device device = Device::when_needed(device_of(values));
   const auto progress = make_progress(o.common);
   return print_result(o.common, o.job.output, PyramidKind::kReflectance,

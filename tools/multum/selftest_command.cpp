@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum selftest: runs the numerical test cases of the kernels on the user's device and driver.
+// Implements multum selftest, which runs the numerical test cases of the kernels on the user's device and driver.
 #include <fmt/format.h>
 
 #include <cstdio>

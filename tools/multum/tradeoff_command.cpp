@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum tradeoff: measures error, time and memory of many settings for one map on this machine.
+// Implements multum tradeoff, which measures error, time and memory of many settings for one map on this machine.
 #include <cstdio>
 #include <memory>
 

@@ -113,7 +113,7 @@ std::unique_ptr<gl::Material> make_material(const gl::GlFunctions& gl, const Bak
 
 namespace {
 
-// Tan's model supports only one BRDF, and lights but no environment.
+// Tan's model supports only one BRDF. It supports lights, but no environment.
 void check_options_of_gaussians(const std::string& file, const PictureOptions& options, const Brdf& brdf) {
   const auto refuse = [&](const std::string& found) {
     throw Error(ErrorCode::kUsage, fmt::format("{}: holds planar Gaussians, which do not support {}; expected a file "
@@ -126,8 +126,8 @@ void check_options_of_gaussians(const std::string& file, const PictureOptions& o
   if (options.shading.formula == gl::LobeFormula::kPaper) refuse("--formula paper");
 }
 
-// A map that was baked with roughness stores the BRDF's width per texel. Brute force and the paper's formula support
-// only one BRDF for the whole map.
+// A map that was baked with roughness stores the BRDF's width per texel. The brute-force method and the paper's formula
+// support only one BRDF for the whole map.
 void check_options_of_roughness(const std::string& file, const PictureOptions& options, bool compares) {
   if (!options.material.brdfs.empty())
     throw Error(

@@ -163,7 +163,7 @@ void run_help_command(const CLI::App& app, const std::string& command, const Hel
   else write_man_pages(app, o.folder);
 }
 
-/// Returns the message about a misspelt subcommand if no file has that name, otherwise an empty string.
+/// Returns the message about a misspelt subcommand, or an empty string if there is a file with this name.
 std::string misspelt_command(const std::string& word) {
   std::error_code ignored;
   if (word.empty() || word.find_first_of("./") != std::string::npos || std::filesystem::exists(word, ignored))

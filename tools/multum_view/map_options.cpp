@@ -143,7 +143,7 @@ void add_animation_options(CLI::App& app, AnimationOptions& options) {
 
 namespace {
 
-/// Throws Error(kUsage) for options that need one roughness for the whole picture.
+/// Throws Error(kUsage) for options that require a single roughness for the whole picture.
 void check_brdf_roughness(const MapOptions& options) {
   const PictureOptions& picture = options.picture;
   const auto refuse = [](const std::string& found, const char* expected) {

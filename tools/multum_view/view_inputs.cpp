@@ -26,13 +26,13 @@
 namespace multum {
 namespace {
 
-/// Returns the settings of the bake. Settings from the command line replace them.
+/// Returns the settings of the bake. Settings on the command line override them.
 NormalMapSettings source_settings(const MapOptions& options, const BakedHeader& baked) {
   NormalMapSettings settings = parse_reading_settings(baked.provenance.settings);
   settings.wrap_s = baked.wrap_s;
   settings.wrap_t = baked.wrap_t;
   if (hash_file(options.source.normals) == baked.provenance.file_hash()) {
-    settings.repair_share_max = 1.0f;  // the bake accepted the same texels
+    settings.repair_share_max = 1.0f;  // the bake has already accepted these texels
   } else if (!baked.provenance.source_hash.empty()) {
     log_warning(options.source.normals,
                 fmt::format("is not the file that {} was baked from ({}, SHA-256 {}): {} may show another map",

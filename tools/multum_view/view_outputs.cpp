@@ -68,7 +68,8 @@ nlohmann::json brdf_json(const Brdf& brdf) {
   return json;
 }
 
-// The noise is not finite if the picture has only one sample per pixel, from which noise cannot be measured.
+// The noise is not finite if the picture has only one sample per pixel, because noise cannot be measured from a single
+// sample.
 nlohmann::json noise_json(double noise) { return std::isfinite(noise) ? nlohmann::json(noise) : nlohmann::json(); }
 
 std::string reference_line(const gl::Picture& reference) {
@@ -87,7 +88,7 @@ nlohmann::json filter_json(const ShadingOptions& shading) {
   return filter;
 }
 
-/// Adds the sheet and, with --pictures, each picture.
+/// Adds the sheet and, if --pictures is given, each picture.
 void add_pictures(const OutputOptions& options, const std::vector<std::string>& compared,
                   std::vector<std::string>& outputs) {
   outputs.push_back(options.path);

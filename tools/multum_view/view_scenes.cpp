@@ -24,14 +24,14 @@ void place_camera(const CameraPlace& place, gl::Camera& camera) {
   if (place.fov_y_degrees) camera.fov_y_degrees = *place.fov_y_degrees;
 }
 
-/// Sets the up direction: +Y for meshes, as in glTF, and +Z for the plane.
+/// Sets the up direction, which is +Y for meshes, as in glTF, and +Z for the plane.
 void set_up(const PictureOptions& options, ViewScenes& scenes) {
   gl::Camera& camera = scenes.first.camera;
   const bool is_plane = options.surface.mesh.empty();
   scenes.up = options.camera.up.value_or(is_plane ? glm::vec3(0.0f, 0.0f, 1.0f) : glm::vec3(0.0f, 1.0f, 0.0f));
   if (options.camera.up && (scenes.has_camera || is_plane) && looks_along(camera, scenes.up))
     throw Error(ErrorCode::kUsage, "--up is parallel to the line of sight, expected another direction, such as 0,0,1");
-  // A camera that looks straight up or down needs another up direction, which is +Y over the plane and -Z with a mesh.
+  // A camera that looks straight up or down needs another up direction. It is +Y for the plane and -Z for a mesh.
   if (!options.camera.up && scenes.has_camera && looks_along(camera, scenes.up))
     scenes.up = is_plane ? glm::vec3(0.0f, 1.0f, 0.0f) : glm::vec3(0.0f, 0.0f, -1.0f);
   camera.up = scenes.up;

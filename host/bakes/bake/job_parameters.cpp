@@ -11,7 +11,7 @@
 namespace multum {
 namespace {
 
-// In this case, level 0 is the normal map itself, which contains no points of the surface.
+// In this case, level 0 would be the normal map itself, which does not contain points of the interpolated surface.
 void apply_surface(const ParameterValues& values, BakeJob& job) {
   job.surface = map_surface(values).value_or(job.surface);
   if (job.surface == MapSurface::kTexels || job.fitting.first_level > 0) return;

@@ -24,14 +24,14 @@
 namespace multum {
 namespace {
 
-// Formats a float with the fewest digits, such as 0.01, which JSON holds as 0.00999999977.
+// Formats a float with as few digits as possible. For example, JSON would write 0.01 as 0.00999999977.
 std::string shown(const nlohmann::json& json, const std::string& key) {
   const auto found = json.find(key);
   if (found == json.end()) return "not stated";
   return found->is_number_float() ? fmt::format("{:g}", found->get<double>()) : found->dump();
 }
 
-// Words for settings that are hashes of maps.
+// The words that replace settings that are hashes of maps.
 const std::map<std::string, std::string> kHashedMaps = {
     {"albedo", "albedo"}, {"roughness", "roughness map"}, {"weights", "map of weights"}};
 
@@ -55,8 +55,8 @@ std::vector<std::string> changed_settings(const std::string& there, const std::s
   return changes;
 }
 
-// If the bake chooses its own settings, compares only the target and inputs, because the settings are unknown until the
-// map is baked.
+// If the bake chooses its own settings, compares only the target and the inputs, because the settings are not known
+// until the map is baked.
 std::vector<std::string> changed_target(const std::string& there, const std::string& now) {
   const nlohmann::json old_json = nlohmann::json::parse(there, nullptr, false);
   const nlohmann::json new_json = nlohmann::json::parse(now);
@@ -98,7 +98,8 @@ std::string all_settings_json(const BakeJob& job) {
   nlohmann::json json = nlohmann::json::parse(ndf_bake(job.representation).settings(job));
   add_reading_settings(job.reading, json);
   if (job.reading.tiles != nullptr) json["tile"] = job.reading.tile;
-  // Adds the surface only if it is interpolated, so that files of earlier program versions keep their hash.
+  // Adds the surface only if it is interpolated, so that the hash of files from earlier program versions does not
+  // change.
   if (job.surface == MapSurface::kInterpolated) json["surface"] = map_surface_name(job.surface);
   json["encoding"] = storage_encoding_name(job.encoding);
   json["compression"] = job.writing.compression;

@@ -18,8 +18,8 @@ namespace {
 template <typename Writer>
 using ShFileSink = RoundingSink<ShSink, ShLevel, Writer, ShMeter>;
 
-// Memory for rows that wait to be written, and for measured texels that need more than the amount reserved for every
-// bake. Each texel has many coefficients.
+// Returns the memory for rows that wait to be written, and for measured texels beyond the amount that is reserved for
+// every bake. More is needed because each texel has many coefficients.
 std::uint64_t waiting_bytes(const BakeRun& run, int tile_size, const ShMeter* meter) {
   constexpr std::uint64_t kDefaultMeter = std::uint64_t{16} << 20;
   const std::uint64_t meter_bytes = meter != nullptr ? meter->kept_bytes() : 0;

@@ -16,7 +16,7 @@
 
 namespace multum {
 
-// The members of the report that a share's note contains. Writing and reading use this list.
+// The members of the report that the note of a share contains. This list is used for writing and for reading.
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(NormalMapReport, format, encoding, encoding_reason, unused_texels,
                                    nonfinite_repaired, zero_length_repaired, below_horizon_repaired, wrap_s, wrap_t,
                                    tiles, warnings)
@@ -156,7 +156,7 @@ void take_share_hashes(const BakeJob& job) {
     RowRecords rows;
     note = NoteJson::parse(ShareFile(job.output, {0, job.shard->count}, nullptr, rows).note(), nullptr, false);
   } catch (const Error&) {
-    return;  // the code that needs the share reports the error
+    return;  // the error is reported by the code that needs the share
   }
   if (!note.is_object() || !note.contains("files")) return;
   const std::vector<std::string> files = input_files(job);
@@ -174,7 +174,7 @@ void take_share_hashes(const BakeJob& job) {
 BakeSource read_shard_source(const BakeJob& job, const std::string& key) {
   RowRecords rows;
   const ShareFile share(job.output, {0, share_count(job)}, &key, rows);
-  // A merge reads all rows of features. A band reads only a few.
+  // A merge reads all rows of features, and a band reads only a few of them.
   const SpillPolicy spill = {scratch_folder(job),
                              job.memory_bytes > 0 || !job.shard ? std::int64_t{16} << 20 : std::int64_t{1} << 30};
   std::optional<BakeSource> source;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads maps one by one, each with the values of [defaults] as a base. Then compares all maps, because an output must
-// belong to only one map.
+// Reads the maps one by one, with the values of [defaults] for keys that a map does not set. Then compares all maps,
+// because no two maps may have the same output.
 #include "host/bakes/manifest/bake_manifest.h"
 
 #include <fmt/format.h>
@@ -45,8 +45,8 @@ constexpr std::pair<const char*, std::string BakeJob::*> kMaterialKeys[] = {
 
 bool has_target(const ParameterValues& values) { return values.has("target_error") || values.has("budget_ms"); }
 
-// A map's own values override the defaults. Its target removes default settings, and its settings remove the default
-// target.
+// The values of a map override the defaults. If the map has a target, default settings are removed. If it has settings,
+// the default target is removed.
 void read_values(const StrictTable& table, ParameterValues& values) {
   if (table.has("target_error") || table.has("budget_ms")) values = without_those_of_target(values);
   read_parameters(table, kInManifest, values);
@@ -110,7 +110,8 @@ std::vector<BakeJob> jobs_of(const BakeJob& job) {
   return {job};
 }
 
-// [defaults] may set the fit of lobes for all maps with lobes. A map without lobes may not set it.
+// [defaults] may contain settings for fitting lobes, which apply to all maps with lobes. A map without lobes must not
+// contain them.
 void check_own_scopes(const StrictTable& table, const ParameterValues& values) {
   ParameterValues own = values;
   for (const Parameter& row : bake_parameters().rows())
@@ -151,10 +152,10 @@ ManifestEntry read_entry(const std::string& path, const toml::table& toml, const
   return entry;
 }
 
-// Compares names by means of a map, not pair by pair as check_paths_differ() does, because a manifest may list
+// Compares names by means of a std::map and not pair by pair like check_paths_differ(), because a manifest may list
 // thousands of maps.
 void check_apart(const std::vector<ManifestEntry>& entries) {
-  std::map<std::string, std::string> inputs, outputs;  // what each canonical name is used for
+  std::map<std::string, std::string> inputs, outputs;  // the use of each canonical name
   for (const ManifestEntry& entry : entries)
     for (const ManifestMap& map : entry.maps)
       for (const std::string& input : input_files(map.job))

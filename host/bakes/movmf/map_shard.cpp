@@ -31,10 +31,9 @@ LevelRows band(int height, const MapShard& shard) {
   return {edge(shard.index - 1), edge(shard.index)};
 }
 
-// A band needs about the same number of extra rows on every level, so the share of extra rows doubles with each coarser
-// level. On the coarsest divided level, a band may have at most half as many extra rows as kept rows, on the next finer
-// level a quarter, and so on. On the finest level, it may have as many extra rows as kept rows, because nothing can be
-// divided without this level.
+// A band needs about the same number of extra rows on every level, so the ratio of extra rows to kept rows doubles with
+// each coarser level. This ratio may be at most a half on the coarsest divided level, a quarter on the next finer
+// level, and so on. On the finest level, the ratio may be 1, because nothing can be divided without this level.
 bool is_worth_dividing(const LevelSchedule& level, const LevelRows& fitted, int steps, int count, bool is_finest) {
   const int height = level.fit.height, rows = fitted.end - fitted.begin + 2 * (steps - 1);
   return rows + 2 < height && 2 * rows * count <= (is_finest ? 4 : 3) * height + 2 * count;
@@ -65,7 +64,7 @@ ShardPlan plan_shard(const MipSchedule& schedule, const MovmfSettings& settings,
                 "--shard is given with unaligned lobes, expected aligned lobes: levels of unaligned lobes do not "
                 "depend on each other");
   ShardPlan plan;
-  // All shares must divide the same levels, so the levels are chosen for a band in the middle of the map.
+  // All shares must divide the same levels, so the levels are determined for a band in the middle of the map.
   LevelRows middle_before{}, own_before{};
   int steps_before = 0;
   bool is_first = true;

@@ -74,7 +74,7 @@ class BandPlanes {
             size_of(map.plane_count) * size_of(pyramid.band_rows()) * size_of(map.width) * sizeof(float), "planes")),
         texels_(device.kernel("mip_box", "mip_texels", {1, 1, false})) {}
 
-  /// `read(plane, values)` fills the band's rows of a plane.
+  /// `read(plane, values)` fills the rows of the band in a plane.
   template <typename Read>
   void fill(const MultumBoxBand& band, const Read& read) {
     const std::size_t plane_size = size_of(band.row_count) * size_of(band.map_width);

@@ -123,8 +123,9 @@ class EffectRows {
     if (needed) add_row("aligned lobes", true, "hardware filters each lobe with the matching lobes of other texels");
   }
 
-  // Lists items such as "2 lobes": "0.21/45 %, one colour 0.4/45 %", sorted by lobes. Candidates themselves are sorted
-  // by textures, so more lobes with one colour come before fewer lobes with a colour each.
+  // Lists items such as "2 lobes": "0.21/45 %, one colour 0.4/45 %", sorted by the number of lobes. The candidates
+  // themselves are sorted by textures, so many lobes with a common colour can come before few lobes with one colour
+  // each.
   std::vector<PlannedItem> lobes_tried() const {
     std::map<int, PlannedItem> by_count;
     const auto add = [&](bool mean_colours) {
@@ -143,7 +144,7 @@ class EffectRows {
     return items;
   }
 
-  // States why the representation has no candidates.
+  // Returns the reason why the representation has no candidates.
   std::string why_not_tried(const RepresentationInfo& other) const {
     if (plan_.is_constant) return "one lobe represents all normals";
     if (needs_.width_in_map || needs_.weighted) return "a roughness map and weights need vMF lobes";
@@ -182,8 +183,8 @@ class EffectRows {
         anisotropy = level.anisotropy;
         at = level.level;
       }
-    const bool needed = representation_info(chosen_.representation).has_slopes ||  // the spread of slopes varies by
-                                                                                   // direction
+    const bool needed = representation_info(chosen_.representation).has_slopes ||  // the spread of slopes depends on
+                                                                                   // the direction
                         (anisotropy > 0.5 && chosen_.lobe_count > 1);
     add_row("anisotropic spread", needed,
             plan_.is_constant

@@ -31,7 +31,7 @@ const NumberRange kFromZeroToOne = {0.0, 1.0, false, false, "a number from 0 to 
 constexpr std::size_t kLightCountMax = 8;     // limit of multum-view for lights of each kind
 constexpr std::size_t kMaterialCountMax = 4;  // largest number of basis BRDFs
 
-// Unique names of things of one kind.
+// The names of things of one kind, which must be unique.
 class Names {
  public:
   explicit Names(std::string kind) : kind_(std::move(kind)) {}
@@ -133,7 +133,7 @@ glm::vec3 read_colour(const StrictTable& table, const std::string& key, const Nu
   return n.size() == 1 ? glm::vec3(static_cast<float>(n[0])) : glm::vec3(n[0], n[1], n[2]);
 }
 
-// Reads one width, or the ends of a range.
+// Reads a single width or both ends of a range.
 std::vector<Brdf> with_widths(const StrictTable& table, const BrdfFamily& family, const Brdf& brdf) {
   const BrdfMember& width = family.members[0];
   const std::string key(width.key);
@@ -149,7 +149,7 @@ std::vector<Brdf> with_widths(const StrictTable& table, const BrdfFamily& family
   return brdfs;
 }
 
-// Lists the families that have the member, as in "brdf = "cook-torrance" and "ggx"".
+// Lists the families of BRDFs that have the member, as in "brdf = "cook-torrance" and "ggx"".
 std::string families_with(const std::string& key) {
   std::vector<std::string> names;
   for (const BrdfFamily& family : brdf_families())
@@ -173,7 +173,7 @@ void check_keys_of_family(const StrictTable& table, const NamedFamily& named, co
                                    : "has no file, which brdf = \"measured\" requires");
 }
 
-// If `reads_files` is true, reads the file of a measured BRDF, not only its name.
+// If `reads_files` is true, reads the file of a measured BRDF, otherwise only its name.
 SceneMaterial read_material(const std::string& path, const toml::table& toml, Names& names, bool reads_files) {
   std::vector<std::string> keys = member_keys();
   keys.insert(keys.end(), {"name", "brdf", "diffuse", "specular", "file"});
@@ -354,7 +354,7 @@ SceneDescription read_scene(const std::string& path, const BakeJob& pattern, boo
 SceneDescription read_scene(const std::string& path, const BakeJob& pattern) { return read_scene(path, pattern, true); }
 
 std::vector<std::string> scene_files(const std::string& path) {
-  const BakeJob pattern;  // a named object, because GCC 12 warns about an empty one in braces
+  const BakeJob pattern;  // a named object, because GCC 12 warns about empty braces
   const SceneDescription scene = read_scene(path, pattern, false);
   std::vector<std::string> files;
   for (const SceneMap& map : scene.maps)

@@ -66,7 +66,7 @@ void check_export_job(const ExportJob& job) {
 }
 
 // Makes a folder in `folder` for files that this program exchanges with the UASTC encoder. Returns null if the job does
-// not use UASTC. If the encoder is missing, throws before any input is read.
+// not use UASTC. If the encoder is missing, throws an error before any input is read.
 std::unique_ptr<WorkFolder> make_uastc_folder(const ExportJob& job, const std::string& folder,
                                               MaterialFolderSettings& output) {
   if (output.texels != MaterialTexels::kUastc) return nullptr;
@@ -76,7 +76,7 @@ std::unique_ptr<WorkFolder> make_uastc_folder(const ExportJob& job, const std::s
   return made;
 }
 
-// Returns null if the job is not resumable, or if another process exports to the same place.
+// Returns null if the job is not resumable or if another process is exporting to the same place.
 std::unique_ptr<FitJournal> open_journal(const ExportJob& job, const ExportSource& source) {
   const ExportPlace place = export_place(job.output);
   const std::string name = place.folder + "/" + (place.stem.empty() ? "export" : place.stem);

@@ -64,7 +64,7 @@ class GlbLayout {
   bool has_bytes() const { return has_bytes_; }
   std::uint64_t length() const { return length_; }
 
-  // Writes the bytes of the merged buffer in order, padded like a chunk.
+  // Writes the bytes of the merged buffer in order, with the padding of a chunk.
   void write(OutputFile& file, Progress* progress) const {
     std::uint64_t at = 0;
     const auto pad_to = [&](std::uint64_t offset) {
@@ -112,7 +112,7 @@ class GlbLayout {
     return count;
   }
 
-  // Merges all buffers that have bytes. Buffers with further properties remain separate.
+  // Merges all buffers that have bytes. Buffers with additional properties remain separate.
   void choose_buffers() {
     has_bytes_ = !contents_.empty() || std::any_of(asset_.buffers.begin(), asset_.buffers.end(),
                                                    [](const auto& buffer) { return buffer.has_value(); });
@@ -130,7 +130,8 @@ class GlbLayout {
     }
   }
 
-  // Calls use(object) for all objects that refer to buffer bytes: buffer views, and similar objects of extensions.
+  // Calls use(object) for all objects that refer to buffer bytes, which are buffer views and similar objects of
+  // extensions.
   template <typename Use>
   static void for_each_reference(GltfJson& value, const Use& use) {
     if (value.is_object() && unsigned_at(value, "buffer")) use(value);

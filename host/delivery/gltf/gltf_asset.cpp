@@ -79,7 +79,7 @@ GltfJson parse_gltf_json(std::string_view text, const std::string& path) {
   }
 }
 
-// Returns the bytes of a URI up to a given number. The bytes are embedded or in a file.
+// Returns the bytes to which a URI refers, up to a given number. The bytes are embedded in the URI or stored in a file.
 std::string bytes_of_uri(const GltfAsset& asset, const GltfJson& uri, const std::string& what, std::uint64_t byte_max) {
   if (!uri.is_string()) asset.refuse(what + " has a URI that is not a string");
   return uri_bytes(asset.path, uri.get_ref<const std::string&>(), byte_max);

@@ -145,8 +145,8 @@ class Planner {
     return use;
   }
 
-  // Returns the reason why the material is not fitted. If it is empty, the material is fitted, and `made` has the
-  // inputs.
+  // Returns the reason why the material is not fitted. If the reason is empty, the material is fitted, and `made`
+  // contains the inputs.
   std::string plan_material(const GltfJson& material, std::size_t number, MaterialPlan& made) {
     const std::optional<TextureUse> normal = texture_at(material, "normalTexture");
     if (!normal) return "it has no normal map";

@@ -115,7 +115,7 @@ std::string look_page(const nlohmann::ordered_json& data) {
   return page;
 }
 
-// Returns the lobes and the one-lobe export. Temporary files begin with `stem`.
+// Returns the lobes and the one-lobe export. The names of temporary files begin with `stem`.
 nlohmann::ordered_json map_data(const LookMap& map, const BakedHeader& header, const LookJob& job,
                                 const std::string& stem, Device& device, Progress* progress) {
   LobeExportJob lobes{map.input, stem + "_lobes.ktx2", ""};

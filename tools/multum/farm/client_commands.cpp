@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum jobs submit|list|show|cancel|retry|tail|wait|purge: the client of a service.
+// Implements multum jobs submit|list|show|cancel|retry|tail|wait|purge, the client of a service.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -63,8 +63,7 @@ void add_client_options(CLI::App& command, ClientOptions& o) {
   add_json_option(command, o.json);
 }
 
-constexpr std::size_t kMessageMax = 120;  // maximum length in bytes of a message in a list; the list has one line per
-                                          // job
+constexpr std::size_t kMessageMax = 120;  // maximum length in bytes of a message in a list with one line per job
 
 // Returns the first line of a message, cut to kMessageMax bytes.
 std::string short_message(const std::string& message) {
@@ -87,7 +86,7 @@ std::string job_line(const Json& job, std::string message) {
 
 std::string job_line(const Json& job) { return job_line(job, job["message"].get<std::string>()); }
 
-// Prints jobs: one line per job, or one JSON document at the end.
+// Prints jobs as one line per job, or as one JSON document at the end.
 class PrintedJobs {
  public:
   explicit PrintedJobs(const ClientOptions& o) : json_(o.json) {}
@@ -122,8 +121,8 @@ struct SubmitOptions {
   std::map<std::string, bool> flags;
 };
 
-// Returns the value as JSON. A string that cannot be parsed is sent unchanged, because the service's error states what
-// was expected.
+// Returns the value as JSON. A string that cannot be parsed is sent unchanged, because the service's error message says
+// what was expected.
 Json value_of(const Parameter& parameter, const std::string& text) {
   if (parameter.kind == ParameterKind::kFile) {
     // Also works for FILE:CHANNEL, because the channel still follows the last colon.
@@ -231,10 +230,11 @@ void add_submit(CLI::App& app, int* exit_code) {
 
 // ---- wait, tail
 
-// Time for which a waiting client tries to reach a service that does not answer. It is long enough for a restart.
+// The time for which a waiting client tries to reach a service that does not answer. It is long enough for a restart of
+// the service.
 constexpr auto kPatience = std::chrono::seconds(60);
 
-// Calls `body`, which talks to the service, until it returns true. `body` calls `answered` after each answer.
+// Calls `body`, which communicates with the service, until it returns true. `body` calls `answered` after each answer.
 void persist(const std::function<bool(const std::function<void()>& answered)>& body) {
   using Clock = std::chrono::steady_clock;
   bool was_answered = false;
@@ -269,7 +269,8 @@ bool wait_for(HttpClient& client, std::set<std::int64_t> ids, PrintedJobs& print
   };
   if (ids.empty()) return true;
   persist([&](const std::function<void()>& answered) {
-    // Asks for the jobs that are already done while the event stream is open, because events report only changes.
+    // Asks for the jobs that are already done. The event stream is already open at this time, because events report
+    // only changes.
     const auto ask_all = [&] {
       answered();
       const std::set<std::int64_t> asked = ids;
@@ -325,8 +326,8 @@ int run_tail(ClientOptions& o, std::int64_t id) {
     log = client.text(fmt::format("/v1/jobs/{}/log", id));
     state = job["state"].get<std::string>();
     const bool is_done = state == "succeeded" || state == "dead" || state == "cancelled";
-    // A character that is cut in two would be shown as two invalid characters, so its first part is kept until the rest
-    // arrives.
+    // A character that is split between two answers would be shown as two invalid characters, so its first part is kept
+    // until the rest arrives.
     const std::size_t ready = is_done ? log.size() : whole_characters(log);
     if (ready > shown && !o.json) write_shown(stdout, std::string_view(log).substr(shown, ready - shown));
     shown = std::max(shown, ready);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The part of `multum doctor` that checks whether a service works.
+// Implements the part of `multum doctor` that checks whether a service works.
 #include <cstdlib>
 
 #include "host/farm/service/http/http_client.h"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum serve: runs the daemon, or rescues its damaged ledger. The daemon starts the hidden command `worker`. Slurm
-// starts the hidden command `slurm-task` for the daemon.
+// Implements multum serve, which runs the daemon or rescues its damaged ledger. The daemon starts the hidden command
+// `worker`. Slurm starts the hidden command `slurm-task` for the daemon.
 #include <unistd.h>
 
 #include <cstdio>
@@ -37,7 +37,7 @@ struct ServeOptions {
   bool begins_anew = false, rescues = false;
 };
 
-// Reads the settings file. Options of the command line replace its settings.
+// Reads the settings file. Options on the command line override its settings.
 ServiceSettings settings_of(const ServeOptions& o) {
   ServiceSettings settings;
   settings.data = std::filesystem::absolute(o.data).string();
@@ -84,7 +84,7 @@ struct WorkerOptions {
   std::vector<std::string> roots;
 };
 
-// Limits a job to files below the roots and in the daemon's data folders for jobs. Therefore no picture, scene or link
+// Restricts a job to files below the roots and in the daemon's data folders for jobs, so that no picture, scene or link
 // can lead to another folder.
 void confine_worker(const WorkerOptions& o, const std::string& scratch) {
   Confinement allowed = system_confinement(variable);
@@ -95,7 +95,7 @@ void confine_worker(const WorkerOptions& o, const std::string& scratch) {
 }
 
 int run_worker_process(const WorkerOptions& o) {
-  // When memory runs out, the kernel kills a worker before the daemon.
+  // Makes the operating system kill a worker before the daemon when memory runs out.
   std::ofstream("/proc/self/oom_score_adj") << 500;
   keep_freed_memory();
   const std::string scratch = o.data + "/scratch";

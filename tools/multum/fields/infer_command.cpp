@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum infer: infers textures from ray-traced pictures (Hakura et al. 2000, section 3).
+// Implements multum infer, which infers textures from ray-traced pictures (Hakura et al. 2000, section 3).
 #include <cstdio>
 #include <filesystem>
 #include <memory>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum pack, unpack: compress the inferred textures of an animation to one file, and decompress it (Hakura et al.
-// 2000, section 4).
+// Implements multum pack, which compresses the inferred textures of an animation into one file, and multum unpack,
+// which decompresses this file (Hakura et al. 2000, section 4).
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
@@ -58,7 +58,7 @@ void apply(const ParameterValues& values, FieldPackSettings& settings) {
   settings.has_absolute_geometry = values.flag("absolute_geometry");
 }
 
-// Returns FOLDER for "FOLDER/inferred.json", the form that jobs of the service use.
+// Returns FOLDER for "FOLDER/inferred.json", which is the form in jobs of the service.
 std::string field_folder(const std::string& named) {
   const std::filesystem::path path(named);
   if (path.filename() != kInferredManifestName || std::filesystem::is_directory(path)) return named;

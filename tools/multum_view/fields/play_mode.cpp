@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum-view play: draws frames along a path through the parameters of a packed field, and decodes while drawing.
+// Implements multum-view play, which draws frames along a path through the parameters of a packed field, and decodes
+// the field at the same time.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -99,7 +100,7 @@ void check_play_outputs(const PlayOptions& options, const std::string& geometry,
   for (const std::string& output : outputs) check_writable(output);
 }
 
-/// Returns a quantile of the values by the nearest rank. `p` is in 0..1.
+/// Returns the quantile `p` of the values by the nearest-rank method, where `p` is in 0..1.
 double quantile(std::vector<double> values, double p) {
   std::sort(values.begin(), values.end());
   const double rank = std::ceil(p * static_cast<double>(values.size())) - 1.0;

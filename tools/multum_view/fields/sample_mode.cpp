@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum-view sample: draws samples of an animation with inferred textures.
+// Implements multum-view sample, which draws samples of an animation with inferred textures.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <filesystem>
@@ -24,12 +24,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The source of the drawn samples' textures: a folder or a packed field.
+/// The source of the drawn samples' textures, which is a folder or a packed field.
 class TextureSource {
  public:
   virtual ~TextureSource() = default;
   virtual const InferredManifest& manifest() const = 0;
-  /// The folder to which the manifest's names are relative.
+  /// The folder to which the names in the manifest are relative.
   virtual fs::path folder() const = 0;
   /// Returns all input files, including the files of samples that this run does not draw.
   virtual std::set<fs::path> files() const = 0;

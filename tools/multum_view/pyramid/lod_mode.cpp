@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum-view lod: draws a pyramid of heights or positions as a mesh of one level of detail (Williams 1983, section 5).
+// Implements multum-view lod, which draws a pyramid of heights or positions as a mesh at one level of detail (Williams
+// 1983, section 5).
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum-view pyramid: draws a surface whose colours come directly from a pyramid, with several lookups next to the
-// reference, and measures how much highlights flicker (Williams 1983, sections 3 and 4).
+// Implements multum-view pyramid, which draws a surface whose colours come directly from a pyramid. It shows several
+// lookups next to the reference, and measures how much highlights flicker (Williams 1983, sections 3 and 4).
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -44,8 +44,8 @@ glm::vec3 vector_of(const nlohmann::json& json) {
   return {json.at(0).get<float>(), json.at(1).get<float>(), json.at(2).get<float>()};
 }
 
-/// Returns the lights from which a reflectance map was baked. Returns none if the map holds an environment, or more
-/// lights than a shader supports. The map's finest level is then the best available reference.
+/// Returns the lights from which a reflectance map was baked. If the map contains an environment, or more lights than a
+/// shader supports, returns no lights, and the map's finest level is the best available reference.
 std::optional<gl::PhongLights> baked_lights(const PyramidHeader& header, const std::string& path) {
   const nlohmann::json json = nlohmann::json::parse(header.map.provenance.settings, nullptr, false);
   if (!header.map.provenance.source_hash.empty()) return std::nullopt;
@@ -64,14 +64,14 @@ std::optional<gl::PhongLights> baked_lights(const PyramidHeader& header, const s
   }
 }
 
-/// Places the camera far away, in the direction of the map's viewer.
+/// Places the camera far away in the direction of the map's viewer.
 gl::Camera viewer_camera(const TriangleMesh& mesh, const ReflectanceFrame& frame, gl::Camera camera) {
   glm::vec3 low = mesh.positions[0], high = low;
   for (const glm::vec3& p : mesh.positions) {
     low = glm::min(low, p);
     high = glm::max(high, p);
   }
-  constexpr float kFieldOfView = 8.0f;  // narrow, like a distant view, because the map has only one view direction
+  constexpr float kFieldOfView = 8.0f;  // narrow, so that all view directions are similar, because the map has only one
   const float radius = std::max(0.5f * glm::length(high - low), 1e-6f);
   const float distance = radius / std::sin(glm::radians(0.5f * kFieldOfView));
   camera.fov_y_degrees = kFieldOfView;
@@ -115,8 +115,8 @@ class PyramidPictures {
     const std::optional<PyramidLookup> lookup = lookup_of(name);
     gl::PyramidScene scene = scene_;
     if (lookup) {
-      // If a pixel's footprint is a long ellipse, the driver takes several lookups along it, whose sum has the right
-      // width.
+      // If a pixel's footprint is a long ellipse, the driver makes several lookups along it, which together have the
+      // right width.
       const bool is_long = *lookup == PyramidLookup::kDriver && options_.anisotropy > 1.0f;
       if (is_long && !options_.level_bias) scene.level_bias = 0.0f;
       scene.shift = shift;
@@ -151,8 +151,8 @@ class PyramidPictures {
   std::array<std::optional<gl::Texture>, 4> textures_;
 };
 
-/// Measures the flicker of every lookup except the reference, in the lookups' order. The picture is shifted along a
-/// slanted line of one pixel.
+/// Measures the flicker of every lookup except the reference, in the order of the lookups. For the measurement, the
+/// picture is shifted along a slanted line by one pixel in total.
 std::vector<double> measure_flicker(const PyramidOptions& options, PyramidPictures& pictures) {
   std::vector<std::vector<FloatImage>> shifted(options.lookups.size());
   for (int k = 0; k < options.shifts; ++k) {

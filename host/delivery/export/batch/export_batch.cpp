@@ -14,8 +14,8 @@
 namespace multum {
 namespace {
 
-// Returns the output name of a map in a folder of several maps. It is the beginning of the names of files, or a folder
-// if each level is an image.
+// Returns the output name of a map in a folder for several maps. File names begin with this name. If each level is an
+// image, it is the name of a folder.
 std::string output_suffix(const ExportJob& job) {
   if (job.format == MaterialFormat::kKtx2) return ".ktx2";
   return job.format == MaterialFormat::kDds ? ".dds" : "";

@@ -71,7 +71,7 @@ ManifestEntry read_export_entry(const std::string& path, const toml::table& toml
   } catch (const Error& error) {
     entry.table.refuse("output", std::string("is ") + error.what());
   }
-  // A set without tiles counts as one map, which cannot be read later.
+  // A set without tiles becomes one map, and reading this map fails later.
   const bool is_one = !has_udim(job.input) || find_tiles(job.input).empty();
   for (ExportJob& one : is_one ? std::vector<ExportJob>{job} : make_export_jobs(job, {job.input})) {
     const std::string name = fs::path(one.output).lexically_proximate(fs::path(path).parent_path()).string();

@@ -29,7 +29,7 @@ Json read_record(const std::string& path) {
                                                                                                              : Json();
 }
 
-// Accepts only names in the record's own folder, so that no path leads out of the folder.
+// Accepts only names in the record's own folder, so that no path can lead out of the folder.
 bool is_plain_name(const std::string& name) { return !name.empty() && fs::path(name).filename() == name; }
 
 }  // namespace
