@@ -19,7 +19,7 @@ std::size_t sample_of(const SampleGrid& grid, const std::vector<std::size_t>& at
   return grid.sample_at[grid.position_of(std::vector<int>(at.begin(), at.end()))];
 }
 
-/// A linear map: a rotation whose columns are multiplied by these lengths.
+/// A linear map that is a rotation whose columns are multiplied by these lengths.
 struct TurnedSizes {
   glm::dquat turn{1.0, 0.0, 0.0, 0.0};
   glm::dvec3 sizes{1.0};

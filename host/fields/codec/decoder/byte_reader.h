@@ -27,7 +27,7 @@ class ByteReader {
 
   std::int16_t int16() { return static_cast<std::int16_t>(fixed(2)); }
 
-  /// Returns a number of at most `most`, stored in up to nine bytes.
+  /// Returns a number that is at most `most` and stored in up to nine bytes.
   std::uint64_t number(std::uint64_t most) {
     std::uint64_t value = 0;
     for (int shift = 0; shift < 63; shift += 7) {

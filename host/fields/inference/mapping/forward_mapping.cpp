@@ -91,8 +91,8 @@ class Splatter {
       }
   }
 
-  // Pull: coarse texels sum the known texels. Push: unknown texels are interpolated from the coarser level. Then the
-  // coarse levels are computed again as box averages of the filled finest level.
+  // In the pull phase, coarse texels sum the known texels. In the push phase, unknown texels are interpolated from the
+  // coarser level. Then the coarse levels are computed again as box averages of the filled finest level.
   void fill_holes() {
     for (std::size_t l = 0; l + 1 < layout_.levels.size(); ++l)
       layout_.for_each_child(l, [&](std::size_t parent, std::size_t texel) {

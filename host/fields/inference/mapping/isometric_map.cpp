@@ -44,8 +44,8 @@ class Objective {
 };
 
 // Returns a point on the ray where the slope has fallen to a tenth of the slope at `start`. Doubles the step until it
-// passes the minimum; there is always one, because f is infinite where an edge vanishes. Then applies the secant
-// method, but stays at least a tenth of the interval away from both of its ends.
+// passes the minimum, which always exists because f is infinite where an edge vanishes. Then applies the secant method,
+// but stays at least a tenth of the interval away from both of its ends.
 Point line_minimum(const Objective& objective, const Point& start, const glm::dmat2& direction, double* step) {
   constexpr int kTries = 40;
   const double slope_start = dot(start.gradient, direction);

@@ -15,7 +15,7 @@
 
 namespace multum {
 
-/// Compressed rows on the host.
+/// Sparse rows in compressed form, in the host's memory.
 struct SparseRows {
   std::vector<std::uint32_t> begin = {0};  // [rows + 1]
   std::vector<std::uint32_t> columns;
@@ -23,13 +23,13 @@ struct SparseRows {
   std::size_t row_count() const { return begin.size() - 1; }
 };
 
-/// Appends rows of `matrix` with positive weight, each times the square root of its weight.
+/// Appends the rows of `matrix` that have positive weights, each multiplied by the square root of its weight.
 void append_weighted_rows(const InferenceView& view, SparseRows& rows);
 SparseRows transposed(const SparseRows& rows, std::size_t column_count);
 /// Computes A^T A from A and its transpose.
 SparseRows normal_rows(const SparseRows& rows, const SparseRows& columns, int threads);
 
-/// Estimates the entries of A^T A from the rows of evenly spaced texels.
+/// Estimates the number of entries of A^T A from the rows of evenly spaced texels.
 std::size_t estimated_normal_entries(const SparseRows& rows, const SparseRows& columns);
 
 /// Sparse rows on the device, in blocks of 8 entries (kernels/filter_matrix_spmv.cl).
