@@ -90,7 +90,7 @@ class Task {
     note_end(result);
   }
 
-  // A result counts only when it is written. If the folder is full, this is tried again later.
+  // A result counts only when it has been written. If the folder is full, writing is tried again later.
   void note_end(const WorkResult& result) {
     ended_ = result;
     try {
