@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Forward transforms of the animation codec (Hakura et al. 2000, section 4, "Encoding"), for all textures of a chunk in
-// one launch. Converts colours to three planes. Then applies block cosines (DCT-II, orthonormal) or one level of the
-// biorthogonal 9/7 wavelets (Cohen, Daubechies and Feauveau 1992) by lifting (Daubechies and Sweldens 1998).
-// host/fields/codec/decoder/block_dct.h and wavelet_transform.h define these transforms; the decoder has the inverses.
+// Does the forward transforms of the animation codec (Hakura et al. 2000, section 4, "Encoding") for all textures of a
+// chunk in one launch. Converts colours to three planes. Then applies block cosines (DCT-II, orthonormal) or one level
+// of the biorthogonal 9/7 wavelets (Cohen, Daubechies and Feauveau 1992) by lifting (Daubechies and Sweldens 1998).
+// host/fields/codec/decoder/block_dct.h and wavelet_transform.h define these transforms. The decoder has the inverse
+// transforms.
 //
 // One work-item sums each coefficient in a fixed order, with explicit fma. Therefore the result is the same on every
 // device with IEEE rounding, for any number of textures in a launch.
@@ -33,8 +34,8 @@ __kernel void colour_planes(__global const float* textures, __global const float
         fma(axes[4 * p], red, fma(axes[4 * p + 1], green, fma(axes[4 * p + 2], blue, -axes[4 * p + 3])));
 }
 
-// An image's blocks are stored row by row. Blocks at the right and lower borders extend beyond the image and repeat its
-// outermost texels:
+// The blocks of an image are stored row by row. Blocks at the right and lower borders extend beyond the image and
+// repeat its outermost texels:
 //
 //     +----+----+--+ . .      side = 4, columns = 3
 //     |  0 |  1 | 2|   .
@@ -85,7 +86,7 @@ __kernel void dct_columns(__global const float* half_way, __global const float* 
   for (int u = 0; u < side; ++u) out[u] = sums[u];
 }
 
-// Maps an index to a sample of a line of n >= 2 samples. The line is mirrored repeatedly at its outermost samples.
+// Converts an index to a sample of a line of n >= 2 samples. The line is mirrored repeatedly at its outermost samples.
 static int mirrored(int i, int n) {
   const int period = 2 * (n - 1);
   i = i % period;

@@ -59,7 +59,7 @@ __kernel void mip_blocks(__global float* nodes, MultumBoxBand band, int first_ha
   row[first_block + block] = row[first_half + 2 * block] + row[first_half + 2 * block + 1];
 }
 
-// Returns the level of a column; columns are counted over all levels.
+// Returns the level of a column. Columns are counted over all levels.
 static MultumBoxLevel level_of_column(__global const MultumBoxLevel* levels, int level_count, int column) {
   int l = level_count - 1;
   while (levels[l].first_column > column) --l;
@@ -90,8 +90,8 @@ __kernel void mip_levels(__global const float* nodes, __global const MultumBoxLe
     __global const float* in = nodes + ((size_t)plane * band.row_count + i) * band.row_length;
     float value = 0.0f;
     for (int tap = first_tap; tap < end_tap; ++tap) value = fma(taps[tap].weight, in[taps[tap].node], value);
-    // Positions are in units of 1/height of a finest row: this row is [begin, end), and the level's row ends at
-    // `border`. Sides are at most 32768, so products fit an int.
+    // Positions are in units of 1/height of a finest row. This row is [begin, end), and the level's row ends at
+    // `border`. Sides are at most 32768, so the products are in the range of int.
     const int begin = (band.first_row + i) * level.height, end = begin + level.height;
     const int border = (row + 1) * band.map_height;
     if (end < border) {

@@ -9,8 +9,8 @@
 #error "moment_shade has only a scalar variant"
 #endif
 
-// Returns the cosine that multiplies the highlight of half vector h: the cosine of the averaged normal, or 1 if h.w
-// requests no cosine.
+// Returns the cosine that multiplies the highlight of half vector h. This is the cosine of the averaged normal, or 1 if
+// h.w requests no cosine.
 static inline float cosine_of_half(float4 mean, float4 h, __global const float4* lights) {
   if (h.w == 0.0f) return 1.0f;
   return max(1.0f - one_minus_cosine(mean, lights[(int)h.w - 1].xyz), 0.0f);

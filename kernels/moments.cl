@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Computes the planes of a normal map that mix linearly: slope moments (LEAN: Olano and Baker 2010, section 3) and the
-// normal (Toksvig 2005). Nothing is fitted; kernels/mip_box.cl averages these planes.
+// Computes the planes of a normal map that mix linearly. These are slope moments (LEAN: Olano and Baker 2010, section
+// 3) and the normal (Toksvig 2005). Nothing is fitted. kernels/mip_box.cl averages these planes.
 
 #include "device/numerics.clh"
 #include "shared/mip_box.h"
@@ -23,9 +23,9 @@ __kernel void moment_finest(__global const float* normal_x, __global const float
   const size_t plane_size = (size_t)band.row_count * band.row_length;
   __global float* out = nodes + (size_t)(item / band.map_width) * band.row_length + item % band.map_width;
   const float x = normal_x[item], y = normal_y[item], z = normal_z[item];
-  // Computes -x/z by division, as maketx does, because the results must be equal to the last bit.
+  // Computes -x/z by a division, as maketx does, because the results must be equal bit by bit.
   const float length = shortened ? sqrt(fma(x, x, fma(y, y, z * z))) : 1.0f;
-  // A normal of length 0 gets the slope 0, not 0 / 0.
+  // The slope of a normal of length 0 is 0 instead of 0 / 0.
   const float z_min = slope_z_min * MAX_V(length, 1e-6f), variance = MAX_V(1.0f - length, 0.0f);
   const float limited = z > z_min ? z : z_min;
   const float s = -x / limited, t = -y / limited;

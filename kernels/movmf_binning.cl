@@ -1,32 +1,32 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bins the normals of a coarse texel: sorts them into the cells of a grid over directions. Each cell becomes one EM
-// sample, whose weight is the number of the cell's normals and whose normal is their mean vector. Cells are much
-// smaller than lobes, so EM gives the same result with some thousand cells as with all normals. First moments stay
-// exact (docs/contributing/ALGORITHMS.md, "Binned normals").
+// Bins the normals of a coarse texel, which means that it sorts them into the cells of a grid over directions. Each
+// cell becomes one EM sample, whose weight is the number of the cell's normals and whose normal is their mean vector.
+// Cells are much smaller than lobes, so EM gives the same result with some thousand cells as with all normals. First
+// moments stay exact (docs/contributing/ALGORITHMS.md, "Binned normals").
 //
-// Directions are mapped to p = (x, y) / sqrt(1 + z), Lambert's equal-area disc. Each axis of p has its own map to
-// cells: three quarters of the cells follow the density of the normals, and one quarter follow their extent. Without
+// Directions are mapped to p = (x, y) / sqrt(1 + z), which is Lambert's equal-area disc. Each axis of p has its own map
+// to cells. Three quarters of the cells follow the density of the normals, and one quarter follow their extent. Without
 // the density, a few steep edges would make the cells of a flat texel too coarse. Normals outside the range of an axis
 // belong to its outermost cells.
 //
 // If normals were shortened to include a BRDF's width (MovmfFit::shortened), each class of lengths has its own grid of
-// directions. Lobes can then distinguish sharp and wide BRDFs under one texel. The classes are separated at kappa 1250,
-// 133 and 22, which correspond to perceptual roughnesses of 0.2, 0.35 and 0.55. The kappas of a class thus differ by a
-// factor of 9 at most, except in the sharpest class, whose widths are hardly visible.
+// directions. Lobes can then distinguish sharp and wide BRDFs under one texel. The classes are separated at kappas of
+// 1250, 133 and 22, which correspond to perceptual roughnesses of 0.2, 0.35 and 0.55. The kappas of a class thus differ
+// by a factor of 9 at most, except in the sharpest class, whose widths are hardly visible.
 //
 // The map is read in bands of rows. Sums are integers in units of 2^-30, so they do not depend on the order of bands,
 // chunks or threads. These units are small enough to keep the differences between thousands of nearly equal normals.
-// 2^28 normals add up to 2^58 at most. A launch handles the texels of one row of a level.
+// The sum of 2^28 normals is at most 2^58. A launch handles the texels of one row of a level.
 //
 // This file has only a scalar variant. movmf_binning_team.cl has variants for devices with atomic additions and teams
-// of work-items; these variants write the same bytes as this file.
+// of work-items. These variants write the same bytes as this file.
 
 #include "device/binned_cells.clh"
 
 #define CELL_BLOCK 64
 
-// Returns a random place in part `index` of `count` parts of a range of `size`. Regular places could coincide with a
-// regular pattern of the map.
+// Returns a random place in part `index` of `count` parts of a range of `size`. The place is random, because regular
+// places could coincide with a regular pattern of the map.
 static int place_in_part(int index, int count, int size, uint seed) {
   const int first = (int)((long)index * size / count), last = (int)((long)(index + 1) * size / count);
   uint state = seed * 1664525u + 1013904223u;
@@ -123,7 +123,7 @@ __kernel void movmf_bin_cells(__global const float* restrict normal_x, __global 
 #endif
     for (int block = first_column; block < last_column; block += CELL_BLOCK) {
       const int count = min(CELL_BLOCK, last_column - block);
-      // Finds all cells of a block first, and then adds to their sums one after another.
+      // Finds all cells of a block first, and then adds to the sums of these cells one after another.
       int cells_of[CELL_BLOCK];
       for (int i = 0; i < count; ++i) {
         const size_t source = row_start + block + i;

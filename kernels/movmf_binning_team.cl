@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Bins normals in the same way as movmf_binning.cl, and writes the same bytes. This file is for devices whose
-// work-items can add to one address and work on a texel as a team (host/formats/opencl/launch_shape.h). This is a
+// work-items can add to one address and work on a texel as a team (host/formats/opencl/launch_shape.h). It is a
 // separate file, because drivers always compile all kernels of a file. It has only a scalar variant.
 
 #include "device/binned_cells.clh"
@@ -60,7 +60,7 @@ __kernel void movmf_bin_add(__global const float* restrict normal_x, __global co
 #endif
 
 // Does the work of movmf_bin_means with a team of MULTUM_TEAM work-items per texel, and writes the same bytes. Each
-// member packs one cell; the cell's place is the number of earlier cells that are not empty. Local size MULTUM_TEAM,
+// member packs one cell. The cell's place is the number of earlier cells that are not empty. Local size MULTUM_TEAM,
 // global size MULTUM_TEAM * texel_count.
 __attribute__((reqd_work_group_size(MULTUM_TEAM, 1, 1))) __kernel void movmf_bin_team_means(
     __global const long* cells, __global float* samples, __global int* sample_counts, int texel_count, int chunk_count,

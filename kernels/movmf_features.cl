@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Computes per-lobe colours, weights of basis BRDFs and other linear material features: a_j y_j = sum_i z_ij y_i / N.
+// Computes per-lobe colours, weights of basis BRDFs and other linear material features as a_j y_j = sum_i z_ij y_i / N.
 // The responsibilities come from the E-step that gave the stored amplitudes, so the sum over lobes is exactly the
-// texel's mean (Han et al. 2007, section 7.3). Handles three channels at a time: a colour, or three of the weights.
+// texel's mean (Han et al. 2007, section 7.3). The kernel handles three channels at a time, which are a colour or three
+// of the weights.
 
 #include "device/level_window.clh"
 #include "device/movmf_em.clh"
@@ -12,7 +13,7 @@
 #define MULTUM_LOBES 4
 #endif
 
-// Computes the responsibilities z_ij of one normal or mean of normals; `lobes` is the `start` of one slot in
+// Computes the responsibilities z_ij of one normal or of one mean of normals. `lobes` is the `start` of one slot in
 // movmf_em_texels.
 static void responsibilities(float nx, float ny, float nz, __global const float* lobes, float* z) {
 #define PARAMETER(j, plane) lobes[((j)*MULTUM_START_PLANES + (plane)) * MULTUM_GROUP]

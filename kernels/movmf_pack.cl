@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// Packs the samples of 16 texels next to each other before an EM launch, from the map or from binned normals. The
-// kernels do not depend on the number of lobes. This file has only a scalar variant.
+// Packs the samples of 16 texels next to each other before an EM launch. The samples come from the map or from binned
+// normals. The kernels do not depend on the number of lobes. This file has only a scalar variant.
 
 #include "device/level_window.clh"
 #include "device/movmf_em.clh"
 #include "device/texel_coverage.clh"
 #include "shared/movmf_fit.h"
 
-// The value is 1 if finest texels that are only partly inside a texel get fractional weights (maps whose sides are not
-// powers of two).
+// The value is 1 if finest texels that are only partly inside a texel get fractional weights. This is the case for maps
+// whose sides are not powers of two.
 #ifndef MULTUM_WEIGHTED
 #define MULTUM_WEIGHTED 0
 #endif

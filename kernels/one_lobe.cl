@@ -21,8 +21,8 @@
 #include "shared/one_lobe.h"
 
 #define SPREAD_FACTOR 1.75f
-// The least cosine between a facet and the mean normal, which limits slopes to 20. The limit has little effect, because
-// `w x x'` hardly depends on the size of a large slope x.
+// The least cosine between a facet and the mean normal. It limits slopes to 20. The limit has little effect, because `w
+// x x'` hardly depends on the size of a large slope x.
 #define FACET_COSINE_MIN 0.05f
 #define SCALE_MIN 1e-8f  // least diagonal of S: sqrt(2 S) is 1.4e-4
 
@@ -99,7 +99,7 @@ static inline size_t slopes_of(int texel, MultumOneLobePiece piece) {
   return texel / MULTUM_ONE_LOBE_BLOCK * block_size + texel % MULTUM_ONE_LOBE_BLOCK;
 }
 
-// The finest texel of one sample per lane, as it is in memory.
+// The finest texel of one sample per lane, in the order of the memory.
 typedef struct SampledTexels {
   float x[MULTUM_VECTOR_WIDTH], y[MULTUM_VECTOR_WIDTH], z[MULTUM_VECTOR_WIDTH], base[MULTUM_VECTOR_WIDTH];
 } SampledTexels;
@@ -179,7 +179,7 @@ static inline LobeScale closed_form(__global const float* averages, int stride, 
   const real_v xx = LOAD_V(averages + MULTUM_ONE_LOBE_XX * stride), yy = LOAD_V(averages + MULTUM_ONE_LOBE_YY * stride);
   const real_v xy = LOAD_V(averages + MULTUM_ONE_LOBE_XY * stride), xz = LOAD_V(averages + MULTUM_ONE_LOBE_XZ * stride);
   const real_v yz = LOAD_V(averages + MULTUM_ONE_LOBE_YZ * stride), zz = MAX_V(1.0f - xx - yy, (real_v)(0.0f));
-  // E[n n'] times the axes of the frame, and the scalar products of the results with the axes.
+  // The products of E[n n'] and the axes of the frame, and the scalar products of the results with the axes.
   const real_v ax = fma(xx, f.xx, fma(xy, f.xy, xz * f.xz)), ay = fma(xy, f.xx, fma(yy, f.xy, yz * f.xz));
   const real_v az = fma(xz, f.xx, fma(yz, f.xy, zz * f.xz));
   const real_v by = fma(yy, f.yy, yz * f.yz), bz = fma(yz, f.yy, zz * f.yz);
@@ -191,8 +191,8 @@ static inline LobeScale closed_form(__global const float* averages, int stride, 
   return s;
 }
 
-// Makes S invertible: limits its diagonal from below, and keeps its correlation below 1. If S must be isotropic, it
-// becomes its mean over all directions.
+// Makes S invertible by limiting its diagonal from below and keeping its correlation below 1. If S must be isotropic,
+// it is replaced by its mean over all directions.
 static inline LobeScale bounded(LobeScale s, int is_anisotropic) {
   s.xx = MAX_V(s.xx, (real_v)(SCALE_MIN));
   s.yy = MAX_V(s.yy, (real_v)(SCALE_MIN));
@@ -201,7 +201,7 @@ static inline LobeScale bounded(LobeScale s, int is_anisotropic) {
     s.xy = (real_v)(0.0f);
     return s;
   }
-  // Allows ratios of up to about 500 between the variances, and 22 between the alphas.
+  // Allows ratios of up to about 500 between the variances, and of up to about 22 between the alphas.
   const real_v most = 0.996f * sqrt(s.xx * s.yy);
   s.xy = MIN_V(MAX_V(s.xy, -most), most);
   return s;
@@ -226,7 +226,7 @@ static inline LobeScale em_step(__global const float* slopes, MultumOneLobePiece
     sum_xy = fma(wx, y, sum_xy);
     sum_yy = fma(wy, y, sum_yy);
   }
-  // Moments about the new mean, from sums about the old one.
+  // The moments about the new mean are computed from sums about the old mean.
   const real_v share = 1.0f / sum, dx = sum_x * share, dy = sum_y * share;
   s.xx = fma(-sum_x, dx, sum_xx) * share;
   s.xy = fma(-sum_x, dy, sum_xy) * share;

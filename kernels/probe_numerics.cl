@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Probes the arithmetic of a device and its driver, for tests and for users who suspect the driver of errors.
+// Probes the arithmetic of a device and its driver, for tests and for users who suspect an error in the driver.
 
 #include "device/vmf_shading.clh"
 #include "shared/filtered_sh.h"
@@ -57,7 +57,7 @@ __kernel void probe_highlight_cosine(__global const float4* lobes, __global cons
   values[i] = highlight_cosine(lobes[i], half_vectors[i].xyz, lights[i].xyz, half_vectors[i].w);
 }
 
-// Writes the device's sizes of the structs that it shares with the host. One work-item in total.
+// Writes the sizes that the device gives to the structs that it shares with the host. There is only one work-item.
 __kernel void probe_layout(__global int* sizes, int count) {
   if (get_global_id(0) != 0) return;
   MultumMovmfFit fit;

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// Computes the finest level of a reflectance map (Williams 1983, section 4). The map holds the light that a surface
-// sends to a distant viewer under distant lights, for each normal. kernels/mip_box.cl builds the pyramid from it.
+// Computes the finest level of a reflectance map (Williams 1983, section 4). For each normal, the map holds the light
+// that a surface under distant lights sends to a distant viewer. kernels/mip_box.cl builds the pyramid from it.
 //
 //   radiance(n) = sum over lights E ( k_d / pi + k_s (s + 1) / (2 pi) max(n.h, 0)^s ) max(n.l, 0)
 //
-// runtime_gl/shaders/scene.frag has the same formula. Williams paints the reflected lights of his map by hand; here
-// they are computed with Blinn-Phong. A texel is the mean over sample_side^2 normals, which are evenly spread over it
-// in the map's equal-area projection (host/formats/asset/pyramid/reflectance_mapping.h). A highlight narrower than a
-// texel thus keeps its energy.
+// runtime_gl/shaders/scene.frag has the same formula. Williams paints the reflected lights of his map by hand. Here
+// they are computed with Blinn-Phong. A texel is the mean over sample_side^2 normals, which are evenly spread over the
+// texel in the map's equal-area projection (host/formats/asset/pyramid/reflectance_mapping.h). A highlight narrower
+// than a texel thus keeps its energy.
 
 #include "device/vmf_shading.clh"
 #include "shared/mip_box.h"
@@ -20,7 +20,8 @@
 #define INVERSE_PI 0.318309886f
 #define MAP_SIDE 2.82842712f  // side of the square, in the projection's units
 
-// Returns the unit normal at p of Lambert's azimuthal equal-area projection about +z; beyond the corners, the antipode.
+// Returns the unit normal at p of Lambert's azimuthal equal-area projection about +z. Beyond the corners, returns the
+// antipode.
 static float3 normal_at(float px, float py) {
   const float square = min(fma(px, px, py * py), 4.0f);
   const float flat = sqrt(fma(-0.25f, square, 1.0f));

@@ -2,8 +2,8 @@
 // Projects the normal distribution of a finest texel to spherical harmonics (Han et al. 2007, section 5). The
 // coefficients are the basis functions at its normal, g_lm = Y_lm(n). mip_box.cl averages the coefficients, which is
 // exact because they are linear in the distribution. If normals include a BRDF's width, a normal n is shortened to c n,
-// and represents facets about n. Then g_lm = a_l Y_lm(n), where a_l are the zonal coefficients of the vMF with mean
-// cosine c.
+// and represents facets about n. Its coefficients are then g_lm = a_l Y_lm(n), where a_l are the zonal coefficients of
+// the vMF with mean cosine c.
 
 #include "device/vmf_zonal.clh"
 #include "shared/mip_box.h"

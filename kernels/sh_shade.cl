@@ -12,7 +12,8 @@
 #error "sh_shade has only a scalar variant"
 #endif
 
-// Returns the weighted sum, clamped at 0, because a truncated series rings below 0 and light is never negative.
+// Returns the weighted sum, clamped at 0. A truncated series can be below 0 because of ringing, but light is never
+// negative.
 static float weighted_bands(const float* bands, __global const float* zonal) {
   float sum = 0.0f;
   for (int l = 0; l <= MULTUM_SH_ORDER; ++l) sum = fma(zonal[l], bands[l], sum);
@@ -29,8 +30,8 @@ static float shade_map(float4 lobe, __global const MultumHighlight* f, float4 h,
 
 #define SH_LINEAR_CONSTANT 0.488602512f  // the constant of Y_1m
 
-// Returns the cosine that multiplies the highlight of half vector h: the cosine of the mean normal, which is shorter
-// than 1, or 1 if h.w requests no cosine. The coefficients (1, -1), (1, 0), (1, 1) are y, z, x.
+// Returns the cosine that multiplies the highlight of half vector h. This is the cosine of the mean normal, which is
+// shorter than 1, or 1 if h.w requests no cosine. The coefficients (1, -1), (1, 0), (1, 1) are y, z, x.
 static float cosine_of_half(__global const float* g, float share, float4 h, __global const float4* lights) {
   if (h.w == 0.0f) return 1.0f;
   const float4 light = lights[(int)h.w - 1];

@@ -5,8 +5,8 @@
 
 #define MULTUM_HIGHLIGHT_TERMS 4
 
-// The function f(n . h): Blinn-Phong, or a sum of term_count vMFs. Each vMF is a weight times a density of spread 1 -
-// A(kappa).
+// The function f(n . h), which is Blinn-Phong or a sum of term_count vMFs. Each vMF is a weight times a density of
+// spread 1 - A(kappa).
 typedef struct MultumHighlight {
   float exponent;  // the exponent s of f if f is Blinn-Phong, otherwise that of an equally wide Blinn-Phong
   float total;     // the integral of f over the sphere; 1 for Blinn-Phong

@@ -7,7 +7,7 @@
 #define MULTUM_CHOICE_NORMALS 4
 // The weight, in texels, of a texel's surroundings (the parent and done neighbours) when lobes are mixed with them.
 #define MULTUM_CHOICE_AROUND 3.5f
-// Weight of the parent in the surroundings; a neighbour has weight 1.
+// The weight of the parent in the surroundings. A neighbour has weight 1.
 #define MULTUM_CHOICE_PARENT 3.0f
 // The least amplitude for a parent's nearly empty lobes. With this limit, a normal that fits no other lobe goes to the
 // nearest of several empty lobes.
