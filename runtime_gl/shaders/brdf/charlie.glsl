@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Computes Charlie, the sheen of cloth, for one normal and convolved with a vMF lobe (after movmf_shading.glsl).
-// Charlie is from Estevez and Kulla 2017, "Production Friendly Microfacet Sheen BRDF"; alpha = roughness^2, as in
+// Charlie is from Estevez and Kulla 2017, "Production Friendly Microfacet Sheen BRDF". alpha is roughness^2, as in
 // KHR_materials_sheen. D is largest for h at right angles to n, and 0 for h = n. A sharp D cannot be approximated by a
 // sum of vMFs around h, but no such sum is needed.
 //

@@ -51,8 +51,8 @@ float multum_ggx_facet_kappa(float alpha, float kappa, float e) {
   return facets;
 }
 
-// Returns GGX with the given alpha, convolved with the lobe at the unit half vector h, per solid angle, times the
-// amplitude.
+// Returns GGX with the given alpha, convolved with the lobe at the unit half vector h. The result is per solid angle
+// and multiplied by the amplitude.
 float multum_movmf_ggx(sampler2D table, vec4 lobe, vec3 h, float alpha) {
   if (lobe.w <= MULTUM_AMPLITUDE_MIN) return 0.0;
   float d = multum_movmf_spread(lobe);
@@ -104,7 +104,7 @@ float multum_ggx_lobe_specular(vec4 facets, vec3 mu, float d, vec3 l, vec3 v, ve
   return multum_ggx_lobe_curve(facets, alpha, d, e) * n_l / max(masking + shadowing, 1e-6);
 }
 
-// Returns the specular part of one lobe; add up the results of all lobes.
+// Returns the specular part of one lobe. The caller adds up the results of all lobes.
 float multum_movmf_ggx_specular(sampler2D table, vec4 lobe, vec3 l, vec3 v, vec3 h, float alpha) {
   vec4 facets = multum_ggx_lobe_facets(table, lobe, alpha);
   return multum_ggx_lobe_specular(facets, multum_movmf_mean_direction(lobe), multum_movmf_spread(lobe), l, v, h, alpha);

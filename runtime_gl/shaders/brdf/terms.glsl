@@ -3,7 +3,7 @@
 // Each vMF is convolved with a lobe by multiplying mean cosines: A = |r| A(lambda_i), so 1 - A = d + (1 - d) q_i, d = 1
 // - |r|, q_i = 1 - A(lambda_i).
 
-// Returns one term of f convolved with a lobe of amplitude 1 and spread d; e = 1 - mu.h.
+// Returns one term of f convolved with a lobe of amplitude 1 and spread d, where e = 1 - mu.h.
 float multum_term(float d, float term_spread, float e) {
   return multum_vmf_density(multum_vmf_kappa(d + (1.0 - d) * term_spread), e);
 }

@@ -154,14 +154,14 @@ float multum_slope_exponent(MultumSurface surface) {
 }
 
 #ifdef MULTUM_TURNED
-// Returns a mean normal, shortened by the variance v of the geometry's normals: a vMF with the variance v / 2 along
+// Returns a mean normal, shortened by the variance v of the geometry's normals. A vMF with the variance v / 2 along
 // each axis has 1 - |r| = v / 2.
 vec3 multum_turned_mean(vec3 mean) { return mean / (1.0 + 0.5 * multum_turn_variance); }
 
-// Returns the moments of slopes with the geometry's variance added along each axis.
+// Returns the moments of slopes, with the variance of the geometry added along each axis.
 vec4 multum_turned_slopes(vec4 slopes) { return slopes + vec4(0.0, 0.0, vec2(0.5 * multum_turn_variance)); }
 
-// Returns Blinn-Phong's exponent with the geometry's variance added; 1 / s is the variance along each axis.
+// Returns Blinn-Phong's exponent with the variance of the geometry added. 1 / s is the variance along each axis.
 float multum_turned_exponent(float s) { return s / (1.0 + 0.5 * multum_turn_variance * s); }
 #else
 #define multum_turned_exponent(s) (s)
@@ -239,7 +239,7 @@ MultumReflection multum_reflect(MultumSurface surface, vec3 l, vec3 v, vec3 h) {
 }
 
 #ifdef MULTUM_ENVIRONMENT
-// Treats a mean normal as a lobe whose mean vector has its length; MIP treats it as one normal.
+// Treats a mean normal as a lobe whose mean vector has its length. MIP treats it as one normal.
 MultumReflection multum_reflect_environment(MultumSurface surface, vec3 v) {
   vec3 mean = surface.normal.xyz;
   if (length(mean) <= MULTUM_MEAN_MIN) return MultumReflection(vec3(0.0), vec3(0.0));

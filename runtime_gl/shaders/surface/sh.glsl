@@ -124,7 +124,7 @@ MultumReflection multum_reflect(MultumSurface surface, vec3 l, vec3 v, vec3 h) {
 #ifdef MULTUM_ENVIRONMENT
 // Returns the environment's diffuse light, L(n) = mean + linear . n + n . quadratic n (light/environment.glsl),
 // integrated over the normals. The computation needs E[n] and E[n n^T], which the bands contain. The result is exact up
-// to l = 2; only 1 % of Lambert's light is in higher orders. The quadratic part has no trace, so for rough normals,
+// to l = 2, and only 1 % of Lambert's light is in higher orders. The quadratic part has no trace, so for rough normals,
 // bands 1 and 2 are scaled in the same way as for other light.
 vec3 multum_sh_irradiance(vec4 parts[MULTUM_SH_PARTS]) {
   vec3 mean = multum_environment_frame * multum_sh_mean_normal(parts);
