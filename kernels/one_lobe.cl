@@ -169,7 +169,7 @@ __kernel void one_lobe_samples(__global const float* normal_x, __global const fl
   }
 }
 
-// The scale matrix S: symmetric and positive.
+// The scale matrix S, which is symmetric and positive.
 typedef struct LobeScale {
   real_v xx, xy, yy;
 } LobeScale;
@@ -267,8 +267,8 @@ __kernel void one_lobe_fit(__global const float* averages, __global const float*
   STORE_V(y, fitted + stride);
   STORE_V(z, fitted + 2 * stride);
 
-  // S = middle + [half, xy; xy, -half]: its eigenvalues are middle +- radius. The axis of the larger eigenvalue is at
-  // half the angle of (half, xy). Of two formulas for this axis, the one without a subtraction is used.
+  // S is middle + [half, xy; xy, -half], whose eigenvalues are middle +- radius. The axis of the larger eigenvalue is
+  // at half the angle of (half, xy). Of two formulas for this axis, the one without a subtraction is used.
   const real_v middle = 0.5f * (s.xx + s.yy), half_difference = 0.5f * (s.xx - s.yy);
   const real_v radius = sqrt(fma(half_difference, half_difference, s.xy * s.xy));
   const int_v along_x = half_difference >= 0.0f;

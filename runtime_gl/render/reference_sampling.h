@@ -41,8 +41,8 @@ class ReferenceSum {
   /// `sum` is the sum of `sample_count` pictures.
   void add(const FloatImage& sum, int sample_count);
   int sample_count() const { return counts_[0] + counts_[1]; }
-  /// Returns the relative L1 difference of the RGB values of all pixels: the sum of |a - b| / 2 divided by the sum of
-  /// (a + b) / 2, where a and b are the means of the halves. Returns infinity before the second batch, and 0 if
+  /// Returns the relative L1 difference of the RGB values of all pixels. This is the sum of |a - b| / 2 divided by the
+  /// sum of (a + b) / 2, where a and b are the means of the halves. Returns infinity before the second batch, and 0 if
   /// everything is black.
   double noise() const;
   FloatImage mean() const;

@@ -50,7 +50,7 @@ std::optional<std::u32string> characters_of(const std::string& text) {
   return characters;
 }
 
-// Unicode's category Cc: C0, DEL and C1 (section 9).
+// Unicode's category Cc, which consists of C0, DEL and C1 (section 9).
 bool is_control(char32_t c) { return c < 0x20 || (c >= 0x7f && c < 0xa0); }
 
 // The rules that one kind of text must follow.
@@ -230,7 +230,7 @@ class Checker {
     }
   }
 
-  // Returns the first value. Section 3.4.1.1.1: expressions are separated by commas, and must not overlap.
+  // Returns the first value. Expressions are separated by commas and must not overlap (section 3.4.1.1.1).
   std::string check_range(const std::string& what, const Json& range) {
     if (range.is_array()) {
       check_count(what + ": range", range.size(), 1, kRangeElementsMax);

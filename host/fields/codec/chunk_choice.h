@@ -23,7 +23,7 @@ std::vector<ParameterPyramid::Halvings> chosen_levels(
 /// An image coder and the side of cosine blocks.
 using CoderAndSide = std::pair<ImageCoder, std::size_t>;
 
-/// Returns the coders to try, in order: only `coder` if it is set, otherwise all coders.
+/// Returns the coders to try, in order. These are only `coder` if it is set, and otherwise all coders.
 std::vector<CoderAndSide> image_coders(std::optional<ImageCoder> coder);
 
 struct ChunkCandidates {

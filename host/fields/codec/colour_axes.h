@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Chooses the colour axes of a chunk: the eigenvectors of the colours' covariance, with texels weighted by their
-// visibility. Nearly all of a texture's variance is then in the first colour plane (Karhunen-Loeve transform). The axes
-// form a rotation, so that squared errors of the planes add up to squared errors of red, green and blue.
+// Chooses the colour axes of a chunk. These are the eigenvectors of the colours' covariance, with texels weighted by
+// their visibility. Nearly all of a texture's variance is then in the first colour plane (Karhunen-Loeve transform).
+// The axes form a rotation, so that squared errors of the planes add up to squared errors of red, green and blue.
 #pragma once
 
 #include <array>

@@ -23,7 +23,7 @@ std::vector<float> drawn(const FilterMatrix& matrix, const std::vector<float>& t
   return pixels;
 }
 
-/// Multiplies the pixels by A^T and adds up all mip levels in the finest level: [height][width][3].
+/// Multiplies the pixels by A^T and adds up all mip levels in the finest level. The result is [height][width][3].
 std::vector<float> handed_back(const FilterMatrix& matrix, const std::vector<float>& pixels) {
   const auto width = static_cast<std::size_t>(matrix.texture_width);
   const auto height = static_cast<std::size_t>(matrix.texture_height);

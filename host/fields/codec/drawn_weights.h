@@ -18,9 +18,10 @@ namespace multum {
 /// The side, in texels, of the squares over which layer_shares() averages.
 constexpr std::size_t kShareCell = 16;
 
-/// Returns the weight of each coefficient's squared error in the picture of each pose: cosines [pose][block][v][u],
-/// wavelets [pose][height][width]. All matrices are for textures of the layout's size. Partly visible coefficients, and
-/// wavelets next to visible ones, get higher weights, because the errors of such coefficients are not independent.
+/// Returns the weight of each coefficient's squared error in the picture of each pose. Cosines are [pose][block][v][u],
+/// and wavelets are [pose][height][width]. All matrices are for textures of the layout's size. Partly visible
+/// coefficients, and wavelets next to visible ones, get higher weights, because the errors of such coefficients are not
+/// independent.
 std::vector<std::vector<float>> coefficient_energies(const std::vector<FilterMatrix>& matrices,
                                                      const CoefficientLayout& layout);
 
@@ -29,7 +30,7 @@ std::vector<std::vector<float>> coefficient_energies(const std::vector<FilterMat
 /// coefficient_energies() already includes this factor.
 std::vector<float> partly_seen_factors(const CoefficientLayout& layout, const std::vector<float>& masses);
 
-/// Returns the weights of the finest texels in the picture, including the coarser levels: A^T 1.
+/// Returns the weights of the finest texels in the picture, including the coarser levels. This is A^T 1.
 std::vector<float> texel_masses(const FilterMatrix& matrix);
 
 /// Returns how much an error of each layer's gamma-coded texture changes the gamma-coded sum of the layers. The result

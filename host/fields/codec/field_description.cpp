@@ -96,7 +96,7 @@ std::size_t index_of(const json& value, const char* what) {
 // Converts the description to the form that scene_from() reads. Returns the layers of each object.
 std::vector<json> expand(json& description) {
   const std::vector<json> views = description.at("views"), moves = description.at("moves");
-  std::size_t numbers = 0;  // number of numbers in all samples; the description stores shared numbers only once
+  std::size_t numbers = 0;  // how many numbers all samples have; the description stores shared numbers only once
   for (json& sample : description.at("samples")) {
     const json& view = views.at(index_of(sample.at(2), "the view of a sample"));
     const json& move = moves.at(index_of(sample.at(3), "the moves of a sample"));

@@ -16,11 +16,11 @@ struct CoefficientLayout {
   std::size_t width = 1, height = 1;  // texels
   std::size_t side = 16;              // side of cosine blocks
 
-  /// Returns the number of coefficients per plane: cosines [block][v][u], wavelets [height][width].
+  /// Returns the number of coefficients per plane. Cosines are [block][v][u], and wavelets are [height][width].
   std::size_t coefficient_count() const;
 };
 
-/// Converts red, green and blue to three planes: plane p is rows[p] . colour - offsets[p].
+/// Converts red, green and blue to three planes. Plane p is rows[p] . colour - offsets[p].
 struct PlaneAxes {
   std::array<std::array<float, 3>, 3> rows{};
   std::array<float, 3> offsets{};

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Encodes the textures of one layer of an object over one block of parameters as a texture chunk (Hakura et al. 2000,
-// section 4): an adaptive Laplacian pyramid over the parameters, whose images are coded in two dimensions.
+// section 4). The chunk is an adaptive Laplacian pyramid over the parameters, whose images are coded in two dimensions.
 //
 // Departures from the paper: The coder is a closed loop. An image is the weighted mean of the differences between its
 // samples and the sum of the decoded coarser images. Finer images thus correct quantization errors of coarser images.
 // The errors of each coefficient are weighted by its visibility in drawn pixels. Steps and the choice of coefficients
-// follow from one Lagrange multiplier. One multiplier gives all images of all chunks the same slope of error over bits.
+// follow from one Lagrange multiplier. With this one multiplier, all images of all chunks have the same slope of error
+// over bits.
 #pragma once
 
 #include <functional>

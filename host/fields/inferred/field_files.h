@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Names the files of a folder written by `multum infer`: the filter matrix of an object at a sample, and all files that
-// packing reads.
+// Names the files of a folder written by `multum infer`. These are the filter matrix of an object at a sample, and all
+// files that packing reads.
 #pragma once
 
 #include <cstddef>

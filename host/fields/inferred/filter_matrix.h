@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Defines the filter matrix A of texture inference (Hakura et al. 2000, section 3.2, eq. 1): picture = A * texture. A
-// has one row per pixel that the object covers, and one column per texel of the mip pyramid. The OpenGL runtime
-// measures A and writes it to a file. The solver reads this file without OpenGL. docs/reference/inferred_textures.md
-// describes the file.
+// Defines the filter matrix A of texture inference (Hakura et al. 2000, section 3.2, eq. 1), for which picture = A *
+// texture. A has one row per pixel that the object covers, and one column per texel of the mip pyramid. The OpenGL
+// runtime measures A and writes it to a file. The solver reads this file without OpenGL.
+// docs/reference/inferred_textures.md describes the file.
 #pragma once
 
 #include <cstdint>

@@ -18,8 +18,8 @@ namespace multum {
 /// The largest side of pictures and textures that GPUs support.
 constexpr int kGpuSideMax = 16384;
 
-/// Coordinates across the texture (0..1, v upwards) = linear * (u', v') + offset. Here u' = u; in a direction with a
-/// branch cut, u' = u - floor(u - cut), in [cut, cut + 1).
+/// Coordinates across the texture (0..1, v upwards) are linear * (u', v') + offset. Here u' = u. In a direction with a
+/// branch cut, u' = u - floor(u - cut), which is in [cut, cut + 1).
 struct TextureMapping {
   glm::dmat2 linear{1.0};
   glm::dvec2 offset{0.0};

@@ -27,7 +27,7 @@ class RecordedPath {
   std::vector<std::vector<double>> positions_;
 };
 
-/// Returns whether the value of --path is the file of a recorded path. The name of such a file ends in .json;
+/// Returns whether the value of --path is the file of a recorded path. The name of such a file ends in .json, whereas
 /// expressions never do.
 bool is_recorded_path(const std::string& path);
 /// Throws Error(kInput), which names the file.

@@ -46,7 +46,7 @@ float multum_movmf_blinn_phong(vec4 lobe, vec3 h, float s) {
   return lobe.w * mix(multum_vmf_density(multum_vmf_kappa(q), e), multum_blinn_phong(power, e), weight);
 }
 
-// The paper's rule (Han et al. 2007, eq. 20): s' = kappa s / (kappa + s), kappa = A^-1(|r|).
+// Returns the result of the paper's rule s' = kappa s / (kappa + s), kappa = A^-1(|r|) (Han et al. 2007, eq. 20).
 float multum_movmf_blinn_phong_paper(vec4 lobe, vec3 h, float s) {
   if (lobe.w <= MULTUM_AMPLITUDE_MIN) return 0.0;
   float kappa = multum_vmf_kappa(multum_movmf_spread(lobe));

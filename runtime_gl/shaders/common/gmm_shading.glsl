@@ -29,8 +29,8 @@ float multum_gmm_facet_variance(vec4 lobe, float s) {
   return (1.0 - 0.5 * min(dot(mean, mean), 1.0)) / (s + 3.0);
 }
 
-// Returns the facets' density per solid angle at the unit vector h, convolved with the lobe, times the amplitude: D(h)
-// = G(h_x, h_y) h_z.
+// Returns the facets' density D(h) = G(h_x, h_y) h_z per solid angle at the unit vector h, convolved with the lobe,
+// times the amplitude.
 float multum_gmm_density(vec4 lobe, vec3 h, float s) {
   if (lobe.w <= MULTUM_AMPLITUDE_MIN) return 0.0;
   vec2 d = h.xy - multum_gmm_mean(lobe);
@@ -38,7 +38,7 @@ float multum_gmm_density(vec4 lobe, vec3 h, float s) {
   return lobe.w / (2.0 * MULTUM_PI * variance) * exp(-0.5 * dot(d, d) / variance) * max(h.z, 0.0);
 }
 
-// Returns Tan's Lambert term times the amplitude: max(mu . l, 0), where mu is the point of the sphere above the mean.
+// Returns Tan's Lambert term max(mu . l, 0), times the amplitude. mu is the point of the sphere above the mean.
 float multum_gmm_lambert(vec4 lobe, vec3 l) {
   if (lobe.w <= MULTUM_AMPLITUDE_MIN) return 0.0;
   return lobe.w * max(dot(multum_gmm_lifted(multum_gmm_mean(lobe)), l), 0.0);

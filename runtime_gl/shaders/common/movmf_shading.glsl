@@ -73,10 +73,10 @@ vec4 multum_movmf_without_roughness(vec4 lobe, float mean_cosine) {
 }
 
 // Returns the mean of max(n . l, 0) over a vMF of spread d = 1 - |r|, where t is the cosine between its mean direction
-// and l. With m = |r| t: E max(x, 0) = (m + E|x|) / 2, x = n . l. E|x| is modelled as sqrt(m^2 + v exp(-g)), the shape
-// of the mean of a folded normal distribution, where v = (E|x|)^2 at t = 0 and g is a polynomial in m^2 / v. The
-// relative L1 error over the sphere of l is at most 0.22 % (spherical harmonics to l = 2 have 2-3 %). The result is
-// exact at |r| = 1, where it is max(t, 0), and at r = 0, where it is 1/4.
+// and l. With m = |r| t and x = n . l, E max(x, 0) is (m + E|x|) / 2. E|x| is modelled as sqrt(m^2 + v exp(-g)), which
+// is the shape of the mean of a folded normal distribution, where v = (E|x|)^2 at t = 0 and g is a polynomial in m^2 /
+// v. The relative L1 error over the sphere of l is at most 0.22 % (spherical harmonics to l = 2 have 2-3 %). The result
+// is exact at |r| = 1, where it is max(t, 0), and at r = 0, where it is 1/4.
 float multum_vmf_mean_cosine(float d, float t) {
   float r = 1.0 - d;
   float m = r * t;
@@ -133,10 +133,10 @@ vec3 multum_movmf_drawn_normal(vec4 lobe, vec2 xi) {
 
 // Returns the mean of a normal map's normals for a pixel that is smaller than a texel, or slightly larger. Between
 // texels, the filter's mean is as short as if the pixel covered all four texels. If normals turn by g per texel, the
-// length of the mean falls by g^2 / 6 on average. The normals under a pixel that is w texels wide have a variance of
-// g^2 w^2 / 12. This is w^2 / 2 times the loss of length, and for w^2 >= 2, where coarser levels are used, the whole
-// loss counts. `map_lod` is log2 w, where w is the pixel's longer side. `lobe` is (a r, a); a is less than 1 only at a
-// black border. Do not use this function for files with roughness in their lobes (multum:roughness), because the
+// length of the mean decreases by g^2 / 6 on average. The normals under a pixel that is w texels wide have a variance
+// of g^2 w^2 / 12. This is w^2 / 2 times the loss of length. For w^2 >= 2, where coarser levels are used, the whole
+// loss counts. `map_lod` is log2 w, where w is the pixel's longer side. `lobe` is (a r, a), where a is less than 1 only
+// at a black border. Do not use this function for files with roughness in their lobes (multum:roughness), because the
 // lengths of these lobes also contain the BRDF's width.
 vec4 multum_movmf_magnified(vec4 lobe, float map_lod) {
   float size = length(lobe.xyz);

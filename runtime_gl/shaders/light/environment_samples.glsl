@@ -4,7 +4,7 @@
 // For the highlight it takes as many half vectors of a GGX that is as wide as the facets, because GGX has the longest
 // tail of all facet distributions here. If two of these densities could have produced a direction, its weight uses the
 // sum of both densities (Veach and Guibas 1995, the balance heuristic). Uses a low-discrepancy sequence, shifted by a
-// hash of the pixel; `u_sample` counts pictures. The map is constant over a texel.
+// hash of the pixel. `u_sample` counts pictures. The map is constant over a texel.
 uniform vec3 u_light_samples[MULTUM_ENVIRONMENT_SAMPLES];  // directions in the environment's frame
 uniform float u_light_total;                               // the integral of the luminance
 

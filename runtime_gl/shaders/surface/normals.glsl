@@ -4,14 +4,14 @@
 //   MULTUM_MIP        averaged normal, normalised       MULTUM_LEAN     slope moments (Olano and Baker 2010):
 //                                                       density of slopes; MULTUM_JACOBIAN: / cos^3, normalised
 // REFERENCE has variants that replace the nearest texel. MULTUM_DRAWN_TEXEL chooses one of the four surrounding texels
-// at random. MULTUM_FOOTPRINT chooses one of the texels that the texture's filter averages. MULTUM_INTERPOLATED
-// interpolates the four normals. MULTUM_ROUGHNESS: the lengths of normals hold a BRDF's width; REFERENCE uses each
-// normal's own width. MULTUM_ROUGHNESS_MAP (not REFERENCE): normals have unit length, and the width comes from a
-// roughness map, averaged as in an engine. MULTUM_BASIS k: everything is multiplied by weight k. MULTUM_COLOURS: the
-// map has colours. MULTUM_NORMAL_MAP: levels finer than the stored ones come from the normal map. The normal map has no
-// moments of slopes, so these levels are shaded by Toksvig's rule, before mixing. MULTUM_ALBEDO_MAP: their colours come
-// from the albedo map. MIP, TOKSVIG and LEAN read a baked file of moments, or mips of the finest map, which contain the
-// same values.
+// at random. MULTUM_FOOTPRINT chooses one of the texels that the texture filter averages. MULTUM_INTERPOLATED
+// interpolates the four normals. With MULTUM_ROUGHNESS, the lengths of normals hold a BRDF's width, and REFERENCE uses
+// each normal's own width. With MULTUM_ROUGHNESS_MAP (not REFERENCE), normals have unit length, and the width comes
+// from a roughness map, averaged as in an engine. With MULTUM_BASIS k, everything is multiplied by weight k. With
+// MULTUM_COLOURS, the map has colours. With MULTUM_NORMAL_MAP, levels finer than the stored ones come from the normal
+// map. The normal map has no moments of slopes, so these levels are shaded by Toksvig's rule, before mixing. With
+// MULTUM_ALBEDO_MAP, their colours come from the albedo map. MIP, TOKSVIG and LEAN read a baked file of moments, or
+// mips of the finest map, which contain the same values.
 uniform sampler2D u_normals;  // unit normal for REFERENCE, otherwise averaged normal, with w = E[b_s b_t] for LEAN
 #ifdef MULTUM_LEAN
 uniform sampler2D u_slopes;  // E[b_s], E[b_t], E[b_s^2], E[b_t^2]

@@ -9,7 +9,7 @@ const TAPS_MAX = 16;
 // Features of MeshPhysicalMaterial that need more data about normals than lobes provide.
 const REFUSED = ["anisotropy", "sheen", "retroreflectivity", "diffuseRoughness"];
 const GRIDS = { 1: "ivec2(1)", 2: "ivec2(2, 1)", 4: "ivec2(2)", 8: "ivec2(4, 2)", 16: "ivec2(4)" }; // by evaluations
-// The least spread of a pixel's normals at which evaluations are spent on lobes. The spread is read two levels finer
+// The least spread of a pixel's normals at which evaluations are spent on lobes. The spread is read one level finer
 // than the pixel's level (README.md, "Evaluations").
 const LOBES_FROM = { auto: 0.002, points: 2, lobes: -1 };
 const states = new WeakMap(); // changed materials: { lobes, own, onBeforeCompile, customProgramCacheKey }

@@ -84,10 +84,10 @@ class Dispatcher {
     std::vector<Claimed> claimed;
     std::optional<TimeMs> due;
   };
-  /// Runs on the ledger's thread: records changes, and claims jobs for these workers.
+  /// Records changes, and claims jobs for these workers. Runs on the ledger's thread.
   void settle(JobQueue& queue, const ClaimLimits& limits, const std::vector<std::string>& owners,
               Outcome& outcome) const;
-  /// Runs afterwards, on the dispatcher's thread: tells listeners, and starts the claimed jobs.
+  /// Tells listeners, and starts the claimed jobs. Runs afterwards, on the dispatcher's thread.
   void take(const std::vector<std::string>& owners, const Outcome& outcome);
   void end_drain_if_idle();
   /// Runs `work` in the ledger, and repeats it while the disk is full until it is committed. Then runs `done`.

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The page that the daemon serves: files of host/farm/service/web and some of runtime_gl/web, embedded at build time.
+// The page that the daemon serves. Its files are those of host/farm/service/web and some of runtime_gl/web, embedded at
+// build time.
 #pragma once
 
 #include <map>

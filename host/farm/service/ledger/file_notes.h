@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Records in the ledger the files that the daemon made or may remove: outputs, uploads, and files of purged jobs.
+// Records the files that the daemon made or may remove in the ledger. These are outputs, uploads, and files of purged
+// jobs.
 #pragma once
 
 #include <cstdint>

@@ -41,7 +41,7 @@ constexpr char kOfQueueAndState[] =
     "WHERE id IN (SELECT id FROM jobs INDEXED BY jobs_next WHERE queue = ?2 AND state = ?1 AND id < IFNULL(?3, "
     "9223372036854775807) ORDER BY id DESC LIMIT ?4) ORDER BY id DESC";
 
-// One query for each kind of filter; `text` makes a query from its conditions.
+// One query for each kind of filter. `text` makes a query from its conditions.
 struct FilteredQueries {
   template <typename Text>
   explicit FilteredQueries(const Text& text)

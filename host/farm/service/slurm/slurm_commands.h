@@ -39,7 +39,7 @@ struct SlurmTask {
   bool is_stuck() const;
 };
 
-/// Returns the name of a task for scancel and scontrol: "12" or "12_3".
+/// Returns the name of a task for scancel and scontrol, such as "12" or "12_3".
 std::string slurm_task_name(std::int64_t job, int item);
 
 /// The reason why sbatch refused an order, according to its error message.

@@ -105,8 +105,8 @@ std::string shortened(const nlohmann::json& value);
 /// Checks names, types and ranges. Throws Error(kUsage), for example "parameters.lobes is 9, expected an integer from 1
 /// to 8".
 void check_parameters(const JobType& type, const nlohmann::json& parameters);
-/// Throws Error(kUsage) for an input that the type's row excludes. A command may accept more than its jobs:
-/// `multum bake` accepts a scene and a pattern of names, whose files the daemon would not have checked.
+/// Throws Error(kUsage) for an input that the type's row excludes. A command may accept more than its jobs. For
+/// example, `multum bake` accepts a scene and a pattern of names, whose files the daemon would not have checked.
 void check_input(const JobType& type, const nlohmann::json& parameters);
 /// Returns the schema (draft 2020-12) of the `parameters` object that check_parameters() accepts.
 nlohmann::json parameters_schema(const JobType& type);

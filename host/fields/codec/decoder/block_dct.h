@@ -9,7 +9,7 @@ namespace multum {
 /// Returns true for the supported sides, which are 8, 16 and 32.
 bool is_dct_side(int side);
 
-/// Returns C, [side][side]: row k is the cosine of frequency k.
+/// Returns C, [side][side]. Row k is the cosine of frequency k.
 std::span<const float> dct_cosines(int side);
 
 /// Computes coefficients[v][u] = C samples C^T, where u is the frequency along rows and v is the frequency along

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads numbers from untrusted bytes: little-endian numbers, and numbers of variable length with seven bits per byte,
-// the lowest bits first. After the end of the bytes, or after the first invalid number, all reads return 0 and `failed`
-// is true.
+// Reads numbers from untrusted bytes. The numbers are little-endian, or have a variable length with seven bits per
+// byte, starting with the lowest bits. After the end of the bytes, or after the first invalid number, all reads return
+// 0 and `failed` is true.
 #pragma once
 
 #include <cstdint>

@@ -50,8 +50,8 @@ class BlockGroups {
 BlockSurroundings surroundings(const CoefficientBlocks& image, const CoefficientBlocks* parent, const BlockGrid& grid,
                                std::size_t plane, std::size_t number, std::size_t level);
 
-/// Returns the prediction of a block's constant in an image without a parent: the mean of the constants of the blocks
-/// to the left and above, if these exist.
+/// Returns the prediction of a block's constant in an image without a parent. The prediction is the mean of the
+/// constants of the blocks to the left and above, if these exist.
 int predicted_constant(const CoefficientBlocks& image, const BlockGrid& grid, std::size_t plane, std::size_t number);
 
 class DctStreamDecoder {

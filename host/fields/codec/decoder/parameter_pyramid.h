@@ -36,8 +36,8 @@ class ParameterPyramid {
   const std::vector<std::size_t>& sizes() const { return sizes_; }
   const std::vector<Halvings>& levels() const { return levels_; }
 
-  /// Returns the number of a level's first image. Images are numbered level by level, the coarsest first. Within a
-  /// level, images are in the order of samples: the last dimension changes fastest.
+  /// Returns the number of a level's first image. Images are numbered level by level, starting with the coarsest.
+  /// Within a level, images are in the order of samples, in which the last dimension changes fastest.
   std::size_t first_image(std::size_t level) const { return first_image_[level]; }
   std::size_t level_of(std::size_t image) const;
   /// Returns the image of a level whose cell contains the sample.

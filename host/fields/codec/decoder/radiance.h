@@ -21,8 +21,8 @@ inline float radiance_of(float value) {
   constexpr auto kLeast = std::bit_cast<std::int32_t>(1e-12f), kMost = std::bit_cast<std::int32_t>(1e4f);
   const std::int32_t bits = std::min(std::max(std::bit_cast<std::int32_t>(value * (1.0f / 255.0f)), kLeast), kMost);
   const auto x = std::bit_cast<float>(bits);
-  // Divides the logarithm by 5. The constant restores 4/5 of the exponent's bias; 0x32cccccc would be exact at powers
-  // of 32.
+  // Divides the logarithm by 5. The constant restores 4/5 of the exponent's bias. (The constant 0x32cccccc would be
+  // exact at powers of 32.)
   const float fifth = static_cast<float>(bits) * 0.2f;
   float r = std::bit_cast<float>(static_cast<std::int32_t>(fifth) + 0x32c80000);
   for (int step = 0; step < 2; ++step) {

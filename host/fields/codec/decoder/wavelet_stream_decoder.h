@@ -58,7 +58,7 @@ class SparseWaveletPlane {
 std::size_t dense_bytes(const WaveletImage& image);
 
 /// Returns the plane's coefficients, [height][width], or nothing for an empty plane. `steps` has one step per band, in
-/// the order of wavelet_bands; `scale` multiplies them.
+/// the order of wavelet_bands. All steps are multiplied by `scale`.
 std::vector<float> dequantized(const WaveletPlane& plane, std::span<const float> steps, float scale);
 
 /// Adds the plane's samples to `samples`, width * height values.

@@ -71,7 +71,7 @@ class WaveletPlane {
   std::vector<std::uint64_t> found_;  // one bit per coefficient, set if it is significant
 };
 
-/// The encoder's exact plane: whole magnitudes and signs, and the largest magnitude under each node.
+/// The encoder's exact plane, with whole magnitudes and signs, and with the largest magnitude under each node.
 struct WaveletSource {
   const std::vector<std::int32_t>* values = nullptr;             // [height][width]; null in a decoder
   std::vector<std::vector<std::vector<std::uint32_t>>> largest;  // [tree][level][node]

@@ -18,7 +18,8 @@ namespace multum {
 namespace {
 
 constexpr double kLambdaFirst = 500.0;
-constexpr int kAlphaPassesMax = 12;  // one or two passes are usual; each pass lowers the mean less than the one before
+constexpr int kAlphaPassesMax = 12;  // one or two passes are usual; each pass lowers the mean less than the previous
+                                     // pass
 /// The memory of the program with OpenCL and its buffers of 16 MiB. Textures, weights and their coding are not
 /// included.
 constexpr std::uint64_t kProgramBytes = std::uint64_t{240} << 20;

@@ -53,7 +53,7 @@ struct FieldPackReport {
   double lambda = 0.0, mse = 0.0;
   int rounds = 0;                  // how many times the whole field was coded
   std::size_t chunks_resumed = 0;  // number of chunk codings taken from a stopped packing
-  double mse_covered = 0.0;        // error of the pixels that objects cover; alpha refers to this error
+  double mse_covered = 0.0;        // error of the pixels that objects cover, to which alpha refers
   bool is_alpha_met = true;
   /// The error of frames drawn with the inferred textures, compared with the ray-traced frames, over all pixels and in
   /// 8-bit sRGB units. Unset if the folder has no report of `multum infer`.

@@ -11,7 +11,7 @@
 namespace multum {
 namespace {
 
-// Work-items are small: on PoCL, starting a work-group takes as long as running one work-item.
+// Work-items are small. On PoCL, starting a work-group takes as long as running one work-item.
 constexpr std::size_t kTransformLocalSize = 64;
 
 }  // namespace

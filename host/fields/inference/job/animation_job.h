@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Describes a job of texture inference (Hakura et al. 2000, section 3): the renders, their geometry, cameras and
-// parameters, and the textures to infer. docs/reference/animation_jobs.md describes every key of animation.toml.
+// Describes a job of texture inference (Hakura et al. 2000, section 3). A job has the renders, their geometry, cameras
+// and parameters, and the textures to infer. docs/reference/animation_jobs.md describes every key of animation.toml.
 #pragma once
 
 #include <array>

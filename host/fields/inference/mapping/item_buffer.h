@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Finds the visible object and triangle at the centre of each pixel: an item buffer (Weghorst, Hooper and Greenberg
-// 1984). Texture mapping uses this visibility (Hakura et al. 2000, section 3.4).
+// Finds the visible object and triangle at the centre of each pixel, which is an item buffer (Weghorst, Hooper and
+// Greenberg 1984). Texture mapping uses this visibility (Hakura et al. 2000, section 3.4).
 #pragma once
 
 #include <cstdint>

@@ -38,7 +38,7 @@ struct ParameterRange {
 
 class ParameterGrid {
  public:
-  /// Keeps no reference to the job. Samples are in the order of the grid; the last parameter changes fastest.
+  /// Keeps no reference to the job. Samples are in the order of the grid, in which the last parameter changes fastest.
   explicit ParameterGrid(const AnimationJob& job);
 
   /// Returns the number of blocks of neighbouring samples. A block has AnimationParameter::block samples along each

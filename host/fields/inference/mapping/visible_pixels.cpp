@@ -113,7 +113,7 @@ std::optional<glm::dmat2> uv_jacobian(const VisibleTriangle& triangle, glm::dvec
   const glm::dmat3& h = triangle.screen_to_uv;
   const glm::dvec3 value = h * glm::dvec3(screen, 1.0);
   if (!(value.z > 0.0)) return std::nullopt;  // behind the eye because of rounding at a corner on the near plane
-  // The quotient rule: d(a / q) = (da - (a / q) dq) / q.
+  // Uses the quotient rule d(a / q) = (da - (a / q) dq) / q.
   const glm::dvec2 uv = glm::dvec2(value) / value.z;
   return glm::dmat2((glm::dvec2(h[0]) - uv * h[0].z) / value.z, (glm::dvec2(h[1]) - uv * h[1].z) / value.z);
 }

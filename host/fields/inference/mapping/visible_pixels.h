@@ -22,7 +22,7 @@ namespace multum {
 struct VisibleTriangle {
   std::uint32_t triangle;
   bool is_degenerate;  // has no Jacobian, because it has no area in the texture or on the screen
-  // Maps (x, y, 1) in pixels to (q du, q dv, q): texture coordinates from the triangle's first corner, with
+  // Maps (x, y, 1) in pixels to (q du, q dv, q). These are texture coordinates from the triangle's first corner, with
   // perspective.
   glm::dmat3 screen_to_uv;
 };

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Converts an object's layer to the rows of its filter matrix: the weight of each pixel, its colour, and the colour
-// that a texture gives.
+// Converts an object's layer to the rows of its filter matrix. A row has the weight of each pixel, its colour, and the
+// colour that a texture gives.
 #pragma once
 
 #include <array>

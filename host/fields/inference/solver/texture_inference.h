@@ -55,7 +55,7 @@ class TextureInference {
   /// same in every run and with any number of threads.
   InferenceResult solve(const std::vector<float>& colours, const std::vector<float>& start);
 
-  /// Returns A x for every row: three values per row.
+  /// Returns A x for every row, with three values per row.
   std::vector<float> picture(const std::vector<float>& texels) const;
 
   bool uses_normal_form() const;

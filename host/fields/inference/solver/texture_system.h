@@ -60,7 +60,7 @@ class TextureSystem {
   /// Returns A^T b, and the sums of b^2 by colour.
   std::vector<Colour4> projected(const std::vector<float>& colours, std::array<double, 3>* squares);
   std::vector<float> picture(const std::vector<float>& texels) const;
-  /// Returns the total weight of each texel: the sum over rows of weight * A.
+  /// Returns the total weight of each texel, which is the sum over rows of weight * A.
   const std::vector<float>& column_sums() const { return sums_; }
 
   std::size_t row_count() const { return rows_.row_count(); }
