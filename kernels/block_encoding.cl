@@ -139,7 +139,7 @@ static inline ScalarEnds scalar_ends(float16 v, int has_limits) {
   return best;
 }
 
-// One work-item = one block.
+// One work-item handles one block.
 //   values [block][16]   0 to 255
 //   blocks [block]       written
 // The kernel is compute bound. It evaluates a block's error some 200 times.
@@ -646,7 +646,7 @@ static inline float unreachable_error(Colours c) {
   return error;
 }
 
-// One work-item = one block.
+// One work-item handles one block.
 //   values [block][channel][16]   red, green, and blue or alpha, 0 to 255
 //   blocks [block]                written
 // If third_is_alpha, the third channel is alpha, and blue is 255. third_is_alpha is an argument, because a second

@@ -10,11 +10,11 @@
 #error "moments has only a scalar variant"
 #endif
 
-// One work-item = one texel of the band; global size row_count * map_width.
+// One work-item handles one texel of the band. The global size is row_count * map_width.
 //   normal_x, normal_y, normal_z [row][map_width]
 //   nodes [plane][row][row_length]                 written: the texels of MULTUM_MOMENT_PLANES planes
 // If normals are shortened to length c by a BRDF's width (`shortened`), the slopes of its microfacets have the variance
-// 1 - c about the normal's slope (host/formats/image/material_maps.h). Memory bound.
+// 1 - c about the normal's slope (host/formats/image/material_maps.h). The kernel is memory bound.
 __kernel void moment_finest(__global const float* normal_x, __global const float* normal_y,
                             __global const float* normal_z, __global float* nodes, MultumBoxBand band,
                             float slope_z_min, int shortened) {

@@ -36,7 +36,8 @@ static int place_in_part(int index, int count, int size, uint seed) {
 }
 
 // Probes one normal in each of MULTUM_PROBE_SIDE blocks across and down (fewer if there are fewer normals), in the rows
-// that the window holds. One work-item = one row of blocks of one texel; global size width * MULTUM_PROBE_SIDE.
+// that the window holds. One work-item handles one row of blocks of one texel. The global size is
+// width * MULTUM_PROBE_SIDE.
 //   normal_x, normal_y, normal_z [map_window_rows * map_width]
 //   probes [texel][MULTUM_PROBE_COUNT][2]   written: p
 // Bound by memory latency: 32 scattered reads per item.
@@ -61,7 +62,8 @@ __kernel void movmf_bin_probe(__global const float* normal_x, __global const flo
   }
 }
 
-// Computes the axes of one texel's grid from its probes. One work-item = one axis of one texel; global size 2 * width.
+// Computes the axes of one texel's grid from its probes. One work-item handles one axis of one texel. The global
+// size is 2 * width.
 //   axes [texel][2][MULTUM_AXIS_FLOATS]  written: the low end, bins per unit of p, and the cell at each bin's edge
 __kernel void movmf_bin_axes(__global const float* probes, __global float* axes, MultumMovmfFit fit, int texel_row) {
   const int item = (int)get_global_id(0);
@@ -93,8 +95,8 @@ __kernel void movmf_bin_axes(__global const float* probes, __global float* axes,
   }
 }
 
-// Adds the values of normals to their cells. One work-item = one of chunk_count chunks of columns of one texel; global
-// size width * chunk_count.
+// Adds the values of normals to their cells. One work-item handles one of chunk_count chunks of columns of one
+// texel. The global size is width * chunk_count.
 //   normal_x, normal_y, normal_z [map_window_rows * map_width]  choose the cell
 //   value_x, value_y, value_z                                   summed: the normals again, or colours
 //   cells [texel][chunk][fit.sample_capacity][MULTUM_CELL_SUMS]   added to
@@ -142,11 +144,12 @@ __kernel void movmf_bin_cells(__global const float* restrict normal_x, __global 
   }
 }
 
-// Adds the chunks of cells, and packs the cells that are not empty. One work-item = one texel; global size texel_count.
+// Adds the chunks of cells, and packs the cells that are not empty. One work-item handles one texel. The global
+// size is texel_count.
 //   cells [texel][chunk][cell_count][MULTUM_CELL_SUMS]
 //   samples [texel][cell_count][MULTUM_CONDENSED_SAMPLE]  written: mean values and weight
 //   sample_counts [texel]                                        written
-// `are_normals` is as above; the samples then have the form that planar_family.clh expects. Memory bound.
+// `are_normals` is as above; the samples then have the form that planar_family.clh expects. The kernel is memory bound.
 __kernel void movmf_bin_means(__global const long* cells, __global float* samples, __global int* sample_counts,
                               int texel_count, int chunk_count, int cell_count, int are_normals) {
   const int texel = (int)get_global_id(0);

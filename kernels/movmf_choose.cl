@@ -33,7 +33,8 @@
 // Counts the four bits, because not every compiler's library has popcount().
 static int normals_in(int set) { return (set & 1) + ((set >> 1) & 1) + ((set >> 2) & 1) + ((set >> 3) & 1); }
 
-// Returns the window index of the first finest texel that a texel covers in its first row, or (`below`) second row.
+// Returns the window index of the first finest texel that a texel covers in its first row, or in its second row if
+// `below` is set.
 static size_t covered_pair(int column, int row, int below, const MultumMovmfFit* fit) {
   return map_row_start(2 * row + below, fit) + 2 * column;
 }
@@ -152,7 +153,7 @@ static void costs_of_sets(const LobeLanes* samples, const real_v* scatters, cons
 // Spreads the four bits of a set to four nibbles, one per normal. Each nibble contains the number of the normal's lobe.
 static int nibbles(int set) { return (set & 1) | (set & 2) << 3 | (set & 4) << 6 | (set & 8) << 9; }
 
-// One work-item = MULTUM_VECTOR_WIDTH slots; global size slot_count / MULTUM_VECTOR_WIDTH.
+// One work-item handles MULTUM_VECTOR_WIDTH slots. The global size is slot_count / MULTUM_VECTOR_WIDTH.
 //   normal_x, normal_y, normal_z [map_window_rows * map_width]
 //   parent     [lobe][parent_window_rows * parent_width]
 //   level      [lobe][window_rows * width]   done neighbours read; the texels' lobes written
@@ -251,11 +252,11 @@ __kernel void movmf_choose(__global const float* normal_x, __global const float*
 }
 
 // Computes three features of each lobe: a_j y_j = 1/4 sum of its normals' y.
-// One work-item = one slot.
+// One work-item handles one slot.
 //   value_x, value_y, value_z [map_window_rows * map_width]
 //   chosen   [slot]                            from movmf_choose
 //   features [plane][window_rows * width][3]   planes first_plane + lobe written: premultiplied by the amplitude
-// Memory bound.
+// The kernel is memory bound.
 __kernel void movmf_feature_chosen(__global const float* value_x, __global const float* value_y,
                                    __global const float* value_z, __global const int* texel_list,
                                    __global const int* chosen, __global float* features, MultumMovmfFit fit,

@@ -34,8 +34,9 @@ static real_v column_weights(int first, int x, int map_size, int level_size) {
 #endif
 }
 
-// One work-item = one chunk (vector variant) or one lane of one chunk (scalar variant, local size MULTUM_GROUP).
-// Global size chunk_count * slot_count, times MULTUM_GROUP in the scalar variant; slot_count counts whole groups.
+// One work-item handles one chunk (vector variant) or one lane of one chunk (scalar variant, local size MULTUM_GROUP).
+// The global size is chunk_count * slot_count, times MULTUM_GROUP in the scalar variant. slot_count counts whole
+// groups.
 //   normal_x, normal_y, normal_z [rows * map_width + MULTUM_GROUP]  the window's rows and the further rows of chunks
 //                                                                   that begin in it; the last MULTUM_GROUP are finite
 //   start   [group][lobe][MULTUM_START_PLANES][MULTUM_GROUP]

@@ -2,7 +2,8 @@
 // Runs EM on fine levels: one work-item runs all iterations of a texel. Han et al. 2007, section 7, Algorithm 1; with
 // MULTUM_PLANAR, Tan et al. 2005, section 4.1.
 //
-// One work-item = MULTUM_VECTOR_WIDTH texels (16 lanes of one group, or one of them); local size 1 or 2 on a CPU.
+// One work-item handles MULTUM_VECTOR_WIDTH texels (16 lanes of one group, or one of them). The local size is 1 or 2 on
+// a CPU.
 //   samples [group][sample][3, or 4 with the weight][MULTUM_GROUP]     from movmf_pack or movmf_binned_pack
 //   sample_counts [group]                                              at most fit.sample_capacity
 //   start   [group][lobe][MULTUM_START_PLANES][MULTUM_GROUP]           from movmf_start; on return the parameters of
@@ -228,8 +229,8 @@ __attribute__((reqd_work_group_size(MULTUM_TEAM, 1, 1))) __kernel void movmf_em_
     }
     if (iteration == 0) KAPPA_CAP_OF_TEXEL(cap, fit.total_weight_inverse, fit.kappa_cap, fit.kappa_cap_slope)
     if (iteration < last && member < MULTUM_LOBES) {
-      // Each of the first members handles one lobe. The lobe is read from local memory, because registers cannot be
-      // indexed.
+      // Each of the first members of the team handles one lobe. The lobe is read from local memory, because registers
+      // cannot be indexed.
       __local float* own = lobe_state + member * 5;
       __local const float* added = sums + member * 5;
       const float old_x = own[0], old_y = own[1], old_z = own[2], old_sharpness = own[3], old_log = own[4];

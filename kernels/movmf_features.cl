@@ -36,11 +36,11 @@ static __global const float* lobes_of_slot(__global const float* start, int slot
          slot % MULTUM_GROUP;
 }
 
-// One work-item = one chunk of rows of one slot; global size chunk_count * slot_count.
+// One work-item handles one chunk of rows of one slot. The global size is chunk_count * slot_count.
 //   normal_x, normal_y, normal_z, value_x, value_y, value_z [rows * map_width]  as in movmf_em_partial
 //   start   [group][lobe][MULTUM_START_PLANES][MULTUM_GROUP]  output of the EM kernels
 //   partial [slot][chunk][lobe][3]                            written
-// Compute bound: one exponential per lobe and sample.
+// The kernel is compute bound: one exponential per lobe and sample.
 __kernel void movmf_feature_partial(__global const float* normal_x, __global const float* normal_y,
                                     __global const float* normal_z, __global const float* value_x,
                                     __global const float* value_y, __global const float* value_z,
@@ -85,7 +85,7 @@ __kernel void movmf_feature_partial(__global const float* normal_x, __global con
 }
 
 // Adds the chunks.
-// One work-item = one lobe of one slot; global size MULTUM_LOBES * slot_count.
+// One work-item handles one lobe of one slot. The global size is MULTUM_LOBES * slot_count.
 //   partial [slot][chunk][lobe][3]
 //   features [plane][window_rows * width][3]   planes first_plane + lobe written: premultiplied by the amplitude
 __kernel void movmf_feature_sum(__global const float* partial, __global const int* texel_list, __global float* features,
@@ -104,7 +104,7 @@ __kernel void movmf_feature_sum(__global const float* partial, __global const in
   for (int c = 0; c < 3; ++c) out[c] = (sum[c] + carry[c]) * fit.total_weight_inverse;
 }
 
-// Computes the features of binned texels. One work-item = one slot.
+// Computes the features of binned texels. One work-item handles one slot.
 //   samples, value_samples [group][sample][4][MULTUM_GROUP] normals and features, whose cells have the same order
 //   sample_counts [group]; start and features as above
 __kernel void movmf_feature_binned(__global const float* samples, __global const float* value_samples,

@@ -17,12 +17,12 @@
 #define MULTUM_PLANAR 0
 #endif
 
-// One work-item = one texel of the rows from first_row on; global size row_count * map_width.
+// One work-item handles one texel of the rows from first_row on. The global size is row_count * map_width.
 //   normal_x, normal_y, normal_z [rows * map_width]  from row normals_row on
 //   parent  [lobe][fit.window_rows * fit.width]      the window of level 1; if has_parent is 0 (a map of one texel, or
 //                                                    lobes that are not aligned), lobe 0 takes all normals
 //   nearest [row_count * map_width]                  written: the lobe's index
-// Memory bound.
+// The kernel is memory bound.
 __kernel void movmf_level_zero(__global const float* normal_x, __global const float* normal_y,
                                __global const float* normal_z, __global const MultumVmfLobe* parent,
                                __global uchar* nearest, MultumMovmfFit fit, int has_parent, int normals_row,

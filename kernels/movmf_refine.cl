@@ -24,7 +24,8 @@
 // highlights are compared at the end. EM's lobes are kept if their relative L1 error over some half vectors is clearly
 // lower than the error of the refined lobes.
 //
-// One work-item = MULTUM_VECTOR_WIDTH texels, local size 1 or 2 on a CPU; global size slot_count / MULTUM_VECTOR_WIDTH.
+// One work-item handles MULTUM_VECTOR_WIDTH texels. The local size is 1 or 2 on a CPU, and the global size is
+// slot_count / MULTUM_VECTOR_WIDTH.
 //   samples, sample_counts, texel_list   as in movmf_em_texels.cl
 //   level     [lobe][window_rows * width]  output of EM: r and amplitude, of the texels and of their neighbours
 //   refined   [lobe][window_rows * width]  written for the texels of the list

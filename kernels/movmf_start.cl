@@ -34,7 +34,8 @@ static LobeLanes alignment_sum(__global const float* alignment_vectors, const Pl
   return result;
 }
 
-// movmf_start: one work-item = MULTUM_VECTOR_WIDTH slots, every lobe; global size slot_count / MULTUM_VECTOR_WIDTH.
+// In movmf_start, one work-item handles every lobe of MULTUM_VECTOR_WIDTH slots. The global size is
+// slot_count / MULTUM_VECTOR_WIDTH.
 //   parent  [lobe][parent_window_rows * parent_width]   not read when parent_width == 0
 //   level   [lobe][window_rows * width]                 done neighbours; the texel's own lobes when there is no parent
 //   alignment_vectors [lobe][window_rows * width][4]    a_k mu_k of done neighbours

@@ -27,7 +27,8 @@
 #define SCALE_MIN 1e-8f  // least diagonal of S: sqrt(2 S) is 1.4e-4
 
 // A frame about the unit normal n. The frame's x axis is the map's x axis, turned into the tangent plane by
-// Gram-Schmidt, as in renderers.  x = (y^2 + z^2, -x y, -x z) / l, y = (0, z, -y) / l, l^2 = y^2 + z^2.
+// Gram-Schmidt, as in renderers. The axes are x = (y^2 + z^2, -x y, -x z) / l and y = (0, z, -y) / l, with l^2 = y^2 +
+// z^2.
 typedef struct LobeFrame {
   real_v xx, xy, xz;  // the frame's x axis
   real_v yy, yz;      // the y axis; its x component is 0
@@ -56,10 +57,10 @@ static inline void make_usable(real_v* x, real_v* y, real_v* z) {
 }
 
 #if MULTUM_VECTOR_WIDTH == 1
-// One work-item = one texel of the band; global size row_count * map_width.
+// One work-item handles one texel of the band. The global size is row_count * map_width.
 //   normal_x, normal_y, normal_z [row][map_width]
 //   nodes [plane][row][row_length]   written: the texels of MULTUM_ONE_LOBE_PLANES planes
-// Memory bound.
+// The kernel is memory bound.
 __kernel void one_lobe_finest(__global const float* normal_x, __global const float* normal_y,
                               __global const float* normal_z, __global float* nodes, MultumBoxBand band) {
   const int item = (int)get_global_id(0);
@@ -104,7 +105,7 @@ typedef struct SampledTexels {
   float x[MULTUM_VECTOR_WIDTH], y[MULTUM_VECTOR_WIDTH], z[MULTUM_VECTOR_WIDTH], base[MULTUM_VECTOR_WIDTH];
 } SampledTexels;
 
-// One work-item = a row of samples of MULTUM_VECTOR_WIDTH texels, one texel per lane; global size
+// One work-item handles a row of samples of MULTUM_VECTOR_WIDTH texels, one texel per lane. The global size is
 // grid * stride / MULTUM_VECTOR_WIDTH. Lanes after the last texel repeat the last texel.
 //   normal_x, normal_y, normal_z [slot][map_width]   rows of the finest level
 //   base       [slot][map_width]         alpha^2 of the same texels, if piece.has_base_map
@@ -236,11 +237,11 @@ static inline LobeScale em_step(__global const float* slopes, MultumOneLobePiece
   return bounded(s, piece.is_anisotropic);
 }
 
-// One work-item = MULTUM_VECTOR_WIDTH texels, one per lane; global size stride / MULTUM_VECTOR_WIDTH.
+// One work-item handles MULTUM_VECTOR_WIDTH texels, one per lane. The global size is stride / MULTUM_VECTOR_WIDTH.
 //   averages [plane][stride]       MULTUM_ONE_LOBE_AVERAGES planes
 //   slopes   [texel / block][sample][2][block]   from one_lobe_samples; not read if there are no samples
 //   fitted   [plane][stride]       written: MULTUM_ONE_LOBE_FITTED planes
-// Compute bound: iteration_count * grid^2 weights per texel.
+// The kernel is compute bound: iteration_count * grid^2 weights per texel.
 __kernel void one_lobe_fit(__global const float* averages, __global const float* slopes, __global float* fitted,
                            MultumOneLobePiece piece) {
   const int first = (int)get_global_id(0) * MULTUM_VECTOR_WIDTH, stride = piece.stride;

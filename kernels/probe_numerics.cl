@@ -37,19 +37,19 @@ static float probed(float x, int function) {
   }
 }
 
-// One work-item = one input; global size count. values[i] = function(inputs[i]).
+// One work-item handles one input. The global size is count. values[i] = function(inputs[i]).
 __kernel void probe_functions(__global const float* inputs, __global float* values, int count, int function) {
   const int i = (int)get_global_id(0);
   if (i >= count) return;
   values[i] = probed(inputs[i], function);
 }
 
-// One work-item = one highlight; global size count.
+// One work-item handles one highlight. The global size is count.
 //   lobes [count]         (a r, a)
 //   half_vectors [count]  unit; w: the kappa of the facets
 //   lights [count]        unit, towards the light
 //   values [count]        written: highlight_cosine()
-// Compute bound.
+// The kernel is compute bound.
 __kernel void probe_highlight_cosine(__global const float4* lobes, __global const float4* half_vectors,
                                      __global const float4* lights, __global float* values, int count) {
   const int i = (int)get_global_id(0);

@@ -28,10 +28,10 @@ static float3 normal_at(float px, float py) {
   return (float3)(px * flat, py * flat, fma(-0.5f, square, 1.0f));
 }
 
-// One work-item = one texel of a band of rows; global size row_count * map_width.
+// One work-item handles one texel of a band of rows. The global size is row_count * map_width.
 //   lights [light_count]
 //   nodes  [plane][row][row_length]   written: red, green, blue of the texels
-// Compute bound: light_count * sample_side^2 evaluations per texel.
+// The kernel is compute bound: light_count * sample_side^2 evaluations per texel.
 __kernel void reflectance_texels(__global const MultumReflectanceLight* lights, __global float* nodes,
                                  MultumReflectanceMap map, MultumBoxBand band) {
   const int item = (int)get_global_id(0);

@@ -12,12 +12,12 @@
 #error "sh_project has only a scalar variant"
 #endif
 
-// One work-item = one texel of the band; global size row_count * map_width.
+// One work-item handles one texel of the band. The global size is row_count * map_width.
 //   normal_x, normal_y, normal_z [row][map_width]
 //   steps [(order + 1) (order + 2) / 2]            the recurrence's constants
 //   nodes [plane][row][row_length]                 written: the coefficients from l = 1
 //   shortened                                      if not 0, the lengths of normals hold a BRDF's width
-// Memory bound.
+// The kernel is memory bound.
 __kernel void sh_project(__global const float* normal_x, __global const float* normal_y, __global const float* normal_z,
                          __global const float2* steps, __global float* nodes, MultumBoxBand band, int shortened) {
   const int item = (int)get_global_id(0);

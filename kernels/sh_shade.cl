@@ -39,7 +39,7 @@ static float cosine_of_half(__global const float* g, float share, float4 h, __gl
   return max(sum / (SH_LINEAR_CONSTANT * max(share, AMPLITUDE_SHADED_MIN)), 0.0f);
 }
 
-// One work-item = one sample point; global size sample_count.
+// One work-item handles one sample point. The global size is sample_count.
 //   coefficients [sample][order (order + 2)]   already filtered
 //   points     [sample]
 //   steps      the recurrence's constants
@@ -49,7 +49,7 @@ static float cosine_of_half(__global const float* g, float share, float4 h, __gl
 //   lights     [light_count]    unit vectors; w: the mean cosine for without_roughness()
 //   highlights [highlight_count]
 //   values     [sample][highlight_count * half_count + light_count]   written: highlights, then Lambert
-// Levels that come from the normal map are shaded in the same way as lobes. Compute bound.
+// Levels that come from the normal map are shaded in the same way as lobes. The kernel is compute bound.
 __kernel void sh_shade(__global const float* coefficients, __global const MultumFilteredSh* points,
                        __global const float2* steps, __global const float* zonal, __global const float4* half_vectors,
                        __global const float4* lights, __global const MultumHighlight* highlights,

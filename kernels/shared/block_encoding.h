@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lists the partitions of BC7, for kernels/block_encoding.cl and the decoder on the host. Valid OpenCL C and C++.
+// Lists the partitions of BC7, for kernels/block_encoding.cl and the decoder on the host. This file is valid OpenCL C
+// and C++.
 #ifndef MULTUM_KERNELS_SHARED_BLOCK_ENCODING_H
 #define MULTUM_KERNELS_SHARED_BLOCK_ENCODING_H
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The arguments of kernels/sh_shade.cl except the coefficients. Valid OpenCL C and C++.
+// The arguments of kernels/sh_shade.cl except the coefficients. This file is valid OpenCL C and C++.
 #ifndef MULTUM_KERNELS_SHARED_FILTERED_SH_H
 #define MULTUM_KERNELS_SHARED_FILTERED_SH_H
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A BRDF's facets, as the host passes them to the shading kernels. Valid OpenCL C and C++.
+// A BRDF's facets, as the host passes them to the shading kernels. This file is valid OpenCL C and C++.
 #ifndef MULTUM_KERNELS_SHARED_HIGHLIGHT_H
 #define MULTUM_KERNELS_SHARED_HIGHLIGHT_H
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Defines tables for a mip pyramid whose texels are in one list, in the order of host/formats/asset/mip_layout.h. The
 // tables describe the bilinear interpolation between neighbouring levels and its transpose.
-// host/fields/inference/solver/pyramid_tables.h computes them. Valid OpenCL C and C++.
+// host/fields/inference/solver/pyramid_tables.h computes them. This file is valid OpenCL C and C++.
 #ifndef MULTUM_KERNELS_SHARED_MIP_PYRAMID_H
 #define MULTUM_KERNELS_SHARED_MIP_PYRAMID_H
 

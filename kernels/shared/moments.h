@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The arguments of kernels/moments.cl and kernels/moment_shade.cl. Valid OpenCL C and C++.
+// The arguments of kernels/moments.cl and kernels/moment_shade.cl. This file is valid OpenCL C and C++.
 #ifndef MULTUM_KERNELS_SHARED_MOMENTS_H
 #define MULTUM_KERNELS_SHARED_MOMENTS_H
 

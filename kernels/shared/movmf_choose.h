@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Defines weights for movmf_choose.cl and its reference implementation, which were tuned on seven maps
-// (docs/contributing/ALGORITHMS.md, "Level 1"). Valid OpenCL C and C++.
+// (docs/contributing/ALGORITHMS.md, "Level 1"). This file is valid OpenCL C and C++.
 #ifndef MULTUM_KERNELS_SHARED_MOVMF_CHOOSE_H
 #define MULTUM_KERNELS_SHARED_MOVMF_CHOOSE_H
 

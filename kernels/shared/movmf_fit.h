@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The arguments of one launch of the EM kernels, which fits some texels ("slots") of one level. Valid OpenCL C and C++.
+// The arguments of one launch of the EM kernels, which fits some texels ("slots") of one level. This file is valid
+// OpenCL C and C++.
 #ifndef MULTUM_KERNELS_SHARED_MOVMF_FIT_H
 #define MULTUM_KERNELS_SHARED_MOVMF_FIT_H
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Defines constants for the refinement of lobes, which the kernel and its reference share. Valid OpenCL C and C++.
+// Defines constants for the refinement of lobes, which the kernel and its reference share. This file is valid OpenCL C
+// and C++.
 #ifndef MULTUM_KERNELS_SHARED_MOVMF_REFINE_H
 #define MULTUM_KERNELS_SHARED_MOVMF_REFINE_H
 
@@ -12,7 +13,7 @@
   { 20.0f, 100.0f, 500.0f }
 #define MULTUM_REFINE_WEIGHTS \
   { 0.15f / 20.0f, 1.0f / 100.0f, 0.24f / 500.0f }
-// 1 - c^2 = (2 s + 3)/(s + 2)^2, for the mean cosine c = (s + 1)/(s + 2).
+// The value of 1 - c^2 = (2 s + 3)/(s + 2)^2, for the mean cosine c = (s + 1)/(s + 2).
 #define MULTUM_REFINE_SPREADS \
   { 43.0f / 484.0f, 203.0f / 10404.0f, 1003.0f / 252004.0f }
 
@@ -27,8 +28,9 @@
 // The weight of each point midway to one of the four adjacent texels. The texel's centre has weight 1. Without these
 // points, errors at centres are lower, but lobes lose their alignment.
 #define MULTUM_REFINE_MIDWAY_WEIGHT 0.4f
-// The weight, relative to highlights, of the mean normal, on which diffuse light depends, and of the sum of amplitudes.
-// If the mean normal were kept exactly, highlights would lose more than half of what the refinement gains at centres.
+// The weight, relative to highlights, of the mean normal and of the sum of amplitudes. Diffuse light depends on the
+// mean normal. If the mean normal were kept exactly, highlights would lose more than half of what the refinement gains
+// at centres.
 #define MULTUM_REFINE_MOMENT_WEIGHT 1.5f
 // The derivatives of the direction of an averaged lobe are divided by the length of its mean vector, but at least by
 // this length.
@@ -42,9 +44,9 @@
 // The largest spread 1 - |r| to which a step may widen a lobe. A wider lobe would have no direction.
 #define MULTUM_REFINE_SPREAD_MAX 0.95f
 #define MULTUM_REFINE_KAPPA_MIN 0.05f
-// Directions (x, y), with z above 0, in which EM's lobes and the refined lobes are compared. The golden angle spreads
-// them evenly over the disc of radius sqrt(3/4), which is about where half vectors of lights and views above a surface
-// are.
+// The directions (x, y), with z above 0, in which EM's lobes and the refined lobes are compared. The golden angle
+// spreads them evenly over the disc of radius sqrt(3/4). This is about where the half vectors of lights and views above
+// a surface are.
 #define MULTUM_REFINE_LOOKS 24
 #define MULTUM_REFINE_LOOK_XY                                                                                    \
   {                                                                                                              \

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The arguments of kernels/one_lobe.cl. Valid OpenCL C and C++.
+// The arguments of kernels/one_lobe.cl. This file is valid OpenCL C and C++.
 #ifndef MULTUM_KERNELS_SHARED_ONE_LOBE_H
 #define MULTUM_KERNELS_SHARED_ONE_LOBE_H
 
@@ -24,8 +24,8 @@
 #define MULTUM_ONE_LOBE_FITTED 7
 
 // The number of texels whose slopes are interleaved, sample after sample, so that a cache holds them during all steps
-// of a fit. If each texel's slopes were in a separate plane, the planes would be a power of two apart and would evict
-// one another from the cache. The number is a multiple of every vector width.
+// of a fit. Separate planes of slopes would be a power of two apart and would evict one another from the cache. The
+// number is a multiple of every vector width.
 #define MULTUM_ONE_LOBE_BLOCK 16
 
 // Describes texels of a level that are fitted at once, and their samples. A texel has grid * grid samples, evenly

@@ -2,7 +2,8 @@
 // Computes GGX for one normal as in glTF 2.0 (appendix B; Walter et al. 2007), where alpha = roughness^2. Needs
 // Schlick's term of cook_torrance.glsl. ggx_lobe.glsl has GGX convolved with lobes.
 
-// D = alpha^2 / (pi (1 - t^2 (1 - alpha^2))^2), e = 1 - t. 1 - t^2 = e (2 - e) avoids cancellation near t = 1.
+// Returns D = alpha^2 / (pi (1 - t^2 (1 - alpha^2))^2), where e = 1 - t. The form 1 - t^2 = e (2 - e) avoids
+// cancellation near t = 1.
 float multum_ggx(float alpha, float e) {
   if (e >= 1.0) return 0.0;
   float t = 1.0 - e;

@@ -28,7 +28,8 @@ float multum_moments_lean(vec4 slopes, float cross_moment, vec3 h, float s, bool
   vec2 variance = max(slopes.zw - slopes.xy * slopes.xy, vec2(0.0));
   float limit = sqrt(variance.x * variance.y);
   float covariance = clamp(cross_moment - slopes.x * slopes.y, -limit, limit);
-  // The determinant of Sigma + I/s. The terms of det Sigma cancel, but det Sigma is only a part of the sum.
+  // The determinant of Sigma + I/s. The terms of det Sigma cancel, but this does little harm, because det Sigma is only
+  // a part of the sum.
   float determinant = base * (base + variance.x + variance.y) +
                       max(variance.x * variance.y - covariance * covariance, 0.0);
   vec2 b = -h.xy / h.z - slopes.xy;

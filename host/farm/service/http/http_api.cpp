@@ -471,7 +471,7 @@ struct HttpApi::State {
 
 namespace {
 
-// All requests. In a path, "{}" stands for one part.
+// The table of all requests. In a path, "{}" stands for one part.
 struct Route {
   const char* method;
   std::vector<std::string> parts;

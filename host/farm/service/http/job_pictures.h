@@ -76,7 +76,7 @@ class JobPictures {
   const std::string folder_;
   const JobRoots& roots_;
   std::atomic<bool> is_ending_ = false;
-  /// Waiting requests by folder. Used on the thread of io_.
+  /// The waiting requests, by folder. They are used on the thread of io_.
   using Waiter = std::function<void(std::exception_ptr)>;
   std::map<std::string, std::vector<Waiter>> waiters_;
   boost::asio::thread_pool pool_{2};  // one thread may wait for a child, the other looks for existing files

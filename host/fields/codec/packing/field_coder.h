@@ -24,7 +24,7 @@ struct FieldCoderSettings {
   PackingJournal* journal = nullptr;      // if null, no chunk is kept
 };
 
-/// The field coded with one lambda.
+/// The result of coding the field with one lambda.
 struct FieldRound {
   double lambda = 0.0, mse = 0.0;
   std::vector<double> object_mse;  // mean squared errors over each object's pixels

@@ -25,7 +25,8 @@ namespace multum {
 namespace {
 
 constexpr int kSampleCountMax = 65536;  // each sample has one or two files
-// Enough for this many samples. Each sample with its own camera has 68 keys and values, which take 1.2 KB in total.
+// This limit is enough for this many samples. Each sample with its own camera has 68 keys and values, which take 1.2 KB
+// in total.
 const TomlLimits kTomlLimits = {.byte_max = std::size_t{80} << 20, .item_max = 5'000'000};
 
 const std::vector<std::string> kJobKeys = {

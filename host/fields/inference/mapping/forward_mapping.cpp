@@ -17,8 +17,8 @@ namespace {
 
 using TexelSum = std::array<double, 4>;  // three colours and the weight
 
-// Returns the map of texture coordinates across a triangle, with perspective: [s q, t q, q] = map * (x, y, 1), where x
-// and y are clip coordinates divided by w.
+// Returns the map of texture coordinates across a triangle, with perspective. The map is [s q, t q, q] = map * (x, y,
+// 1), where x and y are clip coordinates divided by w.
 std::optional<glm::dmat3> texture_map(const ObjectMesh& mesh, const std::vector<glm::vec2>& corners,
                                       const glm::dmat4& object_to_clip, std::size_t triangle) {
   glm::dmat3 clip, texture;

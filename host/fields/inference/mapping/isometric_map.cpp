@@ -122,7 +122,7 @@ glm::dmat2 fit_isometric_map(const std::vector<IsometricEdge>& edges, const glm:
                                    // downhill
     const Point next = line_minimum(objective, here, direction, &step);
     const double decrease = here.cost - next.cost;
-    // The factor of Polak and Ribiere, at least 0.
+    // The factor of Polak and Ribiere, which is at least 0.
     const double beta = std::max(0.0, (dot(next.gradient, next.gradient) - dot(next.gradient, here.gradient)) /
                                           dot(here.gradient, here.gradient));
     direction = beta * direction - next.gradient;

@@ -44,7 +44,7 @@ struct InferenceFrames {
   double seconds = 0.0;  // seconds for drawing, reading and comparing
 };
 
-/// The mean over the pixels of all frames. The count is 0 if there are no pixels.
+/// The mean error over the pixels of all frames. The count is 0 if there are no pixels.
 struct FrameMean {
   double squared_error = 0.0, pixel_count = 0.0;
 };

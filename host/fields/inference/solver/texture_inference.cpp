@@ -23,7 +23,7 @@ constexpr int kHalvingsMax = 12;  // most halvings of a Newton step that leads u
 
 using Sums = std::array<double, 3>;
 
-// Computes g, g' and g'' of eq. (5), with u = x + d and v = 1 + d - x: g = 1 / (u v), g' = g (1/v - 1/u), g'' = 2 g
+// Computes g, g' and g'' of eq. (5). With u = x + d and v = 1 + d - x, g = 1 / (u v), g' = g (1/v - 1/u), g'' = 2 g
 // (1/u^2 - 1/(u v) + 1/v^2).
 struct RangeTerm {
   double value, slope, curvature;
