@@ -63,7 +63,7 @@ class Service {
         data_(settings_.data, settings_.data_max),
         roots_(roots_of(settings_, data_)),
         work_(asio::make_work_guard(io_)),
-        // Event numbers increase from one daemon to the next.
+        // The event numbers of each daemon are higher than those of earlier daemons.
         events_(static_cast<std::uint64_t>(wall_clock_ms()) * 1000),
         ledger_(std::make_unique<QueueThread>(find_ledger(settings_.data, settings_.retry, options.begins_anew),
                                               [this](std::function<void()> task) {

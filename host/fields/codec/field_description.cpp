@@ -28,10 +28,10 @@ constexpr int kBlockDimensionsMax = static_cast<int>(ParameterPyramid::kDimensio
 
 [[noreturn]] void refuse_description(const std::string& what) { throw Error(ErrorCode::kInput, what); }
 
-// Keys of a mapping that describe how it was found. Players do not need them.
+// The keys of a mapping that describe how it was found. Players do not need these keys.
 constexpr std::array kFoundKeys = {"stretchMax", "stretchRounds", "visiblePixels", "degeneratePixels"};
 
-// Replaces fractions by the shortest decimals that give the same single-precision numbers.
+// Replaces each fraction by the shortest decimal that gives the same single-precision number.
 void round_to_singles(json& value) {
   if (value.is_structured()) {
     for (json& child : value) round_to_singles(child);
@@ -96,7 +96,7 @@ std::size_t index_of(const json& value, const char* what) {
 // Converts the description to the form that scene_from() reads. Returns the layers of each object.
 std::vector<json> expand(json& description) {
   const std::vector<json> views = description.at("views"), moves = description.at("moves");
-  std::size_t numbers = 0;  // count of the numbers of all samples; the description stores shared numbers only once
+  std::size_t numbers = 0;  // how many numbers all samples have; the description stores shared numbers only once
   for (json& sample : description.at("samples")) {
     const json& view = views.at(index_of(sample.at(2), "the view of a sample"));
     const json& move = moves.at(index_of(sample.at(3), "the moves of a sample"));

@@ -22,7 +22,7 @@ std::size_t section_number(const PackedIndex& index, const PackedSection* sectio
   return static_cast<std::size_t>(section - index.sections().data());
 }
 
-/// Returns the samples of a block that have a texture, by the chunk's number.
+/// Returns the samples of a block that have a texture, by their numbers in the chunk.
 std::map<std::size_t, std::vector<std::size_t>> drawn_samples(const FieldDescription& description,
                                                               const PackedLayer& layer, const FieldBlock& block) {
   std::map<std::size_t, std::vector<std::size_t>> samples;
@@ -156,7 +156,7 @@ InferredTexture unpacked_texture(const TextureChunk& chunk, std::size_t sample, 
   const TextureChunkFormat& format = chunk.format();
   InferredTexture texture{static_cast<int>(format.width), static_cast<int>(format.height),
                           radiance_levels(chunk, sample), provenance};
-  for (float& value : texture.texels) value = std::min(value, 65504.0f);  // the largest half float
+  for (float& value : texture.texels) value = std::min(value, 65504.0f);  // the largest 16-bit float
   round_to_half(texture.texels);
   return texture;
 }

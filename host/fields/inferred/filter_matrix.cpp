@@ -115,7 +115,7 @@ void check_contents(const FilterMatrix& m, const std::string& path) {
   }
 }
 
-// Replaces line breaks: a comment ends with its line, and names from glTF files may contain any character.
+// Replaces line breaks, because a comment ends with its line and names from glTF files may contain any character.
 std::string in_one_line(std::string text) {
   for (char& c : text)
     if (static_cast<unsigned char>(c) < ' ') c = ' ';

@@ -32,8 +32,8 @@ using nlohmann::ordered_json;
 constexpr const char* kGeometryName = "geometry.glb";
 constexpr const char* kWasmName = "packed_field.wasm";
 
-// Modules in the order of their imports. On a single page they are joined to one script, so no two modules may use the
-// same top-level name.
+// The modules in the order of their imports. For a single page they are joined into one script, so no two modules may
+// use the same top-level name.
 constexpr std::array kPageModules = {
     "error_text.js",    "next_frame.js",        "byte_source.js",        "checksum.js",
     "mpt_file.js",      "field_description.js", "matrices.js",           "glb.js",

@@ -175,7 +175,7 @@ ListenAddress parse_listen_address(const std::string& text) {
 
 namespace {
 
-// Resolves the links of the existing part of a path.
+// Resolves the symbolic links in the existing part of a path.
 std::string canonical_name(const std::string& path) {
   std::error_code error;
   const std::filesystem::path name = std::filesystem::weakly_canonical(std::filesystem::absolute(path), error);

@@ -23,7 +23,7 @@ bool is_of_us_or_root(const struct stat& found) { return found.st_uid == ::geteu
                                                    path, what));
 }
 
-// Follows a link that this user or root made; returns other paths unchanged.
+// Follows a symbolic link that this user or root made. Returns other paths unchanged.
 std::string resolved(const std::string& path) {
   struct stat found {};
   if (::lstat(path.c_str(), &found) != 0 || !S_ISLNK(found.st_mode)) return path;
@@ -34,7 +34,7 @@ std::string resolved(const std::string& path) {
   return target;
 }
 
-// The group may write if root owns the folder, because volumes of containers have such permissions.
+// If root owns the folder, its group may have write permission, because volumes of containers have such permissions.
 void check_owner(const OpenFile& folder, const std::string& path) {
   struct stat found {};
   if (::fstat(folder.descriptor(), &found) != 0) fail_by_errno(path, "cannot be examined");

@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 constexpr std::size_t kCopyPiece = 1 << 20;  // bytes copied at once
 constexpr int kCopyDepthMax = 32;            // nested folders, each of which takes two open files
 
-// An entry of an open folder; messages show `path`.
+// An entry of an open folder. Messages show `path`.
 struct Place {
   int folder;
   std::string name, path;

@@ -29,8 +29,8 @@ bool is_folded(std::string_view header) {
   return header.find("\r\n ") != std::string_view::npos || header.find("\r\n\t") != std::string_view::npos;
 }
 
-// Detects early that bytes are not a header, from a line that ends without a carriage return, or from the first bytes
-// of TLS.
+// Detects early that bytes are not a header. Such bytes have a line that ends without a carriage return, or begin like
+// TLS.
 bool is_text(std::string_view header) {
   char before = ' ';
   for (const char c : header) {
@@ -62,12 +62,12 @@ void check_fields(const HttpLine::Parser& parser) {
 
 }  // namespace
 
-// Cancels the socket's operations after a timeout. This object outlives the line, because the timer may fire after the
-// line's end.
+// Cancels the socket's operations after a timeout. This object outlives the connection, because the timer may fire
+// after the connection has ended.
 struct HttpLine::Watch : std::enable_shared_from_this<HttpLine::Watch> {
   explicit Watch(Socket& watched) : socket(&watched), timer(watched.get_executor()) {}
 
-  // At most one wait is pending, so a busy line does not set its timer for each request.
+  // At most one wait is pending, so a busy connection does not set its timer for each request.
   void wait(Clock::time_point until) {
     waits_until = until;
     timer.expires_at(until);
@@ -178,7 +178,7 @@ asio::awaitable<void> HttpLine::read_body(Parser& parser, std::size_t bytes_max,
     const std::size_t count = co_await read_some(std::min(Clock::now() + silence, until));
     if (count == 0) throw gone();
     heard += count;
-    // Limits chunk overhead: a client could send one byte per chunk with a long extension.
+    // Limits the overhead of chunks, because a client could send one byte per chunk with a long extension.
     if (heard > 2 * bytes_max + kOverheadBytes) throw too_large;
   }
 }

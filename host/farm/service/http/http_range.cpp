@@ -46,7 +46,8 @@ class FilePart : public HttpBody {
   std::uint64_t at_, left_;
 };
 
-// A strong validator: if any byte of a file changes, one of these values changes too, up to the resolution of clocks.
+// A strong validator. If any byte of a file changes, at least one of these values changes too, unless the clock's
+// resolution is too low.
 std::string etag_of(const struct stat& found) {
   return fmt::format("\"{:x}-{:x}-{:x}\"", found.st_ino, found.st_size,
                      found.st_mtim.tv_sec * 1000000000LL + found.st_mtim.tv_nsec);

@@ -92,8 +92,8 @@ std::size_t ResultArchive::memory() const {
   return bytes;
 }
 
-// A pax header comes before the ustar header. The pax header holds values that do not fit into the ustar header, and
-// names, because the ustar header does not state their encoding.
+// A pax header comes before the ustar header. The pax header has the values that do not fit into the ustar header. It
+// also has the names, because the ustar header does not state their encoding.
 std::string ResultArchive::header(const File& file) const {
   const std::string name = name_ + "/" + file.path;
   const auto [size, nanoseconds] = size_and_time(file.state);
@@ -134,8 +134,8 @@ void ResultArchive::end_file() {
   pending_.assign(padding_of(size_and_time(file.state).first), '\0');
 }
 
-// Writes the next bytes from one source: headers, padding or a file. Returns 0 at the end of the archive. If `to` is
-// null, skips the bytes.
+// Writes the next bytes from one source, which is headers, padding or a file. Returns 0 at the end of the archive. If
+// `to` is null, skips the bytes.
 std::size_t ResultArchive::advance(char* to, std::uint64_t bytes_max) {
   for (;;) {
     if (sent_ < pending_.size()) {

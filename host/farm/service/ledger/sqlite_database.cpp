@@ -44,7 +44,7 @@ SqliteStatement& SqliteStatement::bind(int number, std::int64_t value) {
   return *this;
 }
 
-// Messages may quote file names that are not UTF-8; paths come as texts (path_text.h).
+// Messages may quote file names that are not UTF-8. Paths are stored as texts (path_text.h).
 SqliteStatement& SqliteStatement::bind(int number, std::string_view bytes) {
   const std::string text = text_of_message(bytes);
   check(sqlite3_bind_text64(statement_, number, text.data(), text.size(), SQLITE_TRANSIENT, SQLITE_UTF8));
@@ -181,8 +181,8 @@ void SqliteDatabase::check_may_change() const {
   if (is_look_only()) throw Error(ErrorCode::kEnvironment, look_only_);
 }
 
-// Returns the errno of the last failed call if it reports a lack of space, otherwise 0. SQLite itself keeps the errno
-// only for some statements, and not for COMMIT.
+// Returns the errno of the last failed call if it reports a lack of space, and otherwise 0. SQLite itself keeps the
+// errno only for some statements, but not for COMMIT.
 int SqliteDatabase::no_space_errno() const {
   if (const int error = sqlite3_system_errno(handle_); is_no_space(error)) return error;
   for (const int kind : {SQLITE_FCNTL_FILE_POINTER, SQLITE_FCNTL_JOURNAL_POINTER}) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writes a job as TOML that users can edit. Every key is written, with its meaning at its first use. Numbers have the
-// fewest digits that give the same number.
+// Writes a job as TOML that users can edit. Every key is written, with an explanation where it is first used. Numbers
+// have the fewest digits that give the same number.
 #include <filesystem>
 
 #include <fmt/format.h>
@@ -36,7 +36,7 @@ std::string list(const std::vector<std::string>& texts) {
   return fmt::format("[{}]", fmt::join(items, ", "));
 }
 
-// TOML is UTF-8.
+// TOML files must be UTF-8.
 std::string relative_path(const std::string& path, const std::string& folder) {
   const fs::path whole = fs::absolute(path).lexically_normal();
   const fs::path base = fs::absolute(folder.empty() ? "." : folder).lexically_normal();

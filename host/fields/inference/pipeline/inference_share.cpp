@@ -34,7 +34,7 @@ constexpr std::size_t SegmentationReport::*kCounts[] = {
 
 [[noreturn]] void refuse(const std::string& what) { throw Error(ErrorCode::kEnvironment, what); }
 
-// Identifies the piece's point that a texture or a report belongs to.
+// Identifies the point of the piece to which a texture or a report belongs.
 using PointName = std::tuple<std::size_t, std::size_t, std::size_t>;  // layer, point, object
 
 // The expected contents of a share, from the job.
@@ -62,7 +62,7 @@ std::vector<ShareWork> divide_work(const ParameterizedScene& field, const Object
   return shares;
 }
 
-// Returns everything that a share's textures and figures depend on.
+// Returns everything that determines a share's textures and figures.
 std::string key_of(const ParameterizedScene& field, const AnimationInferSettings& settings, const ShareWork& work,
                    InputHashes& hashes) {
   const AnimationJob& job = field.job();
@@ -116,7 +116,7 @@ Json content_of(const AnimationInferResult& result, const std::string& output) {
   return content;
 }
 
-// Returns one figure per sample; null stands for NaN.
+// Returns one figure per sample. A null value stands for NaN.
 std::vector<double> figures_from(const Json& json, std::size_t count) {
   std::vector<double> figures;
   for (const Json& one : json)
