@@ -36,6 +36,17 @@ const std::string kIntroduction =
 // Escapes '|', which would end a cell.
 std::string cell(const std::string& text) { return std::regex_replace(text, std::regex("\\|"), "\\|"); }
 
+// States the bound and its reason, such as "the relative error is at most 1.0e-05, because ...". Units such as "of the
+// peak" follow the number.
+std::string bound_sentence(const NumericalCaseText& text) {
+  if (text.bound <= kNothingWrong) return fmt::format("{} ({}: 0)", text.bound_reason, text.unit);
+  const bool follows = text.unit.rfind("of ", 0) == 0 || text.unit.rfind("times ", 0) == 0;
+  const std::string number = bound_text(text.bound);
+  const std::string bound = follows ? fmt::format("the error is at most {} {}", number, text.unit)
+                                    : fmt::format("the {} is at most {}", text.unit, number);
+  return fmt::format("{}, because {}", bound, text.bound_reason);
+}
+
 std::string table(const std::string& formula, const NumericalRun& run) {
   std::string text = fmt::format(
       "\n## {}\n\n| case | failure without the guard | guard | bound | worst | without | mutated "
@@ -43,9 +54,7 @@ std::string table(const std::string& formula, const NumericalRun& run) {
       formula);
   for (const NumericalVerdict& v : run.verdicts) {
     if (v.text.formula != formula) continue;
-    const bool allows_errors = v.text.bound > kNothingWrong;
-    const std::string bound = fmt::format("{}{} {}{}{}", allows_errors ? "at most " : "", bound_text(v.text.bound),
-                                          v.text.unit, allows_errors ? ", because " : ": ", v.text.bound_reason);
+    const std::string bound = bound_sentence(v.text);
     text += fmt::format("| `{}` | {} | {} | {} | {}{} | {} | {} |\n", v.text.name, cell(v.text.without_guard),
                         cell(v.text.guard), cell(bound), error_text(v.worst), v.holds() ? "" : " **broken**",
                         tried_text(v.without_guard), tried_text(v.mutated));

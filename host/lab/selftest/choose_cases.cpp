@@ -147,13 +147,13 @@ std::vector<NumericalCase> choose_cases() {
   return {{{"choice-of-equal-normals", "movmf_choose",
             "rounding makes the scatter of equal normals negative, and the square root of a negative number is NaN, "
             "which is never chosen as the lowest cost",
-            "a small constant, which does not visibly change highlights, is added under every square root",
+            "the kernel adds a small constant under every square root, which does not visibly change highlights",
             kNothingWrong, "wrong amplitudes", "every amplitude must be correct"},
            choice_of_equal_normals,
            {{"movmf_choose", "const float e = 0.5f / fit.kappa_cap;", "const float e = 0.0f;"}}},
           {{"choice-without-normals", "movmf_choose, movmf_feature_chosen",
-            "computing the mean of a lobe without normals divides 0 by 0", "the lobe keeps the mean of its parent",
-            1e-6, "absolute error of features, and of the sums of a and of a r over the lobes",
+            "the mean of a lobe without normals is 0 divided by 0", "the lobe keeps the mean of its parent", 1e-6,
+            "absolute error of the features and of the sums of a and a r over the lobes",
             "only four additions are rounded"},
            choice_without_normals,
            {{"movmf_choose", "if (count[lane] == 0.0f)", "if (false)"}}}};

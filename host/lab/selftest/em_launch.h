@@ -22,7 +22,7 @@ constexpr std::size_t kGroup = MULTUM_GROUP;
 
 /// Explains the bounds of the results of EM.
 constexpr char kEmBoundReason[] =
-    "each added sample has a rounding error of up to 6e-8, and EM multiplies such errors by less than 10";
+    "each addition has a rounding error of up to 6e-8, and EM multiplies these errors by less than 10";
 
 struct EmTexel {
   std::vector<reference::Sample> samples;  // samples, which are rounded to float for both sides

@@ -316,26 +316,27 @@ void light_from_behind(Device& device, WorstError& worst) {
 }
 
 std::vector<NumericalCase> box_cases() {
-  const std::string same = "wrong values", none = "values are only copied";
+  const std::string same = "wrong values", none = "the kernel only copies values, so they must not change";
   return {
-      {{"texels-keep-their-bits", "mip_texels", "work-items beyond the last texel write outside the buffer",
-        "bounds are checked first, and values are only copied", kNothingWrong, same, none},
+      {{"texels-keep-their-bits", "mip_texels", "surplus work-items write beyond the end of the buffer",
+        "the kernel checks the bounds first, and only copies values", kNothingWrong, same, none},
        texels_keep_their_bits,
        {{"mip_box", "if (item >= band.plane_count * band.row_count * band.map_width) return;", ""}}},
-      {{"features-keep-their-bits", "mip_features", "work-items beyond the last texel write into the next plane",
-        "bounds are checked first, and values are only copied", kNothingWrong, same, none},
+      {{"features-keep-their-bits", "mip_features", "surplus work-items write into the next plane",
+        "the kernel checks the bounds first, and only copies values", kNothingWrong, same, none},
        features_keep_their_bits,
        {{"mip_box", "if (item >= band.row_count * band.map_width) return;", ""}}},
       {{"blocks-of-32768-texels", "mip_blocks",
-        "adding 32768 equal texels from left to right rounds each sum in the same direction",
-        "texels are added in pairs, then the pairs are added in pairs, and so on, which rounds only 15 times", 1e-6,
-        "of the sum of magnitudes", "15 rounding errors of 6e-8 add up to 9e-7"},
+        "if 32768 equal texels are added from left to right, every sum is rounded in the same direction",
+        "the kernel adds texels in pairs, then adds the sums in pairs, and so on, so each texel is rounded only 15 "
+        "times",
+        1e-6, "of the sum of magnitudes", "15 rounding errors of 6e-8 add up to 9e-7"},
        blocks_of_32768,
        {},
        rows_from_left_to_right},
       {{"average-of-2-30-texels", "mip_levels",
-        "the sum is rounded 32768 times, by half a unit in the last place each time",
-        "compensated summation adds the rows", 1.2e-7, "relative error",
+        "the sum is rounded 32768 times, each time by half a unit in the last place",
+        "the kernel adds the rows by compensated summation", 1.2e-7, "relative error",
         "only the share of each row and the result are rounded"},
        average_of_2_30,
        {{"mip_box", "      add_compensated(&sum, &carry, value);\n      continue;",
@@ -360,12 +361,12 @@ std::vector<NumericalCase> pyramid_cases() {
       highlights_of_1e5,
       {{"reflectance_pyramid", "return 0.5f * fma(dx, dx, fma(dy, dy, dz * dz));",
         "return 1.0f - fma(dx + w.x, w.x, fma(dy + w.y, w.y, (dz + w.z) * w.z));"}});
-  add("thousands-of-normals-a-texel", "49152 additions of similar numbers round in the same direction",
+  add("thousands-of-normals-a-texel", "49152 additions of similar numbers are rounded in the same direction",
       "sums are compensated", 5e-7,
       "only a few rounding errors remain per sample, no matter how many samples are added", normals_of_a_texel,
       {{"reflectance_pyramid", "const float total = *sum + value;",
         "*sum = *sum + value;\n  return;\n  const float total = *sum + value;"}});
-  add("light-from-behind", "a light darkens surfaces that face away from the light",
+  add("light-from-behind", "a light darkens surfaces that face away from it",
       "a light below the surface, with n . l <= 0, adds nothing", 1e-5,
       "the normal n and the half vector h have rounding errors of up to 6e-8, and |n - h| is about 0.2 in a highlight "
       "with exponent 50",

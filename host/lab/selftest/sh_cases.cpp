@@ -269,7 +269,8 @@ SourceEdit direction_edit(const std::string& text, const std::string& replacemen
 std::vector<NumericalCase> sh_cases() {
   const std::string unit = "of the largest value in the band";
   const std::string reason =
-      "near a pole, the rounding error of 1 - z^2 grows with the square of the order, and the recurrence has 20 steps";
+      "near a pole, the rounding error of 1 - z^2 is multiplied by the square of the order, and the recurrence has 20 "
+      "steps";
   return {
       {{"harmonics-to-order-20", "sh_project",
         "the factorials and Legendre functions of the direct formula overflow, because 40! exceeds the range of a "
@@ -279,7 +280,8 @@ std::vector<NumericalCase> sh_cases() {
        {},
        textbook_basis},
       {{"harmonics-at-the-poles", "sh_project", "computing the azimuth with x / sin theta divides 0 by 0 at the poles",
-        "the powers (x + iy)^m contain the factor sin^m theta, so no division is needed", 1e-5, unit, reason},
+        "the kernel uses the powers (x + iy)^m, which contain the factor sin^m theta, so it does not divide", 1e-5,
+        unit, reason},
        poles,
        {},
        divided_by_sine},
@@ -290,13 +292,14 @@ std::vector<NumericalCase> sh_cases() {
        {direction_edit("const float3 scaled = (float3)(x / largest, y / largest, z / largest);",
                        "return (float3)(x, y, z);\n  const float3 scaled = (float3)(x, y, z);")}},
       {{"harmonics-of-no-direction", "sh_project", "a normal of length 0 makes every coarser texel NaN",
-        "normals of length 0 are treated as pointing up", 1e-6, unit, "the direction is a pole, where z is exactly 1"},
+        "normals of length 0 are treated as pointing up", 1e-6, unit,
+        "the direction is a pole, where z is exactly 1 and rounding errors are small"},
        no_direction,
        {direction_edit("if (!(largest > 0.0f && largest < INFINITY) || isnan(x + y + z))", "if (0)")}},
       {{"harmonics-of-rough-normals", "sh_project",
-        "the upward recurrence for the zonal coefficients of a lobe loses its digits by cancellation",
+        "the upward recurrence for the zonal coefficients of a lobe loses digits by cancellation",
         "ratios of coefficients are computed downwards, starting with the asymptotic ratio at a much higher order",
-        5e-5, unit, "the kappa that belongs to a mean cosine has an error of at most 3.3e-5"},
+        5e-5, unit, "kappa, which is computed from the mean cosine, has an error of at most 3.3e-5"},
        rough_normals,
        {},
        upward_zonal},
@@ -306,10 +309,10 @@ std::vector<NumericalCase> sh_cases() {
        ringing,
        {{"sh_shade", "return max(sum, 0.0f);", "return sum;"}}},
       {{"harmonics-of-opposite-tilts", "sh_shade",
-        "without normalisation, or with a mean direction of length 0, highlights vanish",
-        "no guard is needed, because the series represents both tilts", 2e-5, "of the peak of one tilt",
-        "the basis functions have errors both in the coefficients and in the evaluation, weighted by the coefficients "
-        "of the lobe"},
+        "highlights vanish if vectors are not normalised or the mean direction has length 0",
+        "the series needs no guard, because it represents both tilts", 2e-5, "of the peak of one tilt",
+        "the basis functions have rounding errors in the coefficients and in the evaluation, which the coefficients of "
+        "the lobe weight"},
        opposite_tilts,
        {},
        {},

@@ -179,8 +179,7 @@ void lambert_of_every_spread(Device& device, WorstError& worst) {
 }
 
 std::vector<NumericalCase> lobe_cases() {
-  const char* kReason =
-      "kappa is computed with an error of 2.3e-4, which changes both the peak and the exponent of the highlight";
+  const char* kReason = "the error of kappa (2.3e-4) changes both the peak and the exponent of the highlight";
   return {
       {{"exponents-to-1e5", "movmf_shade",
         "1 - mu . h has a rounding error of 6e-8, which the highlight exponent s = 1e5 multiplies",
@@ -190,7 +189,7 @@ std::vector<NumericalCase> lobe_cases() {
        {shade_edit("return 0.5f * fma(dx, dx, fma(dy, dy, dz * dz));",
                    "return 1.0f - fma(dx + w.x, w.x, fma(dy + w.y, w.y, (dz + w.z) * w.z));")}},
       {{"the-horizon-and-below", "movmf_shade",
-        "the computed power of a negative cosine is positive, so surfaces that face away are lit",
+        "the computed power of a negative cosine is positive, so surfaces that face away from the light are lit",
         "the result is 0 if the cosine t is 0 or negative", 6e-4, "of the peak", kReason},
        horizon_and_below,
        {shade_edit("return e < 1.0f ?", "return true ?")}},
@@ -201,7 +200,8 @@ std::vector<NumericalCase> lobe_cases() {
        {shade_edit("clamp((lobe.w - length) / max(lobe.w, AMPLITUDE_SHADED_MIN), 0.0f, 1.0f)",
                    "((lobe.w - length) / max(lobe.w, AMPLITUDE_SHADED_MIN))")}},
       {{"no-direction", "movmf_shade", "normalising a mean r of length 0 divides by zero",
-        "an arbitrary direction is used, because the result does not depend on it", 6e-4, "of the peak", kReason},
+        "the kernel uses an arbitrary direction, because the result does not depend on it", 6e-4, "of the peak",
+        kReason},
        no_mean_direction,
        {shade_edit("const float inverse = length > 1e-12f ? 1.0f / length : 0.0f;",
                    "const float inverse = 1.0f / length;")}},
@@ -214,17 +214,17 @@ std::vector<NumericalCase> shading_cases() {
   std::vector<NumericalCase> cases = lobe_cases();
   cases.push_back(
       {{"amplitude-to-0", "movmf_shade",
-        "an empty lobe is divided by its amplitude, which is 0, or reflects light from a direction that only consists "
-        "of rounding errors",
-        "lobes with amplitudes up to 1e-6, a thirtieth of the smallest stored amplitude, are ignored", 6e-4,
+        "the vector of an empty lobe is divided by the lobe's amplitude, which is 0, or rounding errors determine the "
+        "direction from which the lobe reflects light",
+        "the kernel ignores lobes with amplitudes up to 1e-6, a thirtieth of the smallest stored amplitude", 6e-4,
         "of the peak times the amplitude (light that must be 0 counts as an error of 1)",
-        "kappa is computed with an error of 2.3e-4, which changes both the peak and the exponent of the highlight"},
+        "the error of kappa (2.3e-4) changes both the peak and the exponent of the highlight"},
        vanishing_amplitude,
        {shade_edit("shape.amplitude = lobe.w <= AMPLITUDE_SHADED_MIN ? 0.0f : lobe.w;", "shape.amplitude = lobe.w;"),
         shade_edit("if (lobe.w <= AMPLITUDE_SHADED_MIN) return 0.0f;", "")}});
   cases.push_back(
       {{"terms-of-either-sign", "movmf_shade",
-        "a sum of vMFs with positive and negative weights can be below 0, and negative light darkens its surroundings",
+        "a sum of vMFs with positive and negative weights can be negative, and negative light darkens its surroundings",
         "the sum over the terms of a lobe is at least 0", 6e-4, "of the sum of the terms' peaks",
         "the kappa of every term is computed with an error of 2.3e-4"},
        terms_of_either_sign,
@@ -232,8 +232,8 @@ std::vector<NumericalCase> shading_cases() {
   cases.push_back(
       {{"lambert-of-every-spread", "movmf_shade",
         "the paper's approximation max(mu . l, 0) ignores the spread of the lobe",
-        "the mean of a folded normal distribution is used, which is exact for single directions and for lobes without "
-        "a direction",
+        "the formula uses the mean of a folded normal distribution, which is exact for single directions and for lobes "
+        "without a direction",
         2.5e-3, "absolute error", "the model of the mean cosine has an error of 0.22 % (tools/lab/fit_shading.py)"},
        lambert_of_every_spread,
        {shade_edit("return 0.5f * (m + sqrt(fma(v, exp2_v(-MULTUM_LOG2E * g), m * m)));", "return max(t, 0.0f);")}});

@@ -111,10 +111,11 @@ std::vector<NumericalCase> cases_of(StorageEncoding encoding, const std::string&
   const Rounding stored = rounding(encoding, false), naive = rounding(encoding, true);
   const std::string
       formula = "movmf_quantize",
-      lost = "for a lobe of amplitude a, rounding each channel separately changes |r| by up to 1/a rounding steps";
+      lost =
+          "if each channel is rounded separately, |r| of a lobe with amplitude a changes by up to 1/a rounding steps";
   return {
       {{name + "-single-directions", formula, lost + ", which blurs a highlight",
-        "the four values of a lobe are rounded together, and for a single direction, r never becomes shorter", 1e-7,
+        "the encoder rounds the four values of a lobe together, and never shortens the r of a single direction", 1e-7,
         "absolute error of 1 - |r|", "the spread of a single direction must be 0, except for float rounding"},
        [=](Device&, WorstError& worst) { single_directions(stored, worst); },
        {},
@@ -127,7 +128,8 @@ std::vector<NumericalCase> cases_of(StorageEncoding encoding, const std::string&
        [=](Device&, WorstError& worst) { sharpest_spreads(stored, encoding, worst); },
        {},
        [=](WorstError& worst) { sharpest_spreads(naive, encoding, worst); }},
-      {{name + "-as-the-format-says", formula, "the stored texel breaks the rule of docs/reference/file_format.md",
+      {{name + "-as-the-format-says", formula,
+        "the stored texel violates the rounding rule in docs/reference/file_format.md",
         "the encoder tries every possible rounding, as the rule requires", kNothingWrong, "wrong texels",
         "no bit may differ"},
        [=](Device&, WorstError& worst) { as_the_format_says(encoding, stored, worst); },

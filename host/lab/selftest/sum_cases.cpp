@@ -445,9 +445,9 @@ std::vector<NumericalCase> sum_cases() {
   const std::string plain = "*sum = *sum + value;\n  return;", compensated = "const float total = *sum + value;";
   return {
       {{"texels-2-to-28-by-chunks", "movmf_em_partial",
-        "a float sum stops growing at 2^24 and loses 94 % of the total, and plain sums of chunks all round in the same "
-        "direction",
-        "the sums of 16 lanes per chunk are added as a tree, and compensated summation adds the chunks", 1e-6,
+        "a float sum stops growing at 2^24, which loses 94 % of the total, and plain sums of chunks are all rounded in "
+        "the same direction",
+        "the kernel adds the sums of a chunk's 16 lanes as a tree, and adds the chunks by compensated summation", 1e-6,
         "absolute error of a and r",
         "each of 16 lanes makes 2048 additions, whose random errors reach 2048 * 2^-25 / 16"},
        texels_2_28_by_chunks,
@@ -465,13 +465,13 @@ std::vector<NumericalCase> sum_cases() {
        many_partial_colours,
        {{"movmf_features", compensated, plain + compensated}}},
       {{"colours-far-from-every-lobe", "movmf_feature_binned",
-        "every density is 0 in float, so computing shares divides 0 by 0",
+        "every density is 0 in float, so the shares of the lobes are 0 divided by 0",
         "the kernel computes logarithms of densities and subtracts the largest logarithm", 1e-4,
         "of the channel's total", "logarithms near 1e6 have relative rounding errors of 6e-8, which change the shares"},
        colours_far_from_every_lobe,
        {{"movmf_features", "z[j] = exp2_v(z[j] - largest);", "z[j] = exp2(z[j]);"}}},
       {{"colours-of-uneven-chunks", "movmf_feature_partial",
-        "computing shares divides 0 by 0, or a finest texel on a border counts fully in both coarser texels",
+        "the shares of the lobes are 0 divided by 0, or a finest texel on a border counts fully in both coarser texels",
         "the kernel subtracts the largest logarithm of a density, weights are fractions, and a chunk without rows "
         "gives 0",
         1e-4, "of the channel's total over the chunk",
@@ -479,7 +479,7 @@ std::vector<NumericalCase> sum_cases() {
        colours_of_uneven_chunks,
        {{"movmf_features", "z[j] = exp2_v(z[j] - largest);", "z[j] = exp2(z[j]);"}}},
       {{"texels-2-to-28-into-cells", "movmf_bin_cells, movmf_bin_add", "a float sum stops growing at 2^24",
-        "sums are 64-bit integers in units of 2^-30, up to 2^58, and can be added in any order", 2e-9,
+        "the kernel adds 64-bit integers in units of 2^-30, with sums up to 2^58, in any order", 2e-9,
         "absolute error of means", "each normal is rounded towards 0 in steps of 2^-30"},
        texels_2_28_by_any_way,
        {},
@@ -493,7 +493,8 @@ std::vector<NumericalCase> sum_cases() {
         {"movmf_binning_team", "long4 sum = vload4(cell, chunks);",
          "long4 sum = convert_long4(convert_int4(vload4(cell, chunks)));"}}},
       {{"axes-of-no-extent", "movmf_bin_probe, movmf_bin_axes",
-        "the number of bins, 63, is divided by an extent of 0, and projecting a normal straight down divides 0 by 0",
+        "the number of bins (63) is divided by an extent of 0, and projecting a normal that points straight down "
+        "divides 0 by 0",
         "the extent and 1 + z are at least 1e-6", kNothingWrong, "invalid axis values", "every axis must be valid"},
        axes_of_no_extent,
        {{"movmf_binning", "MAX_V(high - low, 1e-6f)", "(high - low)"},
