@@ -23,9 +23,9 @@ FORMATS = ("exr", "ktx", "png")  # formats of roughness-prefilter; ratios divide
 HEAD = """## Time and memory
 
 The input is `{map}`, repeated to {side} x {side} texels, as a PNG with 8 bits per channel. `multum export` writes
-normals, occlusion, roughness and metalness for all levels, and runs without measuring errors. roughness-prefilter
-({version}) writes only roughness. All programs ran alternately in {rounds} rounds. The table lists medians, with ranges
-in brackets. Each ratio compares a run with the fastest format of roughness-prefilter in the same round.
+normals, occlusion, roughness and metalness for all levels, and does not measure errors. roughness-prefilter
+({version}) writes only roughness. All programs ran alternately in {rounds} rounds. The table lists medians, with
+ranges in brackets. Each ratio compares a run with the fastest format of roughness-prefilter in the same round.
 
 | | processor time, s | ratio | memory, MiB |
 |---|---|---|---|

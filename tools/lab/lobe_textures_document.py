@@ -45,14 +45,14 @@ explains the shader. The bakes store lobes from level 1 on, so level 0 is the no
 
 - *Error* is the relative L1 error of multum-view's picture of an oblique plane, drawn at 320 x 240 pixels with
   Blinn-Phong. The noise of the reference is at most 3 %. The renderer is llvmpipe, which filters 8-bit texels and
-  blocks in 8-bit arithmetic. The table lists medians over the maps. Brackets contain the highest ratio of any map: the
-  error divided by the error of the baked lobes in 16 bits.
+  blocks in 8-bit arithmetic. The table lists medians over the maps. Brackets contain the highest ratio of any map,
+  where the ratio is the error divided by the error of the baked lobes in 16 bits.
 - *Bytes* is the size of the lobe texture, divided by the size of all levels of the map in BC5 and BC4. Level 0 of the
-  normal map in BC5 would add 0.5, but renderers store this level in any case.
+  normal map in BC5 would add 0.5, but renderers need this level in any case.
 - *Fetches* is the number of texture fetches per tap, without the fetch of the normal map.
-- Every row evaluates the material once per lobe and pixel, where the number of lobes is rounded up to a power of two.
-  Lobes are drawn by `multum-view --evaluations`, which shades several points per pixel where only the normal map is
-  visible. Averaged normals and LEAN are stored as floats and shaded at the same number of points.
+- In every row, the material is evaluated once per lobe and pixel, and the number of lobes is rounded up to a power of
+  two. Lobes are drawn by `multum-view --evaluations`, which shades several points per pixel where only the normal map
+  is visible. Averaged normals and LEAN are stored as floats and shaded at the same number of points.
 
 In this near view, LEAN has a lower error than lobes. At levels finer than 1, the lobe files contain one mean normal per
 texel, whereas LEAN uses moments. Lobe files that store level 0 have lower errors ([PICTURES](PICTURES.md)).

@@ -37,7 +37,7 @@ the models from a distance of {distance} m.
 ## Flicker
 
 There are three motions of {frames} frames each: the camera moves forwards, moves to the side, or turns. Between two
-frames, the picture moves by less than a pixel to a few pixels.
+frames, the picture moves by a fraction of a pixel up to a few pixels.
 
 - *Flicker* is defined in % as in [FILTER](FILTER.md): it is the mean over neighbouring frames of sum |(f' - f) - (t' -
   t)| / sum t, where f is a frame and t is the reference of this frame.
@@ -47,10 +47,10 @@ frames, the picture moves by less than a pixel to a few pixels.
 {flicker}
 ## Cost
 
-The table lists the processor time of Chromium's drawing process (SwiftShader), divided by the time of plain mips, which
-were drawn immediately before. Numbers are medians of {pairs} pairs of runs, on {machine}.
+The table lists the processor time of Chromium's drawing process (SwiftShader), divided by the time for plain mips in
+a run immediately before. Numbers are medians of {pairs} pairs of runs, on {machine}.
 
-{cost} The table lists the seconds until a model is loaded. Other programs also ran on the machine:
+{cost} The table lists the time until a model is loaded, in seconds. Other programs also ran on the machine:
 
 {loads}"""
 

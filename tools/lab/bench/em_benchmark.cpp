@@ -311,10 +311,12 @@ ResultView view_em(const Json& result) {
               "The benchmark fits the four-quarter map of {0} x {0} texels by EM, with {1} lobes and {2} iterations, "
               "on every level except for the coarsest level. The yardstick program "
               "(`tools/lab/bench/yardsticks/em_yardstick.cpp`) computes the same sums in C++ with {6} and OpenMP, on "
-              "{3}. Kernels and yardstick ran alternately from the same starting values, in {4} pairs of runs per "
+              "{3}. The benchmark ran the kernels and the yardstick alternately with the same starting values, in {4} "
+              "pairs of runs per "
               "level. Each ratio compares the two runs of a pair. The last row compares the sums of the medians. *Mean "
-              "difference* is the mean difference between the kernels' and the yardstick's amplitudes and first "
-              "moments. If a texel has more lobes than normals, several optima are equally good, and rounding selects "
+              "difference* is the mean difference between the amplitudes and first moments of the kernels and "
+              "of the yardstick. If a texel has more lobes than normals, several optima are equally good, and rounding "
+              "selects "
               "one of them. The kernels computed {5} billion lobe evaluations per second.",
               result.at("size").get<int>(), result.at("lobes").get<int>(), result.at("iterations").get<int>(),
               threads_text(result), result.at("repetitions").get<int>(),

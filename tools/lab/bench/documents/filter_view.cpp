@@ -197,7 +197,8 @@ std::string default_text(const Json& result, const Figures& errors) {
         median_of(times, timed, method));
   };
   return fmt::format(
-      "The **default** is {} taps at a bias of {:g}, averaged and shaded once, as by an anisotropic sampler. With 4 "
+      "The **default** is {} taps at a bias of {:g}, which are averaged and shaded once, as with an anisotropic "
+      "sampler. With 4 "
       "lobes, {}. If two taps at the same bias are shaded separately, {}.\n\n",
       kTapCountDefault, kLevelBiasDefault, describe(kTapCountDefault, kShadesTapsDefault), describe(2, true));
 }
@@ -208,7 +209,8 @@ std::string evaluations_text(const Json& result, const std::vector<std::string>&
   const Figures errors = with_budget(figures_of(result, "pictures", "error"), true);
   if (errors.empty()) return "";
   std::string text = fmt::format(
-      "**With an equal number of evaluations** of light per pixel, each evaluation uses {} taps (`multum-view "
+      "The next tables compare methods **with an equal number of evaluations** of light per pixel. Each evaluation "
+      "uses {} taps (`multum-view "
       "--evaluations`). For lobes, multum's rule divides the evaluations between lobes and points. Other methods are "
       "shaded at as many points per pixel as there are evaluations. The table lists the errors in % of each method at "
       "its best bias:\n\n",
@@ -247,16 +249,18 @@ ResultView view_filters(const Json& result) {
                      [](double ratio) { return fmt::format("{:.2f}", ratio); });
   tables +=
       "\nThe next table lists errors in % against a reference that blends the light of the four finest texels around a "
-      "point. With this reference, magnification does not count as an error of the bake:\n\n";
+      "point. With this reference, blur by magnification does not count as an error of the bake:\n\n";
   tables += table_of(with_budget(figures_of(result, "pictures", "error_blended"), false), methods, percent_text);
   return {
       "Texture filters",
       fmt::format(
-          "The scene is the oblique plane of `tools/lab/reproduce maps`, drawn at {} x {} pixels with Blinn-Phong (s = "
+          "The scene is the same oblique plane as in `tools/lab/reproduce maps`, drawn at {} x {} pixels with "
+          "Blinn-Phong (s = "
           "100). "
-          "The {} maps are {}. Flicker is measured on pictures of half the width and height. Every method uses the "
-          "same filter (`multum-view --taps --level-bias`). The reference has {} samples per pixel of the finest "
-          "level, averaged with a box filter. The noise of the reference is at most {}. The noise of the blended "
+          "The {} maps are {}. Flicker is measured on pictures with half of this width and height. Every method uses "
+          "the "
+          "same filter (`multum-view --taps --level-bias`). The reference averages {} samples of the finest "
+          "level per pixel with a box filter. The noise of the reference is at most {}. The noise of the blended "
           "reference is at most {}. *Flicker* is `sum |(f' - f) - (t' - t)| / sum t` for neighbouring frames `f`, `f'` "
           "and their references `t`, `t'`. LEAN is drawn with its Jacobian.",
           result.at("width").get<int>(), result.at("height").get<int>(), result.at("maps").size(), map_names(result),

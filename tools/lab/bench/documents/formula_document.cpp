@@ -391,15 +391,16 @@ std::string formula_section(Device& device, const std::string& brdfs) {
   add_blinn_phong(lobes, kernels, round);
   add_lambert(lobes, kernels, round);
   add_facets(lobes, round, brdfs);
-  return "Each formula is applied to a distribution of exactly the shape that the formula assumes. The whole error "
-         "therefore comes from the formula. Errors are relative L1 errors in % over the hemisphere. The reference is a "
+  return "Each formula is applied to a distribution that has exactly the shape that the formula assumes, so the "
+         "whole error comes from the formula. Errors are relative L1 errors in % over the hemisphere. The reference is "
+         "a "
          "numerical integral in double precision. The comparison covers only the shape of the convolution, and omits "
          "the factors `n . l`, Fresnel and visibility. The rows for Blinn-Phong, Lambert, Gaussians and moments are "
          "computed by the kernels that measure a bake. tests/agreement shows that the runtime's GLSL code agrees with "
          "these kernels. The other rows are computed in double precision.\n\n" +
          lobes.text() +
-         "\nHarmonics are exact up to their order. The next table lists the errors of harmonics of a lobe, clamped at "
-         "0 as in the runtime.\n\n" +
+         "\nHarmonics are exact up to their order. The next table lists the errors of the harmonics of one "
+         "lobe. Negative values are clamped to 0 as in the runtime.\n\n" +
          harmonics_table(round) +
          "\nThe next table lists the errors of planar Gaussians (sigma 0.1 in n_x and n_y) and of slope Gaussians "
          "(sigma 0.1 per slope), tilted towards the rim. The spread of the BRDF is added to the spread of the "
