@@ -58,7 +58,7 @@ def fit_parts(bake):
 
 def bake_section(name, bake, step):
     brdfs = list(dict.fromkeys(e["brdf"] for e in bake["measured_error"]))
-    # A coloured bake has the same lobes as the white bake, so only errors with colours are new.
+    # A bake with colours has the same lobes as the bake without colours, so only the errors with colours are new.
     coloured = [b for b in brdfs if b.endswith(" coloured")]
     brdfs = coloured or brdfs
     names = [b.removesuffix(" coloured") for b in brdfs]

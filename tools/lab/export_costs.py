@@ -14,11 +14,11 @@ SIDE = 4096
 ROUNDS = 5
 ROUGHNESS = 0.25
 PREFILTER = "roughness-prefilter"  # from Debian's package libfilament-tools
-# Each row: name of the runs in the file of --state, title, and options of `multum export`.
+# Each row contains the name of the runs in the file of --state, a title, and options of `multum export`.
 WAYS = (("KTX2, `--format ktx2`", "KTX2, `--format ktx2`", ["--format", "ktx2"]),
         ("the same, `--fast`", "KTX2, `--fast`", ["--format", "ktx2", "--fast"]),
         ("PNG, an image a level", "PNG, one image per level", ["--format", "png"]))
-FORMATS = ("exr", "ktx", "png")  # formats of roughness-prefilter; ratios divide by the fastest format
+FORMATS = ("exr", "ktx", "png")  # formats of roughness-prefilter; ratios are relative to the fastest format
 
 HEAD = """## Time and memory
 

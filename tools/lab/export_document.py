@@ -27,7 +27,7 @@ from target_table import is_normal_map, processor_seconds_of_children
 
 ROUGHNESSES = (0.1, 0.25, 0.5)
 STORED_ROUGHNESS = 0.25  # base roughness for which bytes are counted
-STORED_EVERY = 5  # one in this many maps, sorted by name, is stored in all formats
+STORED_EVERY = 5  # of the maps, sorted by name, one in this many is stored in all formats
 LEVELS = (2, 4, 6)
 RULES = (("averaged", "averaged normals with base roughness"), ("unreal", "Unreal, without its blur of normals"),
          ("unity", "Unity HDRP"), ("godot", "Godot"), ("filament", "Filament's roughness-prefilter"),
@@ -218,8 +218,8 @@ the GPU memory of RGBA8. Zstandard does not reduce GPU memory.
 |---|---|---|---|---|---|
 """
 
-# Each entry contains the name of a row of the table, and three keys of the storage results: for bytes, for bytes with
-# Zstandard, and for errors.
+# Each entry contains the name of a table row and three keys of the storage results. The keys are for the bytes, for the
+# bytes with Zstandard, and for the errors.
 STORED = (("EXR, one image per level", "exr", None, "exr"), ("KTX2, `rgba16f`", "rgba16f", "rgba16f_zstd", "exr"),
           ("PNG, one image per level", "png", None, "png"), ("KTX2, `rgba8`", "rgba8", "rgba8_zstd", "png"),
           ("KTX2, `rg8`", "rg8", "rg8_zstd", "rg8"), ("KTX2, `bc`", "bc", "bc_zstd", "bc"))

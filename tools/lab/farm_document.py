@@ -20,7 +20,7 @@ import sys
 import committed_tree
 
 NODES = 1000
-# Each row has a name in the file of --state, a title, options, and the number of maps (None for all maps).
+# Each row contains a name in the file of --state, a title, options, and the number of maps (None means all maps).
 RUNS = [
     ("as `serve` has it: `jobs = 1000`, `chunk_s = 30`", "defaults of `serve`: `jobs = 1000`, `chunk_s = 30`",
      ["--jobs", "1000"], 20000),

@@ -125,8 +125,8 @@ def print_lambert(tables):
     worst = [0.0, 0.0, 0.0]
     for kappa, exact in zip(kappas, upper):
         d = spread(kappa)
-        # F(t) - F(-t) = |r| t holds exactly for the formula and for the integral, so the lower half of the sphere has
-        # the same absolute error.
+        # The equation F(t) - F(-t) = |r| t holds exactly for both the formula and the integral, so the absolute error
+        # is the same in the lower half of the sphere.
         off = np.abs(lambert(d, t) - exact)
         both = exact + exact - (1 - d) * t
         worst = np.maximum(worst, [100 * (off * weight).sum() / (exact * weight).sum(),

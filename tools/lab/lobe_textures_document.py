@@ -30,7 +30,7 @@ COUNTS, EXPONENTS = (2, 3, 4), (100, 500)
 TEXELS = (("rgba16f", "RGBA16F", 1), ("rgba8", "RGBA8", 1), ("bc", "BC5", 2))
 SCENE = ("--size", "320x240", "--diffuse", "0.4", "--specular", "0.15", "--light", "0.3,0.8,0.5",
          "--reference-noise", "0.03")
-# Methods with one normal per texel and averaged levels, shaded at as many points per pixel as there are lobes.
+# Methods with one normal per texel and averaged levels. They are shaded at as many points per pixel as there are lobes.
 RIVALS = (("points", "averaged normals"), ("lean-jacobian-points", "LEAN"))
 HEAD = """# Lobes for GPUs: error, bytes, fetches
 

@@ -27,9 +27,10 @@ SURFACES = ROOT / "tests" / "three" / "bumpy_models.mjs"
 SURFACE_TEXELS = 1024
 SURFACE_REACH = 1.2  # half of the diagonal in metres, as for most listed models
 DRAWING = 1  # version of tests/three/model_page.js; increase it if the pictures change
-GRIDS = 2  # at most this many grids of 12 x 12 samples per pixel; parts of the picture can have more
+GRIDS = 2  # the largest number of grids of 12 x 12 samples per pixel; parts of the picture can have more
 COUNTS = (1, 4, 8, 16)  # numbers of evaluations per pixel
-# Rows by name. `dressed`: options of `multum gltf`, or None for the original model. Other keys belong to model_page.js.
+# Rows by name. `dressed` contains options of `multum gltf`, or is None for the original model. Other keys belong to
+# model_page.js.
 ROWS = {"plain mips": {"dressed": None}}
 ROWS |= {f"points, {n}": {"dressed": None, "points": n} for n in COUNTS}
 ROWS |= {"one lobe": {"dressed": ["--lobes"]}}

@@ -4,7 +4,7 @@ import statistics
 
 from model_views import byte_text
 
-GAP_MIN = 0.5  # in percentage points; if plain mips are closer to the floor, shares of the difference mean nothing
+GAP_MIN = 0.5  # in percentage points; if plain mips are closer to the floor, shares of the difference are meaningless
 NEAR = 1  # distance of the near view in metres
 NEXT_COUNT = 5  # number of views that are named after the worst view
 PAGE = """# Models and surfaces

@@ -28,18 +28,18 @@ from debian_python import use_a_python_with
 
 PARTS = {"field": "field", "curves": "pack", "video": "video", "coder": "coder", "inference": "inference",
          "costs": "cost", "dimensions": "dimension", "playing": "playing"}  # parts, and kinds of rows
-RATIOS = (192, 384, 768)  # ratios that tables state; parts are compared at the middle ratio
+RATIOS = (192, 384, 768)  # ratios that tables list; parts of the coder are compared at the middle ratio
 GROWTH_RATIOS = (96, 192)  # ratios at which fields with more and more parameters are compared
-# Each row: name, options of `multum pack`, colour and dash of the curve.
+# Each row contains a name, options of `multum pack`, and the colour and the dash pattern of the curve.
 PACKINGS = (("multum pack", (), 0, 0), ("multum pack --coder dct", ("--coder", "dct"), 0, 1),
             ("multum pack --coder wavelet", ("--coder", "wavelet"), 0, 2))
-# Options that each switch off one part of the encoder. Names are keys of rows.
+# Each of these options switches off one part of the encoder. The names are keys of rows.
 CODER_SETS = (("as it is", ()), ("cosines alone", ("--coder", "dct")), ("wavelets alone", ("--coder", "wavelet")),
               ("a plain pyramid over the parameters", ("--pyramid", "plain")),
               ("the paper's search for levels, no learnt basis", ("--pyramid", "greedy")),
               ("open loop", ("--loop", "open")), ("no object above 1.25 times the mean", ("--alpha", "1.25")),
               ("blocks of 4 samples a parameter", ("--block", "4")), ("every sample by itself", ("--pyramid", "none")))
-# Changes of the job's `[texture]`, and options of `multum infer`. Names are keys of rows.
+# Changes of the job's `[texture]`, and options of `multum infer`. The names are keys of rows.
 INFERENCES = (("as it is", {}, ()), ("textures with 1.5 times the side length", {"resolution_scale": 1.5}, ()),
               ("ten times the regularisation", {"pyramid_weight": 1}, ()),
               ("textures of twice the side", {"resolution_scale": 2}, ()),
@@ -271,7 +271,8 @@ def prepared(folder, work, programs, rows, split):
 
     def measure():
         if not (inferred / "inferred.json").exists():
-            shutil.rmtree(inferred, ignore_errors=True)  # of an interrupted run, whose times are wrong
+            shutil.rmtree(inferred, ignore_errors=True)  # these textures are from an interrupted run, whose times are
+                                                         # wrong
         done = programs.infer(job, inferred)
         field = Field(job)
         geometry = field.geometry.read_bytes()
@@ -284,7 +285,7 @@ def prepared(folder, work, programs, rows, split):
                 "memory_bytes": done.memory_bytes}
 
     if rows.find(name, "field", "inferred") is None:
-        shutil.rmtree(inferred, ignore_errors=True)  # so that the time of the whole run counts
+        shutil.rmtree(inferred, ignore_errors=True)  # otherwise the time would not be for a whole run
     rows.measured(name, "field", "inferred", measure)
     return name, job, inferred
 

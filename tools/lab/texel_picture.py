@@ -21,7 +21,7 @@ import numpy as np  # noqa: E402
 import OpenImageIO as oiio  # noqa: E402
 
 PANEL, MARGIN, LABEL, FONT, FONT_PIXELS = 240, 8, 26, "DejaVuSans", 18
-RADIUS = 0.7  # radius of the disc that a panel shows, in the x and y of half vectors
+RADIUS = 0.7  # radius of the disc that a panel shows, measured in x and y of half vectors
 NAMES = ("reference", "averaged normal", "one lobe", "four lobes")
 
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests texture inference: the products and sums of conjugate gradient, the interpolation of the pyramid, and whole
-// solutions. The solved systems are singular, empty, weakly regularised or of high contrast (Hakura et al. 2000,
-// section 3.2). docs/contributing/ALGORITHMS.md lists the rows of the system.
+// Tests the parts of texture inference: the products and sums of the conjugate gradient method, the interpolation of
+// the pyramid, and whole solutions. The systems are singular, empty or weakly regularised, or have a high contrast
+// (Hakura et al. 2000, section 3.2). docs/contributing/ALGORITHMS.md lists the rows of the system.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -34,8 +34,8 @@ std::vector<Colour4> colours_of_great_contrast(std::size_t count, std::uint64_t 
   return list;
 }
 
-// Makes rows of 0 to 21 entries. The first and the last row are empty. Weights are denormal, or have a magnitude from
-// 1e-6 to 1.
+// Makes rows with 0 to 21 entries. The first and the last row are empty. Each weight is denormal, or has a magnitude
+// from 1e-6 to 1.
 SparseRows uneven_rows(std::uint32_t column_count) {
   SplitMix64 random(8);
   SparseRows rows;
@@ -147,7 +147,7 @@ void odd_pyramids(Device& device, WorstError& worst) {
   }
 }
 
-// Tests a texel count and a part count whose product exceeds 2^31.
+// Tests a number of texels and a number of parts whose product exceeds 2^31.
 void products_of_many_parts(Device& device, WorstError& worst) {
   constexpr std::size_t kTexels = 1 << 18, kParts = 1 << 14;
   const std::vector<Colour4> p = colours_of_great_contrast(kTexels, 11), q = colours_of_great_contrast(kTexels, 12);
@@ -169,7 +169,7 @@ void products_of_many_parts(Device& device, WorstError& worst) {
   for (std::size_t c = 0; c < 3; ++c) worst.add(found[c], exact[c], magnitude[c], fmt::format("colour {}", c));
 }
 
-// Tests more parts than texels. Parts without texels must return 0.
+// Tests a launch with more parts than texels. The result of a part without texels must be 0.
 void parts_without_texels(Device& device, WorstError& worst) {
   constexpr std::size_t kParts = 64;
   for (const std::size_t texels : {1u, 3u, 63u}) {
@@ -201,7 +201,8 @@ void parts_without_texels(Device& device, WorstError& worst) {
   }
 }
 
-// Tests steps of high contrast next to fixed texels (inverse and beta are 0), denormal numbers and signed zeros.
+// Tests steps of high contrast next to fixed texels, for which inverse and beta are 0. Also tests denormal numbers and
+// signed zeros.
 void steps_along_the_old_direction(Device& device, WorstError& worst) {
   for (const std::size_t texels : {1u, 7u, 1001u}) {
     const std::vector<Colour4> step = colours_of_great_contrast(texels, 16), p = colours_of_great_contrast(texels, 17),
@@ -236,8 +237,8 @@ InferenceSettings exact_settings(double pyramid_weight) {
   return settings;
 }
 
-// Compares the picture of the solution with the requested picture, for a random texture and start values far from the
-// solution. Texels that no pixel reads can have any finite value.
+// Compares the picture of the solution with the requested picture. The texture is random, and the starting values are
+// far from the solution. Texels that no pixel reads can have any finite value.
 void add_picture_errors(Device& device, const FilterMatrix& matrix, const std::vector<float>& weights,
                         const InferenceSettings& settings, const std::string& input, WorstError& worst) {
   SplitMix64 random(15);
@@ -266,8 +267,8 @@ void singular_systems(Device& device, WorstError& worst) {
   }
 }
 
-// Tests a very weak regularisation. Texels that no pixel reads then have a denormal diagonal entry, whose inverse is
-// infinite.
+// Tests a very weak regularisation, in which texels that no pixel reads have a denormal diagonal entry. The inverse of
+// such an entry is infinite.
 void denormal_diagonals(Device& device, WorstError& worst) {
   const FilterMatrix matrix = reference::random_matrix(32, 32, WrapMode::kClamp, 40, 3);
   for (const double weight : {1e-36, 1e-38, 1e-39, 1e-41, 1e-44})
@@ -390,8 +391,8 @@ std::vector<NumericalCase> inference_cases() {
                        const std::vector<SourceEdit>& mutation) {
     cases.push_back({{name, "conjugate_gradient", without, guard, bound, unit, reason}, run, edits, {}, mutation});
   };
-  // The host computes the inverses, so this kernel edit replaces each inverse of 0 with infinity, as if the host had no
-  // guard.
+  // The host computes the inverses. This edit of the kernel therefore replaces each inverse of 0 by infinity, as if the
+  // host had no guard.
   const std::string infinite = "select(inverse_diagonal[i], (float4)(INFINITY), inverse_diagonal[i] == 0.0f)";
   add("singular-systems", "texels that no pixel reads have a diagonal entry of 0, whose inverse is infinite",
       "the inverse is set to 0, so texels that no pixel reads keep their starting values", 1e-2,

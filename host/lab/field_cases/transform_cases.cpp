@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Tests the transforms of the animation codec (kernels/image_transform.cl). The inputs contain borders within blocks,
-// lines shorter than their filter, and colours that cancel. The cases also test that no memory after the last item is
-// written.
+// lines shorter than their filter, and colours that cancel. The cases also check that the kernels write no memory after
+// the last item.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -30,7 +30,8 @@ std::vector<float> random_list(std::size_t count, SplitMix64& random) {
 
 std::vector<double> as_doubles(const std::vector<float>& list) { return {list.begin(), list.end()}; }
 
-// Compares `found` with `exact`, relative to the largest value. The value after the results must still be kLeftAlone.
+// Compares `found` with `exact`. Errors are relative to the largest value, and the value after the results must still
+// be kLeftAlone.
 void add_all(const std::vector<float>& found, const std::vector<double>& exact, const std::string& input,
              WorstError& worst) {
   double most = 1e-30;
@@ -73,7 +74,7 @@ void colours_near_grey(Device& device, WorstError& worst) {
   add_all(downloaded<float>(device, planes), exact, "greys", worst);
 }
 
-// Tests images that end within their right and lower blocks, images of one texel, and steps of 1e6.
+// Tests images whose right and lower borders are inside blocks, images of one texel, and steps of 1e6.
 void blocks_beyond_borders(Device& device, WorstError& worst) {
   SplitMix64 random(62);
   for (const int side : {8, 16, 32})
@@ -82,7 +83,7 @@ void blocks_beyond_borders(Device& device, WorstError& worst) {
       std::vector<float> images = random_list(2 * texels, random);
       for (std::size_t i = texels; i < images.size(); ++i) images[i] = i % 5 < 2 ? 1e6f : -1e-6f;
       std::vector<float> read = images;
-      read.resize(images.size() + 64 * 64, 1e6f);  // blocks that ignore the border read these values
+      read.resize(images.size() + 64 * 64, 1e6f);  // a block that ignores the border reads these values
       std::vector<float> rows;
       for (int k = 0; k < side; ++k)
         for (int i = 0; i < side; ++i)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests BC4 and BC7 blocks (kernels/block_encoding.cl) with values at the limits, with one value in all texels, and
-// with indices whose highest bit is not stored.
+// Tests BC4 and BC7 blocks (kernels/block_encoding.cl). Some blocks have values at the limits or the same value in all
+// texels, and some have indices whose highest bit is not stored.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -87,7 +87,7 @@ void one_value_in_all_texels(Device& device, TexelFormat format, WorstError& wor
       worst.add(rms_of(decoded[b], blocks[b], static_cast<int>(c)), fmt::format("block {}, channel {}", b, c));
 }
 
-// Tests colour ramps that rise or fall from the first texel on, with and without a second part.
+// Tests colour ramps that rise or fall from the first texel, with and without a second part.
 void indices_without_their_highest_bit(Device& device, WorstError& worst) {
   std::vector<BlockInput> blocks;
   for (const bool falls : {false, true})

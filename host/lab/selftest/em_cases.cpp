@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests EM in one work-item (kernels/movmf_em_texels.cl) with samples for which unguarded formulas fail (Han et al.
-// 2007, section 7, Algorithm 1, equations 15-16; docs/contributing/ALGORITHMS.md, "Fitting a texel: EM").
+// Tests EM in one work-item (kernels/movmf_em_texels.cl) with samples for which formulas without guards fail (Han et
+// al. 2007, section 7, Algorithm 1, equations 15-16; docs/contributing/ALGORITHMS.md, "Fitting a texel: EM").
 #include <fmt/format.h>
 
 #include <cmath>
@@ -20,7 +20,7 @@ glm::dvec3 random_direction(SplitMix64& random, double z_low, double z_high) {
   return {std::sqrt(1.0 - z * z) * std::cos(phi), std::sqrt(1.0 - z * z) * std::sin(phi), z};
 }
 
-// Tests more lobes than directions, where all lobes are equal.
+// Tests a texel with more lobes than directions, in which all lobes are equal.
 void all_normals_equal(Device& device, WorstError& worst) {
   for (const double degrees : {0.0, 30.0, 60.0, 89.0, 90.0})
     for (const int lobes : em_lobe_counts(device, {4, 1, 8})) {
@@ -30,7 +30,7 @@ void all_normals_equal(Device& device, WorstError& worst) {
     }
 }
 
-// Tests two directions and two lobes that converge to them. Without the cap, kappa is unbounded.
+// Tests two lobes that converge to two single directions. Without an upper limit, kappa would grow without bound.
 void kappa_to_the_cap(Device& device, WorstError& worst) {
   for (const double apart : {1.0, 10.0, 90.0, 179.8})
     for (const float cap : {500.0f, 1e5f}) {
@@ -44,7 +44,7 @@ void kappa_to_the_cap(Device& device, WorstError& worst) {
     }
 }
 
-// Tests the kappa that EM computes for normals within `width` of their mean.
+// Tests the kappa that EM computes for normals whose angles to their mean are at most `width`.
 void sharp_lobes_keep_their_kappa(Device& device, WorstError& worst) {
   for (const double width : {1.0, 0.5, 0.25}) {
     EmTexel texel{{}, equal_lobes({tilted(40.0)}, 100.0)};
@@ -61,7 +61,7 @@ void sharp_lobes_keep_their_kappa(Device& device, WorstError& worst) {
   }
 }
 
-// Fits one lobe to normals that cancel. The lobe has r = 0 and thus no direction, and kappa approaches 0.
+// Fits one lobe to normals that cancel. The r of the lobe is 0, so the lobe has no direction, and kappa approaches 0.
 void opposite_normals_of_one_lobe(Device& device, WorstError& worst) {
   const std::vector<std::vector<glm::dvec3>> sets = {
       {{1, 0, 0}, {-1, 0, 0}}, {{0, 0, 1}, {0, 0, -1}}, {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}}};
@@ -81,7 +81,8 @@ void whole_sphere(Device& device, WorstError& worst) {
   }
 }
 
-// Tests normals as far as possible from every lobe. Kappa has its maximum, so every density is 0 in float.
+// Tests normals that are as far as possible from every lobe. Kappa has its largest value, so every density is 0 in
+// float.
 void far_from_every_lobe(Device& device, WorstError& worst) {
   for (const double kappa : {1e3, 1e5, 1e6}) {
     EmTexel texel{repeated({tilted(60, 0.1), tilted(60, 1.4)}, 64),
@@ -116,8 +117,8 @@ void few_normals(Device& device, WorstError& worst) {
     }
 }
 
-// Tests lengths below, at and above 1. Mean normals of rough areas are shorter than 1. Normals of length 0 or longer
-// than 1 are errors of the caller.
+// Tests normals with lengths below, at and above 1. Mean normals of rough areas are shorter than 1. If a normal has
+// length 0 or is longer than 1, the caller has made an error.
 void samples_of_any_length(Device& device, WorstError& worst) {
   for (const double length : {0.0, 1e-20, 1e-3, 0.5, 0.999999, 1.000001, 1.5}) {
     EmTexel texel{{}, equal_lobes({tilted(10), tilted(50)}, 20.0)};
@@ -171,7 +172,7 @@ void denormals_and_signed_zeros(Device& device, WorstError& worst) {
   }
 }
 
-// Tests weights from 2^-28 to 1 in one texel, as in a binned texel of 2^28 normals.
+// Tests weights from 2^-28 to 1 in one texel, as they occur in a binned texel of 2^28 normals.
 void huge_and_tiny_weights(Device& device, WorstError& worst) {
   for (const double scale : {0x1p-30, 1.0, 0x1p28}) {
     EmTexel texel{{}, equal_lobes({tilted(10, 0.0), tilted(50, 2.0)}, 20.0)};

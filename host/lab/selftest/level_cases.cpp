@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests the kernels around EM: the start from a parent's lobes (movmf_start.cl), the packing of normals and of binned
-// normals (movmf_pack.cl), and the finest level (movmf_level_zero.cl).
+// Tests the kernels that run before and after EM. They start a texel with its parent's lobes (movmf_start.cl), pack
+// normals and binned normals (movmf_pack.cl), and make the finest level (movmf_level_zero.cl).
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -25,7 +25,7 @@
 namespace multum {
 namespace {
 
-// Returns the parameters of one texel with one parent.
+// Returns the kernel parameters for one texel with one parent.
 MultumMovmfFit one_texel_fit() {
   MultumMovmfFit fit = {};
   fit.map_width = fit.map_height = 2;
@@ -39,7 +39,7 @@ MultumMovmfFit one_texel_fit() {
   return fit;
 }
 
-// Returns the planes of a texel that starts from `parent`.
+// Returns the starting planes of a texel whose parent is `parent`.
 std::vector<double> start_from(Device& device, const MultumVmfLobe& parent, int width) {
   const std::vector<int> list(kGroup, 0);
   const MultumVmfLobe nothing = {};
@@ -101,8 +101,8 @@ int span(int map_size, int level_size) {
   return most;
 }
 
-// Tests the sample weights of all texels of a level. The weights of each texel must add up to `W H / (w h)`. A larger
-// sum means that finest texels are counted twice.
+// Tests the sample weights of all texels of a level. The weights of each texel must add up to `W H / (w h)`. If a sum
+// is larger, some finest texels are counted twice.
 void add_coverage(Device& device, int map_width, int map_height, int level_number, WorstError& worst) {
   MultumMovmfFit fit = {};
   fit.map_width = map_width;
@@ -143,8 +143,8 @@ void strips_and_odd_sizes(Device& device, WorstError& worst) {
       add_coverage(device, width, height, level, worst);
 }
 
-// Tests normals that were shortened to include the width of a BRDF. The kernel converts them to points and their
-// scatter for Gaussians. Each texel has one normal. Some normals have length 0, and some are longer than 1.
+// Tests normals that were shortened to include the width of a BRDF. For Gaussians, the kernel converts these normals to
+// points and their scatter. Each texel has one normal. Some normals have length 0, and some are longer than 1.
 void shortened_normals_as_points(Device& device, WorstError& worst) {
   for (const double length : {0.0, 1e-30, 1e-6, 0.5, 0.99, 1.0, 1.1}) {
     std::vector<float> planes[3];
@@ -165,7 +165,7 @@ void shortened_normals_as_points(Device& device, WorstError& worst) {
     const std::vector<float> found = downloaded<float>(device, samples);
     for (std::size_t i = 0; i < kGroup; ++i) {
       const glm::dvec3 n(planes[0][i], planes[1][i], planes[2][i]);
-      // Squares below 1e-38 are 0 in float, so these normals have no direction and the largest scatter.
+      // Squares below 1e-38 are 0 in float, so these normals have no direction and get the largest scatter.
       const glm::dvec3 exact = length > 1e-12 ? reference::planar_sample(n, true) : glm::dvec3(0.0, 0.0, 1.0);
       for (int k = 0; k < 3; ++k)
         worst.add(static_cast<double>(found[static_cast<std::size_t>(k) * kGroup + i]), exact[k], 1.0,
@@ -174,8 +174,8 @@ void shortened_normals_as_points(Device& device, WorstError& worst) {
   }
 }
 
-// Tests adjacent texels with very different numbers of cells, a texel without cells, and slots without a texel.
-// Missing cells must have weight 0, and data after a texel's last cell must not be read.
+// Tests adjacent texels with very different numbers of cells, a texel without cells, and slots without a texel. Missing
+// cells must have weight 0, and the kernel must not read data after the last cell of a texel.
 void uneven_cells_side_by_side(Device& device, WorstError& worst, int part_count) {
   constexpr int kCapacity = 40, kTexels = 20;
   MultumMovmfFit fit = {};
@@ -221,7 +221,7 @@ void uneven_cells_side_by_side(Device& device, WorstError& worst, int part_count
   }
 }
 
-// Tests the packing with one work-item per group, and with several.
+// Tests packing with one work-item per group and with several work-items per group.
 void uneven_cells_by_any_parts(Device& device, WorstError& worst) {
   for (const int part_count : {1, 3}) uneven_cells_side_by_side(device, worst, part_count);
 }
@@ -280,7 +280,8 @@ void directions_of_short_means(Device& device, WorstError& worst) {
   }
 }
 
-// A lobe without a direction counts as perpendicular to every normal, so it is closer than lobes that point away.
+// A lobe without a direction counts as perpendicular to every normal, so it is closer to a normal than lobes that point
+// away from the normal.
 void a_lobe_of_no_direction(Device& device, WorstError& worst) {
   const glm::vec3 mu(0.6f, 0.0f, 0.8f);
   for (const float amplitude : {1e-5f, 0.5f}) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Tests moments of slopes and mean normals (kernels/moments.cl) and their shading by Toksvig's rule and LEAN
 // (moment_shade.cl, device/moment_shading.clh). The inputs contain normals at the horizon, variances that are
-// differences of nearly equal numbers, and divisors of 0.
+// differences of nearly equal numbers, and divisors that are 0.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -60,7 +60,7 @@ namespace {
 
 double wide(float value) { return static_cast<double>(value); }
 
-// Adds relative errors for values above 1, and absolute errors for values below 1.
+// Adds the relative errors of values above 1 and the absolute errors of values below 1.
 void add_finest(Device& device, const std::vector<glm::vec3>& normals, bool shortened, WorstError& worst) {
   const std::vector<std::vector<float>> found = finest_moments(device, normals, shortened);
   for (std::size_t i = 0; i < normals.size(); ++i) {
@@ -112,7 +112,7 @@ double exact_lean(const MultumFilteredMoments& m, double s, const glm::vec4& h) 
 }
 
 // Tests second moments that are smaller than the square of the mean because of rounding, for slopes up to the largest
-// slope, 20. Only the BRDF's own variance remains, so no value exceeds the peak of the BRDF.
+// slope, 20. Only the variance of the BRDF remains, so no value may exceed the peak of the BRDF.
 void variance_below_0(Device& device, WorstError& worst) {
   for (const float mean : {0.0f, 0.5f, 3.0f, 20.0f})
     for (const float missing : {0.0f, 1e-7f, 1e-5f, 0.1f})
@@ -129,8 +129,8 @@ void variance_below_0(Device& device, WorstError& worst) {
       }
 }
 
-// Tests slopes along one line of the plane. The determinant of Sigma is 0, and across the line only the BRDF's own
-// variance 1/s remains.
+// Tests slopes along one line of the plane. The determinant of Sigma is 0, and the variance across the line is only the
+// variance of the BRDF, 1/s.
 void slopes_along_a_line(Device& device, WorstError& worst) {
   for (const float variance : {4.0f, 64.0f, 256.0f})
     for (const float sign : {1.0f, -1.0f})
@@ -143,8 +143,8 @@ void slopes_along_a_line(Device& device, WorstError& worst) {
       }
 }
 
-// Tests steep and nearly equal slopes under a sharp highlight, one highlight width away from its peak. The case
-// compares the rounding error of E[s^2] - E[s]^2 in single precision with the variance 1/s.
+// Tests steep and nearly equal slopes under a sharp highlight, at one highlight width from the peak. The case compares
+// the rounding error of E[s^2] - E[s]^2 in single precision with the variance 1/s.
 void steep_and_sharp(Device& device, WorstError& worst) {
   for (const double slope : {0.1, 1.0, 5.0, 20.0})
     for (const double variance : {0.0, 1e-6, 1e-4})
@@ -199,8 +199,8 @@ void toksvig_of_every_length(Device& device, WorstError& worst) {
     }
 }
 
-// Tests stored levels whose share of the result is 0, or nearly 0 because of rounding. The result is then the value of
-// the normal map.
+// Tests stored levels whose share of the result is 0, or is nearly 0 because of rounding. In this case, the result is
+// the value of the normal map.
 void no_share(Device& device, WorstError& worst) {
   for (const float share : {0.0f, 1e-45f, 1e-30f, 1e-8f})
     for (const int shading : {MULTUM_SHADE_TOKSVIG, MULTUM_SHADE_LEAN, MULTUM_SHADE_LEAN_JACOBIAN}) {

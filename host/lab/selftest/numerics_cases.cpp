@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests the functions in kernels/device over their whole range and beyond, and how the driver handles structs and NaN.
-// The formulas are in docs/contributing/ALGORITHMS.md, "Von Mises-Fisher lobes".
+// Tests the functions in kernels/device over their whole range and beyond. Also tests how the driver handles structs
+// and NaN. The formulas are in docs/contributing/ALGORITHMS.md, "Von Mises-Fisher lobes".
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -76,8 +76,9 @@ void log2_of_normals(Device& device, WorstError& worst) {
   }
 }
 
-// Tests spreads for kappa from 1e-6 to 1e6. Below a spread of 0.5, kappa grows as the inverse of the spread. Above
-// 0.5, r falls as kappa / 3. The r of the probe is 1 - spread, which is exact in float for small spreads.
+// Tests the spreads that belong to kappa from 1e-6 to 1e6. If the spread is below 0.5, kappa is roughly proportional to
+// the inverse of the spread. Above 0.5, r is about kappa / 3. The r of the probe is 1 - spread, which is exact in float
+// for small spreads.
 void kappa_of_mean_length(Device& device, WorstError& worst) {
   std::vector<float> spreads = decades(1e-6, 0.5, 1.0117);
   for (double r = 0.5; r > 3e-7; r *= 0.97) spreads.push_back(static_cast<float>(1.0 - r));
@@ -108,7 +109,7 @@ void shading_kappa(Device& device, WorstError& worst) {
       [](double q) { return q < 0.05 ? 1.0 / q : reference::kappa_of_mean_length(1.0 - q); }, worst);
 }
 
-// Tests a single direction under a BRDF of width 0, so q is 0.
+// Tests a single direction with a BRDF of width 0, for which q is 0.
 void shading_kappa_of_nothing(Device& device, WorstError& worst) {
   for (const double kappa : probed(device, {0.0f, -0.0f, 1e-40f}, Probe::kShadingKappa))
     worst.add(std::isfinite(kappa) && kappa > 0.0 ? 0.0 : std::numeric_limits<double>::quiet_NaN(), "q 0");
@@ -127,9 +128,9 @@ void vmf_spreads(Device& device, WorstError& worst) {
       [](double kappa) { return reference::vmf_spread(kappa); }, worst);
 }
 
-// Tests lobes from single directions to lobes without a direction, and facets from mirrors to facets of the whole
-// sphere. Half vectors are along, across and opposite to the lobe. The sum of two opposite vMFs of equal kappa has no
-// direction.
+// Tests lobes that range from single directions to lobes without a direction, and facets that range from mirrors to
+// facets over the whole sphere. Half vectors are parallel, perpendicular and opposite to the lobe. The sum of two
+// opposite vMFs of equal kappa has no direction.
 void highlight_cosines(Device& device, WorstError& worst) {
   const glm::dvec3 mu = glm::normalize(glm::dvec3(0.3, -0.2, 0.9)), across = glm::normalize(glm::dvec3(0.9, 0.0, -0.3));
   std::vector<glm::vec4> lobes, half_vectors, lights;

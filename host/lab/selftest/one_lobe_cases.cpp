@@ -21,8 +21,8 @@ namespace {
 
 constexpr int kStride = MULTUM_ONE_LOBE_BLOCK;  // distance between the planes of a texel
 
-// Returns the averages of alpha^2 and of the planes that one_lobe_finest computes from the map. All texels have equal
-// weights.
+// Returns the averages of alpha^2 and of the planes that one_lobe_finest computes from the map. All texels have the
+// same weight.
 std::vector<float> launched_averages(Device& device, const reference::OneLobeTexel& texel) {
   const NormalMap& map = *texel.map;
   const std::size_t texels = map.x.size();
@@ -92,7 +92,7 @@ namespace {
 
 constexpr int kGrid = 8;
 
-// Returns facets along a spiral that follow the GGX distribution with alpha 1.
+// Returns facets along a spiral. Their distribution is GGX with alpha 1.
 std::vector<glm::vec2> spiral_facets() {
   std::vector<glm::vec2> facets;
   for (int i = 0; i < kGrid * kGrid; ++i) {
@@ -112,7 +112,8 @@ NormalMap map_of(const std::function<glm::dvec3(int)>& normal_at) {
   return map;
 }
 
-// Divides errors of alpha by 10, because files store square roots of alpha, and alpha is computed from sums of squares.
+// Divides errors of alpha by 10, because files store the square root of alpha, and the kernel computes alpha from sums
+// of squares.
 void add_lobes(Device& device, const NormalMap& map, double alpha, const std::string& input, WorstError& worst) {
   const std::vector<glm::vec2> facets = spiral_facets();
   for (const bool is_anisotropic : {false, true})

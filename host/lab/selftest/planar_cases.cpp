@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Tests planar Gaussians (Tan et al. 2005), the lobe kernels built with MULTUM_PLANAR, and the rounding of Gaussians.
-// The inputs are those for which a Gaussian over (n_x, n_y) fails: small variances near the rim, variances of 0, and
-// lobes without normals.
+// The inputs are difficult for a Gaussian over (n_x, n_y). They contain small variances near the rim, variances of 0,
+// and lobes without normals.
 #include <fmt/format.h>
 #include <half.h>
 
@@ -58,8 +58,8 @@ void variance_at_the_rim(Device& device, WorstError& worst) {
     }
 }
 
-// Tests one repeated point and a distant mean. The mean squared distance from the mean and the squared shift of the
-// mean (Steiner's theorem) are equal except for rounding.
+// Tests one repeated point and a distant mean. Except for rounding, the mean squared distance from the mean equals the
+// squared shift of the mean (Steiner's theorem).
 void variance_never_negative(Device& device, WorstError& worst) {
   for (int i = 0; i < 60; ++i) {
     const EmTexel texel = {repeated({point(1.5 * i, 0.1 * i)}, 7), equal_lobes({point(89.0 - i, 2.0)}, 3.0)};
@@ -87,7 +87,7 @@ void dying_gaussians(Device& device, WorstError& worst) {
   add_em_errors(device, texel, planar_settings(8), "none", worst);
 }
 
-// Tests more lobes than points, and then equal lobes at one repeated point.
+// Tests texels with more lobes than points, and texels with equal lobes and one repeated point.
 void few_points(Device& device, WorstError& worst) {
   for (const int count : {1, 2, 3})
     for (const int lobes : em_lobe_counts(device, {2, 1, 8})) {
@@ -107,7 +107,7 @@ void few_points(Device& device, WorstError& worst) {
 }
 
 // Tests the upper limit of 1/sigma^2 in a texel with three lobes. Two lobes share the points, and the third lobe has no
-// points. The sums are the sums of an E-step, relative to mu.
+// points. The sums are the results of an E-step, relative to mu.
 void caps_of_narrow_texels(Device& device, WorstError& worst) {
   constexpr std::size_t kChunks = 64, kSums = 5;
   for (const double degrees : kTilts)
@@ -217,8 +217,8 @@ void vanishing_gaussian(Device& device, WorstError& worst) {
   }
 }
 
-// Tests the stored 2 sigma^2 of lobes with amplitude 1 at the limit of an encoding. Also tests that single directions
-// get no spread.
+// Tests the stored 2 sigma^2 of lobes with amplitude 1 at the limit of an encoding. Also tests that the spread of
+// single directions stays 0.
 void stored_variance(StorageEncoding encoding, bool naive, WorstError& worst) {
   SplitMix64 random(2005);
   for (const double variance : {0.0, 1.0 / static_cast<double>(gmm_kappa_max(encoding))}) {

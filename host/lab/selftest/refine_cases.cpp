@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests the refinement of lobes (kernels/movmf_refine.cl) with texels for which unguarded formulas fail.
+// Tests the refinement of lobes (kernels/movmf_refine.cl) with texels for which formulas without guards fail.
 #include <cmath>
 #include <numeric>
 
@@ -65,7 +65,7 @@ void compare(Device& device, const reference::RefinedTexel& texel, WorstError& w
   }
 }
 
-// Tests r = 0, which has neither direction nor sharpness.
+// Tests a lobe with r = 0, which has no direction and no sharpness.
 void lobe_without_direction(Device& device, WorstError& worst) {
   const std::vector<reference::MeanLobe> lobes = {{glm::dvec3(0.0), 0.5}, {{0.6, 0.0, 0.6}, 0.5}};
   compare(device, {repeated({{0.6, 0.0, 0.8}, {-0.6, 0.0, 0.8}}, 64), lobes, {}}, worst);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests spherical harmonics (kernels/sh_project.cl, sh_shade.cl) of order 20, at the poles, and for vectors that are
+// Tests spherical harmonics (kernels/sh_project.cl, sh_shade.cl) up to order 20, at the poles, and for vectors that are
 // not unit vectors.
 #include <fmt/format.h>
 
@@ -124,8 +124,8 @@ void basis_to_order_20(Device& device, WorstError& worst) {
 
 constexpr double kMeanCosines[] = {0.5, 0.51, 0.6, 0.8, 0.95, 0.99, 0.9999, 0.999999};
 
-// Tests normals that were shortened for the width of a BRDF, from the widest lobe to the sharpest lobe that is not a
-// single direction.
+// Tests normals that were shortened to represent the width of a BRDF. The widths range from the widest lobe to the
+// sharpest lobe that is not a single direction.
 void rough_normals(Device& device, WorstError& worst) {
   constexpr int kOrder = 20;
   SplitMix64 random(21);
@@ -224,7 +224,8 @@ void no_direction(Device& device, WorstError& worst) {
   add_basis(device, 8, normals, std::vector<glm::dvec3>(normals.size(), glm::dvec3(0.0, 0.0, 1.0)), worst);
 }
 
-// Tests a single tilt at order 4, whose series oscillates. Negative values of the series must not become light.
+// Tests a single tilt at order 4, for which the series oscillates. Negative values of the series must not become
+// negative light.
 void ringing(Device& device, WorstError& worst) {
   const std::vector<glm::vec3> directions = all_directions();
   for (const int order : {2, 4, 8, 20}) {
@@ -235,7 +236,8 @@ void ringing(Device& device, WorstError& worst) {
   }
 }
 
-// Tests two opposite tilts with equal shares. The mean direction is almost undefined, but both sides have a highlight.
+// Tests two opposite tilts with equal shares. The mean direction is almost undefined, but both sides must have a
+// highlight.
 void opposite_tilts(Device& device, WorstError& worst) {
   const std::vector<glm::vec3> directions = all_directions();
   for (const int order : {2, 8, 20})

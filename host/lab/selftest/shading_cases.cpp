@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests the shading of filtered lobes (kernels/movmf_shade.cl, device/vmf_shading.clh) for parameters that are 0, 1 or
+// Tests the shading of filtered lobes (kernels/movmf_shade.cl, device/vmf_shading.clh) with parameters that are 0, 1 or
 // extreme (docs/contributing/ALGORITHMS.md, "Shading a filtered lobe"). Lobes point along +z, so (a r, a) is exact in
 // float, and only the formula causes an error.
 #include <fmt/format.h>
@@ -96,7 +96,7 @@ void exponents_to_1e5(Device& device, WorstError& worst) {
                       worst);
 }
 
-// Omits 90 degrees, because a power with exponent 0 has a step there.
+// Omits 90 degrees, because a power with exponent 0 is discontinuous there.
 void horizon_and_below(Device& device, WorstError& worst) {
   const std::vector<glm::vec4> directions = {direction(0.5 * std::numbers::pi - 1e-4),
                                              direction(0.5 * std::numbers::pi + 1e-4),
@@ -122,8 +122,8 @@ void no_mean_direction(Device& device, WorstError& worst) {
   }
 }
 
-// Tests small amplitudes that filtering leaves. Errors are relative to the amplitude, and the result must be 0 below
-// an amplitude of 1e-6.
+// Tests the small amplitudes that remain after filtering. Errors are relative to the amplitude, and the result must be
+// 0 if the amplitude is below 1e-6.
 void vanishing_amplitude(Device& device, WorstError& worst) {
   for (const double amplitude : {0.5, 1e-3, 1.0 / 32767.0, 2e-6, 1.01e-6, 1e-6, 1e-8, 1e-30, 1e-40, 0.0}) {
     const glm::vec4 lobe = lobe_of(amplitude, 0.125);

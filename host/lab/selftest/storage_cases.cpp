@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Tests how the rounding of the file encodings affects the spread of a lobe
 // (host/formats/asset/lobes/movmf_quantize.cpp; docs/reference/file_format.md, "Rounding"). No kernel runs here.
-// Rounding is the last step in which the result of a kernel can lose accuracy.
+// Rounding is the last step in which the results of a kernel can lose accuracy.
 #include <fmt/format.h>
 #include <half.h>
 
@@ -74,7 +74,7 @@ void single_directions(const Rounding& rounded, WorstError& worst) {
     }
 }
 
-// Tests one lobe of amplitude 1, whose sharpness increases up to the limit of the encoding.
+// Tests one lobe of amplitude 1 with increasing sharpness, up to the limit of the encoding.
 void sharpest_spreads(const Rounding& rounded, StorageEncoding encoding, WorstError& worst) {
   for (const double share : {0.1, 0.5, 1.0}) {
     const double kappa = share * static_cast<double>(storage_kappa_max(encoding));

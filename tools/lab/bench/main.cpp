@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum-bench: runs two programs alternately and reports ratios with their spread, and writes documents of such
-// figures.
+// multum-bench runs two programs alternately, and reports the ratios of their costs with the spread of these ratios. It
+// also writes documents with such figures.
 #include <fmt/format.h>
 
 #include <cstdio>
@@ -53,7 +53,8 @@ std::string command_line(int argc, char** argv) {
   return command_text(command);
 }
 
-// A subcommand, its result file (empty if there is none), and the function that runs it with its options.
+// Contains a subcommand, its result file (empty if there is none), and the function that runs the subcommand with its
+// options.
 struct Benchmark {
   CLI::App* command;
   std::string json;
@@ -265,7 +266,7 @@ CLI::App* add_document(CLI::App& app, BenchmarksDocumentOptions& document) {
 
 int run_benchmark(const Benchmark& benchmark, const std::string& command) {
   if (!benchmark.json.empty()) check_writable(benchmark.json);
-  const auto progress = make_terminal_progress(false);  // handles Ctrl-C and removes files
+  const auto progress = make_terminal_progress(false);  // handles Ctrl-C and removes temporary files
   const Json result = make_result(benchmark.command->get_name(), command, benchmark.run(progress.get()));
   const ResultView view = view_of(result);
   fmt::print("{}, on {}\n\n{}\n\n{}\nresult hash {}\n", view.title, result.at("device").get<std::string>(), view.method,

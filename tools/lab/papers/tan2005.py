@@ -16,7 +16,7 @@ from study import ELONGATED_FILTER, REFERENCE, ROUND_FILTER, box_reduced, colour
 TITLE = "Tan et al. 2005: multiresolution reflectance filtering"
 WIDTH, HEIGHT = 400, 300
 FRAME = ("--size", f"{WIDTH}x{HEIGHT}")
-FINER = 8  # each pixel is divided into this many pixels per side, to separate the error of the filter
+FINER = 8  # each side of a pixel is divided into this many parts, to separate the error of the filter from other errors
 SILVER = ("--brdf", "cook-torrance:0.07,0.95,0.93,0.88", "--diffuse", "0.5", "--specular", "0.2")
 GOLD = ("--brdf", "cook-torrance:0.07,1.0,0.77,0.34", "--diffuse", "0.5", "--specular", "0.25")
 DISK = ("--repeat", "1", "--up", "0,0,1", "--light", "0.2,0.6,1", "--light", "-0.5,0.1,0.8,1.5", *SILVER)

@@ -47,7 +47,7 @@ class Errors {
     const auto value = at(level, point, brdf);
     return value ? fmt::format("{:.2f}", *value) : "-";
   }
-  // Returns the higher of two errors: the error midway in x, and the error midway in y.
+  // Returns the error midway between texels in x or the error midway in y, whichever is higher.
   std::string midway(int level, const std::string& brdf) const {
     const auto x = at(level, AccuracyPoint::kMidX, brdf), y = at(level, AccuracyPoint::kMidY, brdf);
     return text(level, x.value_or(0.0) >= y.value_or(0.0) ? AccuracyPoint::kMidX : AccuracyPoint::kMidY, brdf);
@@ -94,7 +94,7 @@ Errors measure(Device& device, const NormalMap& map, const ColourMap* albedo, co
   return Errors(measure_accuracy(device, mipmap, map, albedo, every_texel(threads), nullptr));
 }
 
-// Times fits of all variants after their kernels were compiled.
+// Measures the times of fits of all variants, after their kernels were compiled.
 std::vector<RunTime> fit_times(Device& device, const NormalMap& map, const std::vector<Variant>& variants) {
   std::printf("times, %d rounds\n", kTimedRounds);
   std::vector<std::function<void()>> runs;
@@ -238,7 +238,8 @@ std::uintmax_t file_bytes(const MovmfMipmap& mipmap, const AccuracyDocumentOptio
   return bytes;
 }
 
-// Errors and sizes if the finest levels come from the normal map. Stored levels are the same in all rows.
+// Returns errors and sizes for bakes whose finest levels come from the normal map. The stored levels are the same in
+// all rows.
 std::string first_level_section(Device& device, const AccuracyDocumentOptions& options) {
   const FourQuarterMap map = make_four_quarter_map(options.size, 7);
   FitReport report;
@@ -278,19 +279,20 @@ std::string first_level_section(Device& device, const AccuracyDocumentOptions& o
          rows;
 }
 
-// Makes a table of "multum's error / error of the best baseline" at every level. multum's error is bold if it is higher
-// by more than 0.05 points.
+// Makes a table with "multum's error / error of the best baseline" for every level. multum's error is bold if it is
+// more than 0.05 points higher.
 struct MapTable {
   std::string rows;
   int cells = 0, worse = 0;
   std::string losses;
 };
 
-// Errors of all maps at levels from 1 on, by method and exponent. Level 0 is left out, because its texels are single
-// normals, so methods that store single normals have no error.
+// Contains the errors of all maps at levels from 1 on, by method and exponent. Level 0 is omitted, because its texels
+// are single normals, so methods that store single normals have no error there.
 using MapErrors = std::map<std::pair<std::string, double>, std::vector<double>>;
 
-// A row of the table by number of channels. Methods with the same number of channels are next to each other.
+// A row of the table that is sorted by number of channels. Methods with the same number of channels are next to each
+// other.
 struct Rival {
   const char* name;   // key of MapErrors
   const char* title;  // name in the table
@@ -403,7 +405,7 @@ std::string maps_section(Device& device, const AccuracyDocumentOptions& options)
   return text;
 }
 
-// Makes a table with one row per setting and one error per BRDF.
+// Makes a table with one row per setting and one column of errors per BRDF.
 std::string errors_table(const TradeoffResult& result) {
   MarkdownTable table({"settings", "shaded as", "s = 20", "s = 100", "s = 500", "Lambert", "bake, processor ms",
                        "elapsed, ms", "GPU, MB"});
@@ -423,7 +425,7 @@ std::string errors_table(const TradeoffResult& result) {
   return table.text();
 }
 
-// Bakes and measures every representation with the code of `multum tradeoff`.
+// Bakes every representation and measures its errors with the code of `multum tradeoff`.
 std::string representations_section(Device& device, const AccuracyDocumentOptions& options) {
   const ScratchFolder scratch("");
   TradeoffJob job;
@@ -458,8 +460,8 @@ std::string representations_section(Device& device, const AccuracyDocumentOption
   return text;
 }
 
-// Returns the sections of an existing document by their second-level headings. The text before the first heading has
-// the key "".
+// Returns the sections of an existing document, with their second-level headings as keys. The key of the text before
+// the first heading is "".
 std::map<std::string, std::string> sections_of(const std::string& path) {
   std::map<std::string, std::string> sections;
   std::ifstream file(path);

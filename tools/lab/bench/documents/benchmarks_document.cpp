@@ -19,7 +19,7 @@ using Json = nlohmann::ordered_json;
 
 std::string file_name(const std::string& path) { return std::filesystem::path(path).filename().string(); }
 
-// Tests whether all results have the same conditions. The page then states them once, at the top.
+// Tests whether all results have the same conditions. In that case, the page states the conditions once, at the top.
 bool same_conditions(const std::vector<Json>& results) {
   return std::all_of(results.begin(), results.end(),
                      [&](const Json& result) { return conditions_text(result) == conditions_text(results[0]); });

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Measures each bake with many independent choices of footprints. All choices together stand for all footprints.
+// Measures each bake with many independent random sets of footprints. All sets together represent all footprints.
 #include "tools/lab/bench/documents/coverage_document.h"
 
 #include <fmt/format.h>
@@ -34,14 +34,14 @@ struct Held {
   }
 };
 
-// Adds the intervals of one BRDF for one way of shading.
+// Adds the intervals of one BRDF for one method of shading.
 void add_brdf(const AccuracyMeter& meter, std::size_t brdf, Held& held) {
   const double whole = meter.footprint_errors()[brdf].error;
   if (!(whole > 0.0)) return;  // a flat map has no error
   const auto count = static_cast<double>(meter.replicate_errors().size());
   for (const std::vector<FootprintError>& replicate : meter.replicate_errors()) {
     const FootprintError& one = replicate[brdf];
-    // The mean of all choices includes this choice, which lowers the difference by a factor of sqrt(1 - 1 / n).
+    // The mean of all sets includes this set, which reduces the difference by a factor of sqrt(1 - 1 / n).
     const double off = std::abs(one.error - whole) / std::sqrt(1.0 - 1.0 / count);
     held.held += off <= one.confidence ? 1 : 0;
     ++held.all;
@@ -64,7 +64,7 @@ class Coverage {
  public:
   explicit Coverage(const CoverageDocumentOptions& options)
       : options_(options), device_(Device::open(DeviceChoice{})), candidates_(setting_candidates(kQuickSweep)) {
-    // Compression and storage encodings change errors too little to be measured here.
+    // The effects of compression and storage encodings on errors are too small to be measured here.
     std::erase_if(candidates_, [](const SettingCandidate& one) { return one.axis == CandidateAxis::kStorage; });
     by_setting_.resize(candidates_.size());
   }
@@ -148,7 +148,7 @@ int write_coverage_document(const CoverageDocumentOptions& options) {
   for (const std::string& path : paths) {
     if (options.map_count > 0 && count == options.map_count) break;
     const std::string stem = std::filesystem::path(path).stem().string();
-    // Games and engines give these names to normal maps. Other files contain colours, heights and gloss.
+    // Games and engines give these names to their normal maps. Other files contain colours, heights or gloss.
     const bool is_named = stem.starts_with("pm_") || stem.ends_with("flakes5n") || stem.ends_with("_n") ||
                           stem.ends_with("normal") || stem.ends_with("_nm") || stem.ends_with("_norm");
     if (!is_named) continue;

@@ -79,8 +79,8 @@ std::string relative_l1(const std::vector<Direction>& directions, const Values& 
   return fmt::format("{:.2f}", 100.0 * off / total);
 }
 
-// Runs the shading kernels with which a bake measures its own error, on one lobe or moment. The runtime's GLSL code
-// computes the same values (tests/agreement).
+// Runs the shading kernels with which a bake measures its own error, for one lobe or one set of moments. The runtime's
+// GLSL code computes the same values (tests/agreement).
 class ShadingKernels {
  public:
   explicit ShadingKernels(Device& device) : device_(device) {}
@@ -102,7 +102,7 @@ class ShadingKernels {
              More... more) {
     std::vector<glm::vec4> vectors;
     for (const Direction& d : directions) vectors.emplace_back(glm::vec3(d.w), 0.0f);
-    const MultumHighlight highlight = shaded_highlight(exponent);  // moments use only the exponent, so it comes first
+    const MultumHighlight highlight = shaded_highlight(exponent);  // moments use only the exponent
     const int count = static_cast<int>(directions.size());
     std::vector<float> values(directions.size());
     const DeviceBuffer around = device_.wrap_buffer(vectors.data(), vectors.size() * sizeof(glm::vec4), "directions");
@@ -122,7 +122,8 @@ glm::vec4 upright_lobe(double kappa) {
   return {0.0f, 0.0f, static_cast<float>(1.0 - reference::vmf_spread(kappa)), 1.0f};
 }
 
-// Convolves each term of a BRDF with a lobe, by a product of mean cosines: A = |r| A(lambda).
+// Convolves each term of a BRDF with a lobe. The mean cosine of the result is the product of the mean cosines, A = |r|
+// A(lambda).
 Values product_of_terms(const std::vector<VmfTerm>& terms, double kappa, const std::vector<Direction>& directions) {
   const double spread = reference::vmf_spread(kappa);
   std::vector<double> kappas;
@@ -294,7 +295,8 @@ std::string harmonics_table(const std::vector<Direction>& directions) {
   return table.text();
 }
 
-// Normals with weights that sum to 1: a Gaussian over two coordinates, cut at the limit of valid normals.
+// Normals whose weights sum to 1. The weights are a Gaussian over two coordinates, cut off at the limit of valid
+// normals.
 struct Normals {
   std::vector<glm::dvec3> n;
   std::vector<double> weights;
