@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Measures time and memory of exporting a large map, next to Filament's roughness-prefilter, and writes the section of
-docs/evidence/EXPORT.md about it."""
+"""Compares the time and memory for exporting a large map with those of Filament's roughness-prefilter, and writes the
+section of docs/evidence/EXPORT.md about them."""
 import pathlib
 import shutil
 import statistics
@@ -44,8 +44,8 @@ def write_repeated(source, output):
 
 
 def measure(multum, source, folder):
-    """Returns processor seconds and bytes of memory of each round, by name. Returns None if Filament's tool is not
-    installed."""
+    """Returns the processor seconds and the bytes of memory of each round, by name. Returns None if Filament's tool is
+    not installed."""
     if shutil.which(PREFILTER) is None:
         return None
     folder = pathlib.Path(folder)

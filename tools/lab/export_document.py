@@ -1,14 +1,16 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Makes docs/evidence/EXPORT.md: errors of textures by `multum export`, engines' rules, baked lobes and the best single
-lobe.
+"""Makes docs/evidence/EXPORT.md, the page about the errors of exported textures.
+
+The page compares these errors with the errors of engine rules, of baked lobes and of the best single lobe.
 
     tools/lab/export_document.py --maps ../shared/data/normal -o docs/evidence/EXPORT.md [--bin DIR] [--state FILE]
         [--cells N] [--measure-nothing]
 
 Exports every file of the folder that is a normal map by its name, at three base roughnesses, isotropic and anisotropic.
-Maps in the file of --state are not measured again; --measure-nothing makes the page only from this file. The comparison
-with Filament's roughness-prefilter (Debian's libfilament-tools) runs first and needs a machine without other work.
+Maps in the file of --state are not measured again. With --measure-nothing, the page is made only from this file. The
+comparison with Filament's roughness-prefilter (Debian's libfilament-tools) runs first and needs a machine without other
+work.
 """
 import argparse
 import json
@@ -79,7 +81,8 @@ the energy.
 
 """
 
-RATIOS = """
+RATIOS =
+"""
 ## Ratios between methods
 
 Each ratio is the error of one method, divided by the error of another method. *Best* is the best single lobe that the
@@ -87,7 +90,8 @@ search found.
 
 """
 
-FORMS = """
+FORMS =
+"""
 ## Forms of the levels
 
 `--form` selects the data that each level from 1 on stores:
@@ -170,7 +174,8 @@ and the chosen form.
 
 """
 
-FILES = """
+FILES =
+"""
 ## Engines that were tried
 
 [Export to an engine](../how-to/export_to_engine.md) lists the commands, the formats, and the engines that load each
@@ -246,7 +251,7 @@ def export(multum, path, roughness, cells, folder, options):
 
 
 def stored(report):
-    """Returns bytes per texel of the map, and errors by level if they were measured."""
+    """Returns the bytes per texel of the map and, if they were measured, the errors by level."""
     size = sum(pathlib.Path(name).stat().st_size for name in report["files"])
     levels = [{"level": one["level"], "rules": {"export": one["rules"]["export"]}}
               for one in report.get("accuracy", {"levels": []})["levels"]]
@@ -267,7 +272,7 @@ def storage(multum, path, roughness, cells, folder):
 
 
 def bake(multum, path, folder):
-    """Bakes the lobes of a map; returns None if the file is not a normal map."""
+    """Bakes the lobes of a map. Returns None if the file is not a normal map."""
     baked = pathlib.Path(folder) / "lobes.ndf.exr"
     command = [multum, "bake", str(path), "-o", str(baked), "--no-measure", "--quiet"]
     run = subprocess.run(command, capture_output=True, text=True)
@@ -360,7 +365,8 @@ def table(rows):
 
 
 def storage_table(rows):
-    """Makes a table of medians over the maps that were stored in all ways: bytes, and errors of levels 2, 4, 6."""
+    """Makes a table with medians over the maps that were stored in all formats. It lists the bytes and the errors of
+    levels 2, 4 and 6."""
     rows, lines = [row for row in rows if row["storage"]], []
     for name, plain, packed, errors in STORED:
         sizes = [f"{median([row['storage'][way]['bytes'] for row in rows if row['roughness'] == STORED_ROUGHNESS]):.2f}"
@@ -437,7 +443,7 @@ def main():
     parser.add_argument("--bin", default="build/release/bin", type=pathlib.Path)
     parser.add_argument("--maps", required=True, type=pathlib.Path)
     parser.add_argument("--cells", type=int, default=12)
-    parser.add_argument("--state", help="JSON file of measurements, written after each")
+    parser.add_argument("--state", help="JSON file of measurements, which is written after each measurement")
     parser.add_argument("--measure-nothing", action="store_true", help="make the page only from --state")
     parser.add_argument("-o", "--output", required=True)
     committed_tree.add_option(parser)

@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Makes docs/evidence/FARM_SCALE.md: a farm of 1000 nodes and a million maps, simulated with the real ledger.
+"""Makes docs/evidence/FARM_SCALE.md from a simulation of 1000 nodes and a million maps with the real ledger.
 
     tools/lab/farm_document.py --simulation build/release/bin/multum-farm-simulation --folder FOLDER \\
       -o docs/evidence/FARM_SCALE.md
 
-FOLDER is on the disk that is measured. It needs about 2 GB and 10 to 20 minutes. Settings are tried with 20000 maps,
-which are enough to show their effect on nodes. Only the last run uses all maps. Runs in the file of --state are not
-repeated, and the page states the commit of the first run.
+FOLDER is on the disk that is measured, and needs about 2 GB. A run takes 10 to 20 minutes. Settings are tried with
+20000 maps, which are enough to show the effect of the settings on nodes. Only the last run uses all maps. Runs in the
+file of --state are not repeated, and the page states the commit of the first run.
 """
 
 import argparse
@@ -136,10 +136,11 @@ per second.
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--simulation", required=True, help="multum-farm-simulation")
-    parser.add_argument("--folder", required=True, type=pathlib.Path, help="folder for this run, made and removed")
+    parser.add_argument("--folder", required=True, type=pathlib.Path, help="folder for this run, which is created "
+                                                                           "and removed")
     parser.add_argument("--maps", type=int, default=1000000)
     parser.add_argument("--nodes", type=int, default=NODES)
-    parser.add_argument("--state", type=pathlib.Path, help="JSON file of runs, written after each")
+    parser.add_argument("--state", type=pathlib.Path, help="JSON file of runs, which is written after each run")
     committed_tree.add_option(parser)
     parser.add_argument("-o", "--output", required=True, type=pathlib.Path)
     arguments = parser.parse_args()

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Writes docs/evidence/GLTF_EXAMPLE.md and its pictures: models converted by `multum gltf --lobes` and drawn by
-three.js from near and far, next to a reference.
+"""Writes docs/evidence/GLTF_EXAMPLE.md and its pictures. `multum gltf --lobes` converts models, and three.js draws the
+models from near and far, next to a reference.
 
     tools/lab/gltf_example_document.py BIN_FOLDER OUT IMAGES --model FILE TEXT [--model FILE TEXT...]
 
@@ -49,7 +49,8 @@ Counts over {views} views:
 * In {lobes} views, the error of *lobes* is not higher than the error of plain mips. In {points} views, the error of
   *lobes* is at most 0.3 points higher than the error of *points*.
 """
-SECTION = """
+SECTION =
+"""
 ## {stem}
 
 {credit}
@@ -80,7 +81,8 @@ def form_text(report):
 
 
 def counts(views):
-    """Counts the views in which one way has a lower error than another. `views` has the errors in the order of WAYS."""
+    """Counts the views in which one method has a lower error than another. `views` contains the errors in the order of
+    WAYS."""
     def share(one, other, points):
         return sum(100 * (view[WAYS.index(one)] - view[WAYS.index(other)]) <= points for view in views)
 
@@ -89,7 +91,8 @@ def counts(views):
 
 
 def section(multum, model, credit, images, folder):
-    """Makes the section of one model, and its errors by view and way. Writes its pictures to `images`."""
+    """Makes the section of one model, and returns the model's errors by view and method. Writes the pictures to
+    `images`."""
     link_model(model, folder)
     dress(multum, model, folder / "dressed.glb", folder / "report.json", "--lobes")
     plan = {"models": [{"file": model.name}, {"file": model.name, "points": EVALUATIONS},

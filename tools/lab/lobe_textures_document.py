@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Writes docs/evidence/LOBE_TEXTURES.md: what `multum export --lobes` costs in pictures, bytes and fetches.
+"""Writes docs/evidence/LOBE_TEXTURES.md, which lists the costs of `multum export --lobes` in picture errors, bytes and
+fetches.
 
     tools/lab/lobe_textures_document.py measure BIN_FOLDER OUT [--data FOLDER] [--maps NAME...]
     tools/lab/lobe_textures_document.py share [--root DIR]     # copy its table into the other pages with this table
@@ -69,7 +70,7 @@ def evaluations_of(count):
 
 
 def errors_of(view, file, source, count, exponent, folder, rivals):
-    """Returns errors of the file's picture, "multum", and of the rivals."""
+    """Returns the errors of the pictures: of the file ("multum") and of the rivals."""
     report = folder / "report.json"
     run(view, file, "--source", source, *SCENE, "--evaluations", evaluations_of(count), "--compare",
         ",".join(["reference", *rivals]), "--brdf", f"blinn-phong:{exponent}", "-o", folder / "picture.png", "--report",
@@ -133,7 +134,7 @@ def html_table(lines):
 
 
 def shared(root, name):
-    """Returns the text of page `name`, and the same text with the document's table."""
+    """Returns the text of the page `name`, and the same text with the table of the document."""
     lines = [line for line in (root / DOCUMENT).read_text().splitlines() if line.startswith("|")]
     if len(lines) < 3:
         sys.exit(f"{DOCUMENT}: found {len(lines)} lines of a table, expected 3 or more")

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Writes docs/evidence/GLTF_MOTION.md: flicker and processor time of models and bumpy surfaces that three.js draws.
+"""Writes docs/evidence/GLTF_MOTION.md, which lists the flicker and the processor time of models and bumpy surfaces that
+three.js draws.
 
     tools/lab/model_motion.py BIN_FOLDER MODELS OUT --cache FOLDER [--only NAME...] [--rows NAME...] [--distance M]
         [--frames N] [--pairs N]
@@ -56,7 +57,7 @@ a run immediately before. Numbers are medians of {pairs} pairs of runs, on {mach
 
 
 def measured(cache, entry, rows, options):
-    """Returns what model_motion.mjs reports for the rows of one model."""
+    """Returns the report of model_motion.mjs about the rows of one model."""
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         models = link_rows(cache, entry, rows, folder)
@@ -121,7 +122,8 @@ def main():
     parser.add_argument("models", type=pathlib.Path)
     parser.add_argument("out", type=pathlib.Path)
     parser.add_argument("--cache", type=pathlib.Path, required=True)
-    parser.add_argument("--package", type=pathlib.Path, help="@multum/three, instead of the package from BIN_FOLDER")
+    parser.add_argument("--package", type=pathlib.Path, help="folder of @multum/three, which is used instead of the "
+                                                             "package from BIN_FOLDER")
     parser.add_argument("--only", nargs="+", default=[], metavar="NAME")
     parser.add_argument("--rows", nargs="+", default=list(SHOWN), choices=ROWS, metavar="NAME")
     parser.add_argument("--distance", type=float, default=5, metavar="METRES")

@@ -532,14 +532,15 @@ def arguments():
     parser.add_argument("--videos", nargs="+",
                         help="codecs whose names begin like this, such as 'AV1' (default: all)")
     parser.add_argument("--stated", nargs="+", type=float, default=RATIOS,
-                        help="ratios of tables (default: 192 384 768); parts are compared at the middle one")
+                        help="ratios that tables list (default: 192 384 768); parts of the coder are compared at the "
+                             "middle ratio")
     parser.add_argument("--growth", nargs="+", type=float, default=GROWTH_RATIOS,
                         help="ratios at which numbers of parameters are compared (default: 96 192)")
     parser.add_argument("--measure-nothing", action="store_true", help="make the page only from existing rows")
     parser.add_argument("--context", default="auto", help="GL context: auto, egl, osmesa")
     parser.add_argument("--inferences", type=int, default=len(INFERENCES),
                         help="number of ways to infer; the first ways are used")
-    parser.add_argument("--keep", action="store_true", help="keep textures inferred in other ways")
+    parser.add_argument("--keep", action="store_true", help="also keep textures that were inferred in other ways")
     parser.add_argument("-o", "--output", required=True, type=pathlib.Path)
     committed_tree.add_option(parser)
     given = parser.parse_args()

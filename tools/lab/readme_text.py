@@ -277,7 +277,8 @@ def texel_bytes(figures, _root):
 
 
 def whole_bakes(root):
-    """Returns the seconds and MiB of multum bake and maketx in docs/evidence/BENCHMARKS.md, and the core count."""
+    """Returns the seconds and the MiB of multum bake and maketx in docs/evidence/BENCHMARKS.md, and the number of
+    cores."""
     title = "A whole bake compared with maketx, 4096 x 4096"
     section = row_of(root, "BENCHMARKS.md", rf"(?s)^## {title}\n(.*?)(?=^## |\Z)")
     programs = [re.search(rf"^\| {name} +\| ([\d.]+)[^|]*\| [^|]*\| (\d+)", section, re.MULTILINE)
@@ -335,7 +336,7 @@ def read_figures(root):
 
 
 def marked_pages(root):
-    """Yields path and text of README.md, of every page with marks and of every page that must use marks."""
+    """Yields the path and the text of README.md, of every page with marks, and of every page that must use marks."""
     for path in [root / "README.md", *sorted((root / "docs").rglob("*.md"))]:
         text = path.read_text()
         page = str(path.relative_to(root))

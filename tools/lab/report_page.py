@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Makes parts of the pages of tools/demo and tools/lab/reproduce: style, tables, charts, and a description of the
-machine."""
+"""Makes parts of the pages that tools/demo and tools/lab/reproduce write. These parts are the style, tables, charts,
+and a description of the machine."""
 import html
 import math
 import os
@@ -11,7 +11,8 @@ import committed_tree
 
 SERIES = ["c1", "c2", "c3", "c4"]
 
-STYLE = """
+STYLE =
+"""
 :root { color-scheme: light dark; --back: #fdfdfb; --text: #1d2329; --soft: #5b6670; --line: #d5d9dc; --box: #f1f3f2;
   --c1: #1b6ca8; --c2: #b35900; --c3: #287d3c; --c4: #8a3fa0; --link: #1b5e96; }
 @media (prefers-color-scheme: dark) {
@@ -72,7 +73,8 @@ def key(names):
 
 
 def nice_step(top):
-    """Returns 1, 2 or 5 times a power of ten, so that there are four to ten grid lines up to `top`."""
+    """Returns the distance between grid lines, which is 1, 2 or 5 times a power of ten. There are four to ten grid
+    lines up to `top`."""
     power = 10.0 ** math.floor(math.log10(top / 4)) if top > 0 else 1.0
     return next(power * m for m in (1, 2, 5, 10) if top / (power * m) <= 6)
 

@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Makes docs/evidence/SHARES.md: costs of baking one map in shares, compared with one whole bake and with the
-prediction of `multum plan`.
+"""Makes docs/evidence/SHARES.md, the page about the costs of baking one map in shares.
+
+The page compares these costs with one whole bake and with the prediction of `multum plan`.
 
     tools/lab/shares_document.py --multum build/release/bin/multum --folder FOLDER -o docs/evidence/SHARES.md
 
@@ -57,8 +58,8 @@ class Bakes:
         return {**run, "sha256": sha256(self.output)}
 
     def shared(self, processes):
-        """Bakes share 0, then the bands, `processes` at a time, then the merge. Removes leftovers of an interrupted
-        run first."""
+        """First removes leftovers of an interrupted run. Then bakes share 0, bakes the bands, `processes` at a time,
+        and merges."""
         for old in self.output.parent.glob(self.output.name + "*"):
             old.unlink()
         coarse = self.bake("--shard", f"0/{self.count}")
@@ -82,7 +83,7 @@ def total(run):
 
 
 def whole_seconds(one):
-    """Returns the mean of the whole bakes before and after the shares of a round."""
+    """Returns the mean cost of the two whole bakes before and after the shares of a round."""
     return seconds(one["wholes"]) / len(one["wholes"])
 
 
@@ -96,7 +97,8 @@ def span(values, form):
 
 
 def section(size, rounds, processes, plan):
-    """Makes the section of one size, with the costs, and with the measured and planned parts in % of one bake."""
+    """Makes the section of one size. It lists the costs, and the measured and planned costs of the parts in % of one
+    bake."""
     wholes = [run for one in rounds for run in one["wholes"]]
     hashes = {run["sha256"] for one in rounds for run in (*one["wholes"], *(one[str(count)] for count in processes))}
     if len(hashes) != 1:
@@ -165,7 +167,7 @@ def main():
     parser.add_argument("--shards", type=int, default=8)
     parser.add_argument("--processes", type=int, nargs="+", default=[1, 2, 4])
     parser.add_argument("--rounds", type=int, nargs="+", default=[1, 1], help="for each size")
-    parser.add_argument("--state", type=pathlib.Path, help="JSON of runs, written after each")
+    parser.add_argument("--state", type=pathlib.Path, help="JSON file of runs, which is written after each run")
     committed_tree.add_option(parser)
     parser.add_argument("-o", "--output", type=pathlib.Path, required=True)
     options = parser.parse_args()

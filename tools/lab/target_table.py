@@ -1,11 +1,10 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Makes docs/evidence/TARGETS.md: the settings that `multum bake --target-error` chooses for every normal map of a
-folder.
+"""Makes docs/evidence/TARGETS.md, which lists the settings that `multum bake --target-error` chooses for each map.
 
     tools/lab/target_table.py --multum build/release/bin/multum --maps ../shared/data/normal -o docs/evidence/TARGETS.md
 
-Each map is baked completely for each target. Files that `multum bake` refuses as normal maps are skipped. With
+Each map is baked completely for each target. Files that `multum bake` does not accept as normal maps are skipped. With
 --resume, rows in the file of --state are not baked again. With --bake-nothing, the page is made only from these rows.
 """
 
@@ -127,7 +126,7 @@ def main():
     parser.add_argument("--maps", required=True, type=pathlib.Path)
     parser.add_argument("--brdf", default="blinn-phong:100")
     parser.add_argument("--targets", type=float, nargs="+", default=[0.2, 0.1])
-    parser.add_argument("--state", help="JSON file of rows, written after each")
+    parser.add_argument("--state", help="JSON file of rows, which is written after each row")
     parser.add_argument("--resume", action="store_true")
     parser.add_argument("--bake-nothing", action="store_true", help="make the page only from the rows of --state")
     parser.add_argument("-o", "--output", required=True)
