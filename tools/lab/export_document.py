@@ -81,8 +81,7 @@ the energy.
 
 """
 
-RATIOS =
-"""
+RATIOS = """
 ## Ratios between methods
 
 Each ratio is the error of one method, divided by the error of another method. *Best* is the best single lobe that the
@@ -90,8 +89,7 @@ search found.
 
 """
 
-FORMS =
-"""
+FORMS = """
 ## Forms of the levels
 
 `--form` selects the data that each level from 1 on stores:
@@ -174,8 +172,7 @@ and the chosen form.
 
 """
 
-FILES =
-"""
+FILES = """
 ## Engines that were tried
 
 [Export to an engine](../how-to/export_to_engine.md) lists the commands, the formats, and the engines that load each

@@ -49,8 +49,7 @@ Counts over {views} views:
 * In {lobes} views, the error of *lobes* is not higher than the error of plain mips. In {points} views, the error of
   *lobes* is at most 0.3 points higher than the error of *points*.
 """
-SECTION =
-"""
+SECTION = """
 ## {stem}
 
 {credit}

@@ -11,8 +11,7 @@ import committed_tree
 
 SERIES = ["c1", "c2", "c3", "c4"]
 
-STYLE =
-"""
+STYLE = """
 :root { color-scheme: light dark; --back: #fdfdfb; --text: #1d2329; --soft: #5b6670; --line: #d5d9dc; --box: #f1f3f2;
   --c1: #1b6ca8; --c2: #b35900; --c3: #287d3c; --c4: #8a3fa0; --link: #1b5e96; }
 @media (prefers-color-scheme: dark) {
