@@ -20,7 +20,7 @@ find_package(multum REQUIRED)
 add_executable(memory {source})
 target_link_libraries(memory PRIVATE multum::multum m)
 """
-# Opens no libOpenCL, as on a machine without it.
+# Does not open libOpenCL, as on a machine that lacks it.
 NO_OPENCL = """#define _GNU_SOURCE
 #include <dlfcn.h>
 #include <string.h>

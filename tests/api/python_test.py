@@ -93,7 +93,7 @@ class BakeTest(FolderTest):
         wide = np.zeros((32, 40, 3), np.float32)
         wide[:, 4:36] = whole
         self.assertEqual(multum.bake(wide[:, 4:36]).content_hash, multum.bake(whole).content_hash)
-        planes = np.ascontiguousarray(np.moveaxis(whole, -1, 0))  # channels first: copied
+        planes = np.ascontiguousarray(np.moveaxis(whole, -1, 0))  # an array with the channels first is copied
         self.assertEqual(multum.bake(np.moveaxis(planes, 0, -1)).content_hash, multum.bake(whole).content_hash)
 
     def test_albedo_and_roughness_from_arrays(self):
@@ -139,7 +139,7 @@ class BakeTest(FolderTest):
 
     def test_warnings_are_warnings_of_python(self):
         normals = wavy_normals(32)
-        normals[:, :16] = [0.0, 0.0, 1.0]  # does not tile
+        normals[:, :16] = [0.0, 0.0, 1.0]  # this map does not tile
         with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always")
             multum.bake(normals)
@@ -155,7 +155,7 @@ class MapTest(FolderTest):
         self.assertFalse(level.flags.owndata)
         self.assertFalse(level.flags.writeable)
         self.assertTrue(np.shares_memory(level, baked.lobes(1)))
-        del baked  # the view keeps the map
+        del baked  # the view keeps the map alive
         self.assertTrue(np.isfinite(level).all())
 
     def test_regions_and_stored_types(self):

@@ -18,7 +18,7 @@ traced_folder = None
 MANIFEST = '[defaults]\nlobes = 1\n[[map]]\ninput = "map_normal.png"\noutput = "baked/map.ndf.exr"\ngreen = "up"\n'
 EXPORTS = '[[map]]\ninput = "map_normal.png"\noutput = "exported/map.ktx2"\ngreen = "up"\n'
 BAKE = ("--lobes", "1", "--green", "up", "--no-measure")
-# This is a triangle with a normal map, as one glTF file.
+# This glTF file holds a triangle with a normal map.
 MODEL = {"asset": {"version": "2.0"}, "images": [{"uri": "map_normal.png"}], "textures": [{"source": 0}],
          "materials": [{"name": "rock", "normalTexture": {"index": 0}}]}
 

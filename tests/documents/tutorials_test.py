@@ -87,7 +87,7 @@ class Registry(http.server.BaseHTTPRequestHandler):
     def log_message(self, *_):
         pass
 
-    def do_GET(self):  # noqa: N802, the name that http.server asks for
+    def do_GET(self):  # noqa: N802, the name that http.server requires
         name = self.path.strip("/").replace("%2f", "/")
         package = MODULES / name.removesuffix(".tgz") / "package.json"
         if ".." in name or not package.is_file():

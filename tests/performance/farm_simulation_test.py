@@ -52,7 +52,7 @@ class FarmSimulationTest(unittest.TestCase):
         self.assertEqual(run["states"], {"succeeded": 600})
         self.assertEqual((run["failed_attempts"], run["node_failures"]), (0, 0))
         self.assertGreater(run["busy_share"], 0.8)
-        # Some nodes get no job.
+        # Some nodes do not get a job.
         self.assertLess(self.simulate(*options, "--jobs", "5")["busy_share"], 0.55)
 
     def test_lists_of_folders_are_quicker_than_files_one_by_one(self):

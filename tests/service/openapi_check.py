@@ -5,7 +5,8 @@ import re
 import warnings
 
 with warnings.catch_warnings():
-    warnings.simplefilter("ignore", DeprecationWarning)  # newer versions have another resolver; 4.10 still has this one
+    warnings.simplefilter("ignore", DeprecationWarning)  # version 4.10 still has this resolver; newer versions have a
+                                                         # different one
     from jsonschema import Draft202012Validator, FormatChecker, RefResolver
 
 TIME = re.compile(r"^\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d\.\d{3}Z$")

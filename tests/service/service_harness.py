@@ -32,13 +32,13 @@ class Service:
             with open(path, "w", encoding="utf-8") as file:
                 file.write(config)
             self.options += ["--config", path]
-        # Runs without multum's program cache, because PoCL has its own cache and compiles only launched kernels. For
-        # multum's cache, all kernels of a program would be compiled.
+        # Runs without multum's program cache, for which all kernels of a program would be compiled. PoCL has its own
+        # cache and compiles only the kernels that are launched.
         self.environment = dict(os.environ, MULTUM_CACHE_DIR="", **(environment or {}))
         self.log_path = os.path.join(folder, "serve.log")
         self.process = None
         self.port = 0
-        self.checker = None  # checks every answer: an OpenapiCheck
+        self.checker = None  # an OpenapiCheck that checks every answer
 
     def start(self, wait=True, port=0):
         address = os.path.join(self.data, "address")
@@ -175,7 +175,7 @@ class ClientCase(ServiceCase):
     def start(self, config=QUICK, **more):
         self.service = Service(MULTUM, self.folder, config=config, **more).start()
         if self.checks_answers:
-            from openapi_check import OpenapiCheck  # needs a package that some tests lack
+            from openapi_check import OpenapiCheck  # this import needs a package that is not available to all tests
             self.service.checker = OpenapiCheck(self.service.ask("GET", "/openapi.json")[1])
         return self.service
 

@@ -89,8 +89,7 @@ class Slurm:
         self.folder = folder
         self.nodes = [f"bake{i + 1}" for i in range(nodes)]
         self.processes = {}
-        # Processes that Slurm's daemons leave running become children of this process, which ends them by their
-        # numbers.
+        # Processes that outlive Slurm's daemons become children of this process, which ends them by their process ids.
         ctypes.CDLL(None).prctl(PR_SET_CHILD_SUBREAPER, 1, 0, 0, 0)
         for name in ("state", "log", "spool"):
             os.makedirs(os.path.join(folder, name))
@@ -107,7 +106,7 @@ class Slurm:
         self.config = os.path.join(folder, "slurm.conf")
         with open(self.config, "w", encoding="utf-8") as file:
             file.write(config)
-        if not os.path.ismount("/sys/fs/cgroup"):  # slurmd finds its cgroup version there, otherwise it ends
+        if not os.path.ismount("/sys/fs/cgroup"):  # slurmd reads the cgroup version there, and would end without it
             with open(os.path.join(folder, "cgroup.conf"), "w", encoding="utf-8") as file:
                 file.write("CgroupPlugin=cgroup/v1\n")
         self.environment = {"SLURM_CONF": self.config, "PATH": PATH}

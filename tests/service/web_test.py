@@ -70,7 +70,7 @@ class Driver:
                 os.chmod(path, 0o600)
                 options = ["--token-file", path]
             service = self.services[name] = Service(self.multum, folder, options, CONFIG)
-        service.start(port=service.port)  # the same port after a restart
+        service.start(port=service.port)  # keeps the same port after a restart
         return {"url": f"http://127.0.0.1:{service.port}", "root": service.root, "token": TOKEN}
 
     def stop(self, name):
@@ -122,7 +122,8 @@ def main():
     os.makedirs(arguments.screenshots, exist_ok=True)
     folder = tempfile.mkdtemp()
     driver = Driver(os.path.abspath(arguments.multum), folder)
-    # HOME is temporary, because Chromium writes there, and the user who runs the tests may have no writable home.
+    # HOME is a temporary folder, because Chromium writes there. The user who runs the tests may not have a writable
+    # home folder.
     environment = dict(os.environ, HOME=folder)
     try:
         with subprocess.Popen(["node", os.path.join(HERE, "web_test.mjs"), browser(),

@@ -133,7 +133,7 @@ def table_at(table, alpha, d):
 
 
 def ggx_over_lobe(table, alpha, d, e):
-    peak, slope, bend, power = table_at(table, alpha, d)  # value at the peak times 1 / pi, and power below 0
+    peak, slope, bend, power = table_at(table, alpha, d)  # the value at the peak times 1 / pi, and the power below 0
     square = alpha * alpha + 2 * d
     u = min(max(0.5 + 0.5 * (1 - e) / math.sqrt(4.5 * d / (1.001 - d)), 0), 1)
     y = slope * e * (1 - 0.5 * e * alpha * alpha / square) / square
@@ -178,7 +178,7 @@ def drawn(case, table):
     t = [mu[0] * mu[1] * a, side + mu[1]**2 * a, -mu[1]]
     across, phi = math.sqrt(e * (2 - e)), 2 * math.pi * alpha
     normal = [(1 - e) * m + across * (math.cos(phi) * x + math.sin(phi) * y) for m, x, y in zip(mu, s, t)]
-    # Applies a linear filter between texels of a table that is half as wide as the blue noise.
+    # Interpolates linearly between the texels of a table that is half as wide as the blue noise.
     x, y = (min(max((math.floor(100 * k + 200) % 64 + 0.5) / 64 * SIDE - 0.5, 0), SIDE - 1) for k in l[:2])
     i, j = min(int(x), SIDE - 2), min(int(y), SIDE - 2)
     texel = sum(table[4 * ((j + q) * SIDE + i + p) + 1] * (x - i if p else 1 - x + i) * (y - j if q else 1 - y + j)

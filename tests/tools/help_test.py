@@ -14,7 +14,7 @@ import unittest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 GROUPS = ["Bake", "Deliver", "Fields", "Service", "Machine"]
-WORDS_MAX = 45  # words of a help text; most texts have at most 30
+WORDS_MAX = 45  # the largest number of words in a help text; most texts have at most 30
 programs = ROOT / "build/release/bin"
 
 

@@ -42,7 +42,7 @@ class LobeTexturesTest(unittest.TestCase):
             done = self.run_tool("check")
             self.assertEqual(done.returncode, 1)
             self.assertIn(name, done.stdout)
-        # A new measurement reaches both places.
+        # A new measurement must appear in both places.
         self.edit(DOCUMENT, lambda text: text.replace("| 4 | BC5 |", "| 4 | BC5, anew |"))
         self.assertEqual(self.run_tool("share").returncode, 0)
         self.assertEqual(self.run_tool("check").returncode, 0)

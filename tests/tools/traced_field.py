@@ -8,7 +8,7 @@ import numpy as np
 import OpenImageIO as oiio
 
 SUB_PIXELS = 4  # along each side
-# The corner, and the edges along which u and v go from 0 to 1.
+# These are the corner, and the edges along which u and v go from 0 to 1.
 QUADS = {"ground": ((-1.5, -1.0, 0.0), (3.0, 0.0, 0.0), (0.0, 3.0, 0.0)),
          "board": ((-0.5, 0.4, 0.0), (0.9, 0.2, 0.0), (0.0, 0.0, 0.7))}
 HASHES = {"ground": 0x3F400000, "board": 0x3E800000}

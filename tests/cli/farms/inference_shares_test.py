@@ -46,7 +46,7 @@ class InferenceSharesTest(merged_shares.MergedSharesTest):
 
     def report(self, folder):
         report = json.loads((folder / "report.json").read_text())
-        for name in ("seconds", "matrices_measured"):  # two shares may measure the same matrices
+        for name in ("seconds", "matrices_measured"):  # Two shares may measure the same filter matrices.
             report.pop(name)
         return report
 

@@ -86,8 +86,8 @@ class MergedSharesTest(unittest.TestCase):
             self.assertEqual(result.read_bytes(), whole)
             others = {path: path.stat().st_mtime_ns for path in times
                       if path.exists() and path != result and path != self.record(2) and path.suffix != ".json"}
-            self.assertEqual(others, {path: times[path] for path in others})  # no other result was made again
-        for _ in range(2):  # twice, because a farm may repeat the merge
+            self.assertEqual(others, {path: times[path] for path in others})  # no other result was made a second time
+        for _ in range(2):  # merges twice, because a farm may repeat the merge
             self.succeed("--merge", 3)
             self.assertEqual(hashes(self.out), self.whole)
 
@@ -95,7 +95,7 @@ class MergedSharesTest(unittest.TestCase):
         """Returns texts that are not a valid record of share `index` of 3, whose valid record exists."""
         good = self.record(index).read_text()
         line, _ = good.splitlines()
-        self.assertEqual(signed(line), good)  # so that checks other than the hash refuse too
+        self.assertEqual(signed(line), good)  # so that checks other than the hash check refuse the share
         record = json.loads(line)
         content = record["content"]
         texts = ["", "{", good[:len(good) // 2], good + "\n", signed(""), signed("[" * 100000), signed("\x00" * 64),
@@ -111,7 +111,7 @@ class MergedSharesTest(unittest.TestCase):
 
     def check_hostile_records(self):
         self.succeed("--shard", "1-3/3")
-        # Each share has a third of these texts, because a merge names everything that it refuses.
+        # Each share has a third of these faults. A merge names every fault.
         thirds = [self.hostile_records(index)[index - 1::3] for index in (1, 2, 3)]
         for texts in itertools.zip_longest(*thirds, fillvalue=""):
             with self.subTest(texts=[text[:200] for text in texts]):

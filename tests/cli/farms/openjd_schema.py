@@ -50,7 +50,7 @@ TEMPLATE = {"$schema": "http://json-schema.org/draft-07/schema#", **closed(  # 1
     description={"type": "string", "maxLength": 2048},
     parameterDefinitions={"type": "array", "minItems": 1, "maxItems": 50,
                           "items": {"oneOf": [PATH_PARAMETER, STRING_PARAMETER]}})}
-# Paths are absolute, as in job bundles of AWS Deadline Cloud.
+# All paths are absolute, as in the job bundles of AWS Deadline Cloud.
 PATHS = {"type": "array", "items": {"type": "string", "pattern": "^/"}}
 VALUES = closed({"parameterValues": {"type": "array", "items": closed(
     {"name": IDENTIFIER, "value": {"type": "string", "maxLength": 1024}})}})

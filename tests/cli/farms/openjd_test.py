@@ -77,7 +77,7 @@ class FarmTest(unittest.TestCase):
 class SharesTest(FarmTest):
     def test_shares_make_what_one_run_makes(self):
         whole = self.baked_here()
-        for share in ("3/3", "1/3", "2/3", "1/3"):  # in any order, and one of them twice
+        for share in ("3/3", "1/3", "2/3", "1/3"):  # runs the tasks in any order, and one of them twice
             self.succeed("bake", "--manifest", self.manifest, "--shard", share)
         self.assertEqual(contents(self.folder / "out"), whole)
 
@@ -169,7 +169,8 @@ class BundleTest(FarmTest):
         self.assertIn("rock_1002.png", task.failures[0])
 
     def test_a_canceled_task_goes_on_where_it_stopped(self):
-        self.succeed("testmap", self.folder / "large", "--size", 2048)  # takes some seconds; prints one line per second
+        # This task takes some seconds and prints one line per second.
+        self.succeed("testmap", self.folder / "large", "--size", 2048)
         file = self.folder / "out/large.ndf.exr"
         bundle, _ = self.bundle("bake", self.folder / "large_normal.png", "-o", file)
         [step] = bundle.steps()
@@ -264,7 +265,7 @@ class BundleTest(FarmTest):
             self.assertEqual(done.returncode, 2, done.stderr)
             self.assertIn(b"is not UTF-8", done.stderr)
             self.assertFalse((self.folder / "bundle").exists())
-        # The name of a tile in a set is refused too if it is not UTF-8.
+        # The name of a tile in a tile set is also refused if it is not valid UTF-8.
         os.rename(odd, folder + b"/o\xff_1001.png")
         self.assertEqual(subprocess.run(
             [farm_programs.multum(), "openjd", "-o", self.folder / "bundle", "bake", folder + b"/o\xff_<UDIM>.png",

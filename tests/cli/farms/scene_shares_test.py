@@ -27,7 +27,8 @@ class SceneSharesTest(merged_shares.MergedSharesTest):
             farm_programs.run("testmap", cls.folder / f"map{i}", "--size", 32, "--seed", i + 1)
             maps.append((f"wall{i}", f"map{i}", f'albedo = "map{i}_albedo.png"' if i % 2 == 0 else ""))
         cls.scenes = {}
-        # A target chooses lobes by trials. With a common budget for all maps, each share plans all of them.
+        # A target makes the bake choose the number of lobes by trials. If all maps have a common budget, each share
+        # plans all maps.
         for name, budget in (("plain", ""), ("target", "[budget]\ntarget_error = 0.3\n"),
                              ("bytes", "[budget]\nbytes = 90000\n")):
             cls.scenes[name] = cls.folder / f"{name}.toml"

@@ -16,7 +16,7 @@ from gltf_test import INPUT_REFUSED, USAGE, ENVIRONMENT, packed, plain_model
 from model_writing import bumps, glb_of
 
 MULTUM = ""
-BROKEN_FILES = 60  # runs of the last test, one process each
+BROKEN_FILES = 60  # the number of runs of the last test, each in its own process
 
 
 class HostileTest(unittest.TestCase):

@@ -74,7 +74,7 @@ class GltfLobesTest(FolderCase):
         self.assertNotIn(NAME, after.json["extensionsRequired"])
         extension = after.json["materials"][0]["extensions"][NAME]
         self.assertEqual(extension, {"lobes": 0, "roughnessFactor": 0.5, "metallicRoughnessTexture": {"index": 1}})
-        # The surface's own roughness image stays unchanged in its place.
+        # The roughness image of the material stays unchanged in its place.
         self.assertEqual(after.json["textures"][1], before["textures"][1])
         self.assertEqual(after.image(1), packed(16, 8))
         form, layers, scheme, key = key_of(self.lobes_of(after, 0))
@@ -83,7 +83,7 @@ class GltfLobesTest(FolderCase):
         self.assertEqual((key["wrapS"], key["wrapT"], len(key["lobes"])), ("periodic", "periodic", 4))
         self.assertEqual(report["textures"][0]["bytes"]["lobes"], len(self.lobes_of(after, 0)))
         self.assertTrue(report["lobes"])
-        # Without the extension, the material equals the result of a run without --lobes.
+        # Apart from the extension, the material is the same as after a run without --lobes.
         here, there = after.json["materials"][0], plain.json["materials"][0]
         self.assertEqual(set(here) - set(there), {"extensions"})
         for place in (("normalTexture",), ("pbrMetallicRoughness", "metallicRoughnessTexture"), ("occlusionTexture",)):
@@ -142,7 +142,7 @@ class GltfLobesTest(FolderCase):
                                       {"lobes": 1, "roughnessFactor": 0.7}, None])
         self.assertEqual(len(report["textures"]), 2)
         self.assertEqual(key_of(self.lobes_of(after, 1))[3]["wrapT"], "clamp")
-        self.assertEqual(self.lobes_of(after, 0), self.lobes_of(after, 1))  # the same map, without roughness in it
+        self.assertEqual(self.lobes_of(after, 0), self.lobes_of(after, 1))  # the same map without roughness
 
     def coloured(self, *colours):
         """Converts steep facets with one material for each of `colours`. With "with", facets that face right are

@@ -128,7 +128,7 @@ class ReadersTest(FolderCase):
         near, far = self.draw("plate.png", {"models": [self.path(name) for name in names[:3]], "distances": [0.15, 5.5],
                                             "angle": 20, "light": [1, 0.6, 1.5], "intensity": 3})
         print("near", near, "far", far)
-        # From near, level 0 is drawn. From far, a pixel covers many bumps, and only fitted levels have the right
+        # From near, level 0 is drawn. From far, a pixel covers many bumps, and only fitted levels show the right
         # highlights.
         for one in near[1:]:
             self.assertAlmostEqual(one["energy"], near[0]["energy"], delta=0.1)
@@ -240,7 +240,7 @@ class ReadersTest(FolderCase):
                 self.assertEqual(after["errors"], 0, after)
                 new = set(after["messages"]) - set(before["messages"])
                 self.assertEqual({message.split()[0] for message in new},
-                                 {"VALUE_NOT_IN_LIST", "IMAGE_UNRECOGNIZED_FORMAT"})  # allowed by assert_valid()
+                                 {"VALUE_NOT_IN_LIST", "IMAGE_UNRECOGNIZED_FORMAT"})  # assert_valid() allows these
                 self.assertEqual(len(after["textures"]), 2 * len(report["textures"]))
                 self.draw(stem + ".png", {"models": [source, self.path(stem + ".glb")], "distances": distances,
                                           "from": [1, 0.4, 0.5] if "ship" in name else [0.3, 0.2, 1],

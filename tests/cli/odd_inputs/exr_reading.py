@@ -63,7 +63,8 @@ class Part:
         self.left, self.top = box[:2]
         self.width, self.height = box[2] - box[0] + 1, box[3] - box[1] + 1
         self.compression = attributes["compression"][1][0]
-        self.channels, at, listed = [], 0, attributes["channels"][1]  # (name, type) in the order of a row
+        # (name, type) of each channel, in the order within a row.
+        self.channels, at, listed = [], 0, attributes["channels"][1]
         while listed[at]:
             name, at = text_at(listed, at)
             self.channels.append((name, struct.unpack_from("<i", listed, at)[0]))

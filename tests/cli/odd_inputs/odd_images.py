@@ -15,7 +15,7 @@ class Picture:
     kind: str  # "uint", "int" or "float"
     bits: int
     samples: list = field(repr=False)
-    colours: int = 0  # number of leading channels without alpha; 0 for all
+    colours: int = 0  # the number of leading channels that are not alpha; 0 means all channels
 
     def values(self):
         """Returns unsigned integers as 0..1, signed ones as -1..1, and floats unchanged."""

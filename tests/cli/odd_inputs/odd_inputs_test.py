@@ -24,8 +24,9 @@ from odd_cases import generated
 from odd_maps import mean_cosine, normals_of
 
 WORKERS = 2
-BATCH = 16  # maps per command: for a single map, starting the process and OpenCL would take most of the time
-INPUT_REFUSED = 3  # exit code, docs/reference/commands.md
+BATCH = 16  # the number of maps per command; with one map per command, starting the process and OpenCL would take most
+            # of the time
+INPUT_REFUSED = 3  # the exit code in docs/reference/commands.md
 COMPRESSIONS = ("none", "rle", "zips", "zip:1")
 
 

@@ -19,16 +19,16 @@ class Layout:
     is_big: bool = False  # BigTIFF
     is_planar: bool = False
     tile: tuple = ()  # width, height
-    rows_per_strip: int = 0  # 0 for one strip; -1 omits the tag
+    rows_per_strip: int = 0  # 0 writes one strip; -1 omits the tag
     compression: int = NONE
     predictor: int = 1
-    photometric: int = -1  # by default chosen from the number of channels
+    photometric: int = -1  # by default, the number of channels decides
     extra: tuple = ()  # 0: unspecified, 1: associated alpha, 2: unassociated alpha
-    colour_map: list = field(default_factory=list)  # 16-bit words: all red, all green, all blue
+    colour_map: list = field(default_factory=list)  # 16-bit words: first all red values, then all green, then all blue
     orientation: int = 0
     subfile: int = -1
     more_pages: int = 0
-    left_out: int = 0  # a tag to leave out
+    left_out: int = 0  # a tag that is left out
 
 
 def lzw_encoded(data):
@@ -118,8 +118,8 @@ def encoded_row(samples, picture, layout, step):
     codes = float_row(samples, bits) if picture.kind == "float" else [sample % (1 << bits) for sample in samples]
     if layout.predictor == 2:
         codes = [(code - (codes[i - step] if i >= step else 0)) % (1 << bits) for i, code in enumerate(codes)]
-    if layout.predictor == 3:  # stores the highest bytes of all samples, then the next ones, and takes differences of
-                               # these bytes
+    if layout.predictor == 3:  # stores the highest bytes of all samples, then the next bytes, and so on; then stores
+                               # the differences between these bytes
         planes = b"".join(bytes(code >> bits - 8 - 8 * k & 255 for code in codes) for k in range(bits // 8))
         return bytes(byte - (planes[i - step] if i >= step else 0) & 255 for i, byte in enumerate(planes))
     if bits % 8 == 0:

@@ -21,7 +21,7 @@ from model_writing import Model, bumps  # noqa: E402  pylint: disable=wrong-impo
 MULTUM = ""
 SKIPPED = 77
 ENVIRONMENT, USAGE = 4, 2
-BAKER, ATTACKER = 12345, 54321  # user numbers that need no account
+BAKER, ATTACKER = 12345, 54321  # user ids that do not need an account
 PRECIOUS = "weeks of work"
 
 

@@ -167,7 +167,7 @@ class TextureChunk:
             self.steps = np.array([eighths(codes[band_of(u)] + codes[classes + band_of(v)])
                                    for v in range(self.side) for u in range(self.side)], SINGLE)
         self.scales, self.levels, parents = [], [], []
-        self.terms = [[] for _ in range(self.count)]  # (image, weight) for each sample
+        self.terms = [[] for _ in range(self.count)]  # a list of (image, weight) for each sample
         if has_basis:
             self.plan_basis(basis, parents)
         else:
@@ -198,7 +198,7 @@ class TextureChunk:
                     parents.append(None)
                     continue
                 at = np.unravel_index(number, [self.cells(d, t) for d, t in enumerate(times)])
-                inside = [int(i) << t for i, t in zip(at, times)]  # a sample in the image's cell
+                inside = [int(i) << t for i, t in zip(at, times)]  # a sample that is in the cell of this image
                 parents.append(first[level - 1] + self.image_at(halvings[level - 1], inside))
             for sample in range(self.count):
                 at = [int(i) for i in np.unravel_index(sample, self.sizes)]

@@ -88,13 +88,13 @@ def main():
                     faults.order(call, error)
                     deadline = time.monotonic() + 60
                     while True:
-                        if service.process.poll() is not None:  # the daemon may end, but must start again
+                        if service.process.poll() is not None:  # the daemon may end, but it must be able to start again
                             faults.order(0, 0)
                             restarts += 1
                             service.start()
                         try:
                             state = service.job(job)
-                        except (AssertionError, OSError):  # answers 503, or has just ended
+                        except (AssertionError, OSError):  # the daemon answers 503, or has just ended
                             state = {"state": "unknown"}
                         if state["state"] in ("succeeded", "dead", "cancelled"):
                             break

@@ -71,7 +71,7 @@ def main():
                 service.kill()
                 begun = time.monotonic()
                 service.start()
-                # A job of an earlier daemon must not count as running if it has no worker.
+                # A job that an earlier daemon started must not count as running if it has no worker.
                 running = service.counts()["running"]
                 longest_restart = max(longest_restart, time.monotonic() - begun)
                 assert running <= 4, f"{running} jobs count as running after a restart"

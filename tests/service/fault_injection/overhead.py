@@ -55,7 +55,7 @@ def main():
             return time.monotonic() - begun
 
         service.start()
-        timed(by_loop)  # builds the kernels
+        timed(by_loop)  # this run builds the kernels
         timed(by_service)
         ratios = []
         for _ in range(options.rounds):

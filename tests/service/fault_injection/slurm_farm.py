@@ -49,7 +49,8 @@ chunk_s = 2
 share_s = {share}
 rounds = 10
 """
-# munge refuses a node with a wrong clock, so slurmd has the right time. Only multum on that node sees the wrong time.
+# munge refuses a node whose clock is wrong, so slurmd sees the right time. Only multum on that node sees the wrong
+# time.
 PROGRAM = """#!/bin/sh
 [ "$SLURMD_NODENAME" != bake4 ] || exec {faketime} -f +1h {multum} "$@"
 exec {multum} "$@"
@@ -100,7 +101,7 @@ class Farm:
         with open(self.flag + ".pid", "w", encoding="utf-8") as file:
             file.write(str(self.slurm.processes["slurmctld"].pid))
         open(self.flag, "w", encoding="utf-8").close()
-        # Gives the controller a job that it can accept.
+        # Submits a job that the controller can accept.
         self.submit_small()
         deadline = time.monotonic() + 20
         while os.path.exists(self.flag) and time.monotonic() < deadline:
@@ -233,7 +234,7 @@ def main():
     try:
         begun = time.monotonic()
         farm.submit()
-        time.sleep(3)  # the last jobs are being sent to Slurm
+        time.sleep(3)  # the daemon is sending the last jobs to Slurm
         submitted = farm.service.metric("multum_slurm_submitted_total")
         spent = farm.service.metric("multum_slurm_submit_seconds_total")
         per_job = {"sbatch calls": submitted, "ms a call": round(1000 * spent / max(1, submitted), 1),
