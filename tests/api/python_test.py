@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Tests the Python package: arrays without copies, the same texels as the program, errors, cancelling, shading, the
-reader that needs no library, and the client of the service.
+"""Tests the Python package: arrays that are not copied, the same texels as the program, errors, cancelling, shading,
+the reader that does not need the library, and the client of the service.
 
 Environment: MULTUM, the program; MULTUM_EXAMPLES, the folder of examples; PYTHONPATH, the folder with the package.
 """
@@ -29,7 +29,7 @@ MULTUM = os.environ["MULTUM"]
 
 
 def wavy_normals(size, dtype=np.float32):
-    """Unit normals of a wavy surface that tiles; integers are scaled to their range."""
+    """Returns the unit normals of a wavy surface that tiles. Integers are scaled to their range."""
     t, s = np.meshgrid(np.arange(size), np.arange(size), indexing="ij")
     a = 0.4 * np.sin(2 * np.pi * (5 * s + t) / size) + 0.2 * np.cos(22 * np.pi * s / size)
     b = 0.3 * np.cos(2 * np.pi * (3 * t - s) / size)
@@ -44,7 +44,7 @@ def program(*words):
 
 
 def write_test_map(folder):
-    """Writes map_normal.png, 64 x 64."""
+    """Writes map_normal.png with 64 x 64 texels."""
     made = program("testmap", "--size", 64, "--write-green", "up", "-o", folder / "map")
     if made.returncode != 0:
         raise RuntimeError(made.stderr)

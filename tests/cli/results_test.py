@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Tests promises of every command: --json prints one JSON document on stdout and nothing else, and missing folders of
-outputs are made.
+"""Tests what every command promises: --json prints one JSON document to stdout and nothing else, and the command
+creates missing output folders.
 
   tests/cli/results_test.py --programs FOLDER [--traced-folder PROGRAM]
 """

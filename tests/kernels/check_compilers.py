@@ -5,7 +5,7 @@ SPIR-V's validator checks, and to NVPTX, whose listing shows the GPU resources t
 
 Usage: check_compilers.py KERNEL_FOLDER FLATTENED_FOLDER [--ptxas PTXAS] [--table]
 A kernel may keep STACK_MAX bytes outside registers; if ptxas is installed, it may spill nothing. --table prints
-the resources of each kernel. A missing compiler is reported and skipped. Exit code 1 when a kernel fails.
+the resources of each kernel. A missing compiler is reported and skipped. The exit code is 1 if a kernel fails.
 """
 import argparse
 import concurrent.futures

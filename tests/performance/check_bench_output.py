@@ -10,7 +10,7 @@ COMPRESSIONS = ("none", "rle", "zips", "zip:1", "zip:4", "zip:9", "piz")
 
 
 def parse_result(text, benchmark):
-    """Returns the result after checking its first part: what was run, and on which machine."""
+    """Checks the first part of the result, which says what was run and on which machine. Returns the result."""
     result = json.loads(text)
     assert result["benchmark"] == benchmark, result["benchmark"]
     assert result["command"].startswith(f"multum-bench {benchmark} --") and "json" not in result["command"], result

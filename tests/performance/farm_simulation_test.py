@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Runs multum-farm-simulation with some hundred maps: every map ends, whatever fails. Also tests the page that
-tools/lab/farm_document.py makes from such runs.
+"""Runs multum-farm-simulation with some hundred maps. Every map must be finished, whatever fails. Also tests the page
+that tools/lab/farm_document.py makes from such runs.
 
   farm_simulation_test.py SIMULATION
 """

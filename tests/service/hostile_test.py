@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Attacks on the service: by clients' requests, by files and folders that change during a job, and by its own settings.
-Each test belongs to a kind of attack in docs/contributing/HOSTILE.md, "The service". MULTUM names the program.
+"""Tests attacks on the service: by requests of clients, by files and folders that change during a job, and by the
+settings of the service. Each test belongs to a kind of attack in docs/contributing/HOSTILE.md, "The service". MULTUM
+names the program.
 
   MULTUM=build/release/bin/multum-drill hostile_test.py [-v] [HostileTest.test_...]
 """
@@ -29,7 +30,8 @@ class HostileTest(ClientCase):
         return one
 
     def said(self, *pieces, ends=True, timeout=20):
-        """Returns the answer to these bytes: its status, 0 for no answer, and the whole text."""
+        """Returns the status and the whole text of the answer to these bytes. The status is 0 if there is no
+        answer."""
         with self.line(timeout) as one:
             try:
                 for piece in pieces:
@@ -91,7 +93,8 @@ class HostileTest(ClientCase):
         self.assertEqual(self.said(b"GET /v1/jobs HTTP/1.1\r\n" + HOST + b"Content-Length: 5\r\n\r\nhello")[0], 413)
 
     def test_answers_and_events_have_their_part_of_memory(self):
-        """Jobs with long parameters: many clients list a thousand at a time, and listeners do not read their events."""
+        """Tests jobs with long parameters. Many clients list a thousand jobs at a time, and listeners do not read
+        their events."""
         service = self.start(QUICK + 'request_memory_max = "16M"\nupload_max = "8M"\n')
         name = self.make_map()
         long_name = os.path.join(service.root, *(["x" * 200] * 15))
@@ -347,7 +350,7 @@ class HostileTest(ClientCase):
         self.alive()
 
     def test_workers_open_nothing_outside(self):
-        """A picture is swapped for a link after the check: the sandbox of the worker refuses to open it."""
+        """If a link replaces a picture after the check, the sandbox of the worker refuses to open it."""
         service = self.start()
         source = self.make_map()
         blocker = service.submit(type="drill", parameters={"seconds": 0.5})

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Files of the service's jobs as clients see them: inputs, uploads, results and downloads, and limits on their size.
-MULTUM names the program.
+"""Tests the files of the service's jobs as clients see them: inputs, uploads, results, downloads, and limits on their
+size. MULTUM names the program.
 
   MULTUM=build/release/bin/multum-drill job_files_test.py [-v] [JobFilesTest.test_...]
 """

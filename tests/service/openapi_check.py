@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Checks answers against the service's own OpenAPI 3.1 file: the operation, its status, the body's type and schema."""
+"""Compares answers with the OpenAPI 3.1 file of the service: the operation, its status, and the type and schema of the
+body."""
 import json
 import re
 import warnings
@@ -15,7 +16,7 @@ FORMATS.checks("date-time")(lambda value: not isinstance(value, str) or bool(TIM
 
 
 class OpenapiCheck:
-    """Records the checked answers: `seen` has (method, path template, status)."""
+    """Records the checked answers. `seen` contains (method, path template, status)."""
 
     def __init__(self, document):
         self.document = document

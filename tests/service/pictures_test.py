@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Pictures of jobs: a child process makes them once, and its crash, hang or absence affects only pictures. MULTUM names
-the program.
+"""Tests pictures of jobs. A child process makes each picture once. If the child crashes, hangs or is missing, only
+pictures are affected. MULTUM names the program.
 
   MULTUM=build/release/bin/multum-drill pictures_test.py [-v] [PicturesTest.test_...]
 """
@@ -29,7 +29,8 @@ def png_size(data):
 
 class PicturesTest(ServiceCase):
     def start(self, viewer=None, **more):
-        """`viewer` is a shell script that replaces multum-view for this daemon; with "", multum-view is missing."""
+        """`viewer` is a shell script that replaces multum-view for this daemon. If it is "", multum-view is
+        missing."""
         multum = MULTUM
         if viewer is not None:
             multum = os.path.join(self.folder, "bin", "multum")

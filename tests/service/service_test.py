@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""The service as clients see it: the life of jobs, queues, events, refusals, and shutdown. MULTUM names the program.
+"""Tests the service as clients see it: the stages of jobs, queues, events, refusals, and shutdown. MULTUM names the
+program.
 
   MULTUM=build/release/bin/multum-drill service_test.py [-v] [ServiceTest.test_...]
 """
@@ -42,7 +43,8 @@ class ServiceTest(ClientCase):
         return shown
 
     def refused_path(self, path, job, is_outside=True):
-        """Checks that the file is named; for a file outside, that the allowed folders are named too."""
+        """Checks that the message names the file. For a file outside the allowed folders, the message must also name
+        these folders."""
         message = self.refused(400, "usage", [], "POST", "/v1/jobs", job)
         self.assertTrue(message.startswith(f"{path}: "), message)
         self.assertEqual(self.results() in message, is_outside, message)

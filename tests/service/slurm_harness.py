@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Runs a private Slurm on loopback for a test: munged, slurmctld and some slurmd of this machine, each with its own
-name and port, as child processes. It needs root, because slurmd starts tasks as their users, and Debian's packages
+"""Runs a private Slurm on loopback for a test: munged, slurmctld and some slurmd as child processes of this machine,
+each with its own name and port. It needs root, because slurmd starts tasks as their users, and Debian's packages
 slurmctld, slurmd, slurm-client and munge. Uses only the standard library."""
 import contextlib
 import ctypes
@@ -168,13 +168,13 @@ class Slurm:
         return self.run(*words).splitlines()
 
     def kill(self, name):
-        """Sends SIGKILL to one of the daemons; a node's tasks run on."""
+        """Sends SIGKILL to one of the daemons. The tasks of a node continue to run."""
         process = self.processes[name]
         process.send_signal(signal.SIGKILL)
         process.wait()
 
     def crash_node(self, node):
-        """Ends a node as a power cut would: its daemon and all its tasks."""
+        """Ends the daemon of a node and all of its tasks, as a power cut would."""
         doomed = []
         for pid in descendants(os.getpid()):
             with contextlib.suppress(FileNotFoundError, ProcessLookupError):
@@ -190,8 +190,8 @@ class Slurm:
                 os.kill(pid, signal.SIGKILL)
 
     def return_node(self, node):
-        """Starts a crashed node again. It must be known to be down first, or its tasks stay "completing" for
-        minutes."""
+        """Starts a crashed node again. Slurm must first know that the node is down, otherwise its tasks stay
+        "completing" for minutes."""
         self.run("scontrol", "update", f"NodeName={node}", "State=DOWN", "Reason=crashed")
         self.start_node(node)
         self.run("scontrol", "update", f"NodeName={node}", "State=RESUME")
@@ -225,7 +225,7 @@ class Slurm:
         self.reap()
 
     def reap(self):
-        """Ends processes that Slurm's daemons left, which are children of this process by now."""
+        """Ends processes that Slurm's daemons left behind. They have become children of this process."""
         for _ in range(100):
             left = [pid for pid in descendants(os.getpid()) if self.is_of_slurm(pid)]
             if not left:

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Refusals of sbatch: arrays beyond MaxArraySize become smaller arrays; a job that Slurm never accepts ends once, with
-Slurm's message; a job that it does not accept at the moment waits. Runs with a stand-in for Slurm's commands
-(stand_in_slurm.py), and with a real Slurm if one can be started (slurm_harness.py). MULTUM names the program.
+"""Tests refusals of sbatch. Arrays beyond MaxArraySize are divided into smaller arrays. A job that Slurm never accepts
+ends once, with Slurm's message. A job that Slurm does not accept at the moment waits. Runs with a stand-in for Slurm's
+commands (stand_in_slurm.py), and with a real Slurm if one can be started (slurm_harness.py). MULTUM names the program.
 
   MULTUM=build/release/bin/multum slurm_refusals_test.py [-v] [StandInTest.test_...]
 """
@@ -63,7 +63,7 @@ class RefusalCase(ClientCase):
                                    queue="farm", output=self.output("map.ndf.exr"), **job)
 
     def succeed(self, number):
-        """Returns the parts of the job, and checks that the result equals that of one process."""
+        """Returns the parts of the job. Checks that the result equals the result of one process."""
         job = self.service.wait_for(number)
         self.assertEqual((job["state"], len(job["attempts"])), ("succeeded", 1), self.service.log_text()[-2000:])
         with open(self.output("map.ndf.exr"), "rb") as mine, open(self.whole, "rb") as other:

@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""The service with a real Slurm of two nodes (slurm_harness.py): jobs in chunks and maps in shares, each result
-published once, whatever fails. Skipped with the reason if Slurm cannot be started. MULTUM names the program.
+"""Tests the service with a real Slurm with two nodes (slurm_harness.py). Jobs run in chunks and maps in shares, and
+each result must be published exactly once, whatever fails. If Slurm cannot be started, the test is skipped and prints
+the reason. MULTUM names the program.
 
   MULTUM=build/release/bin/multum-drill slurm_test.py [-v] [SlurmTest.test_...]
 """
@@ -203,7 +204,7 @@ class SlurmTest(ClientCase):
                                    queue="farm", output=self.output("map.ndf.exr"), **job)
 
     def whole(self):
-        """Returns the map's bake by one process."""
+        """Returns the bake of the map by one process."""
         path = os.path.join(self.holder, "whole.ndf.exr")
         if not os.path.exists(path):
             subprocess.run([MULTUM, "bake", self.copy_of_map(), "-o", path, "--no-measure"], check=True,
@@ -441,7 +442,7 @@ class SlurmTest(ClientCase):
 
 
 class SlurmSettingsTest(ClientCase):
-    """Tests that need no Slurm."""
+    """Contains tests that do not need Slurm."""
 
     def refused_settings(self, expected, more="", folder=None):
         shared = folder or os.path.join(self.folder, "shared")

@@ -36,7 +36,7 @@ TOKEN = "a token of many letters"
 
 
 def browser():
-    """Prefers the headless shell: without the browser's windows the test takes half of the time."""
+    """Prefers the headless shell. Without the windows of the browser, the test takes half of the time."""
     return shutil.which("chromium-headless-shell") or shutil.which("chromium")
 
 
@@ -49,7 +49,7 @@ def missing():
 
 
 class Driver:
-    """The daemons that web_test.mjs asks for."""
+    """Runs the daemons that web_test.mjs asks for."""
 
     def __init__(self, multum, folder):
         self.multum = multum
@@ -77,7 +77,7 @@ class Driver:
         return self.services[name].stop()
 
     def farm(self):
-        """Starts a service with a Slurm of two nodes, where share 1 of a map waits for the file `go`."""
+        """Starts a service with a Slurm with two nodes, on which share 1 of a map waits for the file `go`."""
         if why_not():
             return {"why": why_not()}
         folder = os.path.join(self.folder, "farm")

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Tests the checks of tools/site and its rewriting of Markdown, on small pages and with a program that only prints
-help.
+"""Tests the checks in tools/site and the way in which it rewrites Markdown. Uses small pages and a program that only
+prints help.
 
   tests/site/site_test.py
 """

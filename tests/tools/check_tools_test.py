@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""tools/check_layering, tools/check_style.py and tools/check_paths find each kind of planted violation, and pass a
-clean tree."""
+"""Tests that tools/check_layering, tools/check_style.py and tools/check_paths find each kind of planted violation and
+accept a clean tree."""
 import pathlib
 import re
 import subprocess

@@ -29,8 +29,8 @@ def run(*words):
 
 
 def objects(folder):
-    """Returns the programs' sources that a build compiles, each with its object; for unity files, the included
-    sources."""
+    """Returns the sources of the programs that a build compiles, each with its object. For unity files, returns the
+    included sources."""
     found = {}
     for made, source in COMPILED.findall((folder / "build.ninja").read_text()):
         path = pathlib.Path(source)

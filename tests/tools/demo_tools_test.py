@@ -91,7 +91,7 @@ class DependenciesTest(unittest.TestCase):
 
 
 class BalancedParser(html.parser.HTMLParser):
-    """Collects tags that end out of turn, references and pictures without alternative text."""
+    """Collects wrongly nested tags, references, and pictures without alternative text."""
 
     def __init__(self):
         super().__init__()

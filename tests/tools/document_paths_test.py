@@ -31,7 +31,8 @@ SELF = "tests/tools/document_paths_test.py"
 
 
 def joined(text):
-    """Returns the text with its comments and string literals as running lines, and each character's line number."""
+    """Returns the comments and string literals of the text as continuous lines, and the line number of each
+    character."""
     pieces, lines, number = [], [], 1
     pattern = re.compile(r'"[ \t]*\n[ \t]*(?:R?"|fmt::format\(")|\n[ \t]*(?:///?|#|\*)?[ \t]*|\\"|\\n', re.MULTILINE)
     at = 0
@@ -70,7 +71,7 @@ def sections(page):
 
 
 def is_section(title, titles):
-    """Returns whether the quoted words are a section's name, or its part before a colon or comma."""
+    """Returns whether the quoted words are the name of a section, or the part of the name before a colon or comma."""
     title = plain(" ".join(title.split())).rstrip(".,:")
     return title in titles or any(known.split(":")[0] == title or known.split(",")[0] == title for known in titles)
 

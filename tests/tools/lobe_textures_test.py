@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Pages with a copy of the table of docs/evidence/LOBE_TEXTURES.md have the same table, and a change of either is
-found."""
+"""Tests that pages which copy the table of docs/evidence/LOBE_TEXTURES.md have the same table, and that a change to
+either copy is found."""
 import pathlib
 import shutil
 import subprocess

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
 """Tests tools/lab/playback_document.py on a small field of traced frames: its page, its rows and its refusals. Also
-tests its parts: the path through the parameters, errors and their places, values between points of a curve, and colours
-of videos.
+tests its functions: the path through the parameters, errors and their positions, values between the points of a curve,
+and the colours of videos.
 
   tests/tools/playback_document_test.py --programs FOLDER
 """

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Texture inference by several processes gives the same textures, matrices and manifest as one process, whatever the
-number of shares, their order and repetition. Missing, damaged or hostile records are named, and only these are made
-again.
+"""Tests that texture inference by several processes gives the same textures, matrices and manifest as one process,
+whatever the number, order and repetition of the shares. Messages name missing, damaged or hostile records, and only
+these are made again.
 
   tests/cli/farms/inference_shares_test.py --programs FOLDER --traced-folder PROGRAM
 """

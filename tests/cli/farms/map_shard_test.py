@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""One map baked by several processes gives the same bytes as one process, whatever the number of shares, their order
-and repetition. Shares that are missing, damaged or of another bake are named and made again.
+"""Tests that several processes that bake one map give the same bytes as one process, whatever the number, order and
+repetition of the shares. Messages name shares that are missing, damaged or from another bake, and these are made
+again.
 
   tests/cli/farms/map_shard_test.py --programs FOLDER
 """

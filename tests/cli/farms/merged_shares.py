@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Common tests for shares of scenes and of inference: their records are in OUTPUT/shards, and merges check them."""
+"""Contains tests that shares of scenes and shares of inference have in common. The records of shares are in
+OUTPUT/shards, and merges check them."""
 import hashlib
 import itertools
 import json
@@ -12,7 +13,8 @@ import farm_programs
 
 
 def hashes(folder):
-    """Returns hashes of the results by name, without reports, which contain times and so differ between equal runs."""
+    """Returns the hash of each result by its name. Reports are left out, because they contain times and so differ
+    between equal runs."""
     return {str(path.relative_to(folder)): hashlib.sha256(path.read_bytes()).hexdigest()
             for path in sorted(folder.rglob("*"))
             if path.is_file() and not {"shards", "frames", "comparison"} & set(path.relative_to(folder).parts)
@@ -92,7 +94,7 @@ class MergedSharesTest(unittest.TestCase):
             self.assertEqual(hashes(self.out), self.whole)
 
     def hostile_records(self, index):
-        """Returns texts that are not a valid record of share `index` of 3, whose valid record exists."""
+        """Returns texts that are not valid records of share `index` of 3. The valid record of this share exists."""
         good = self.record(index).read_text()
         line, _ = good.splitlines()
         self.assertEqual(signed(line), good)  # so that checks other than the hash check refuse the share

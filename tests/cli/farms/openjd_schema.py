@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Open Job Description's "Template Schemas", revision 2023-09, sections 1 to 7, and RFC 0001 (TASK_CHUNKING), as JSON
-schemas. They cover the parts that multum's bundles use and refuse everything else in a template."""
+"""Contains JSON schemas for Open Job Description's "Template Schemas", revision 2023-09, sections 1 to 7, and for RFC
+0001 (TASK_CHUNKING). The schemas cover the parts that multum's bundles use, and refuse everything else in a
+template."""
 
 IDENTIFIER = {"type": "string", "pattern": r"^[A-Za-z_][A-Za-z0-9_]{0,63}$"}  # 7.2
 NAME = {"type": "string", "minLength": 1, "maxLength": 128, "pattern": r"^[^\x00-\x1f\x7f-\x9f]+$"}

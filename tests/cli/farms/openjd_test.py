@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Tests multum on render farms. Job bundles of Open Job Description are checked against the published schema and run by
-the specification, and give the same files as without a farm. Also tests shares of several maps, and exit codes.
+"""Tests multum on render farms. Checks job bundles of Open Job Description with the published schema and runs them as
+the specification says. They must give the same files as without a farm. Also tests shares of several maps, and exit
+codes.
 
   tests/cli/farms/openjd_test.py --programs FOLDER --traced-folder PROGRAM
 """
@@ -55,7 +56,7 @@ class FarmTest(unittest.TestCase):
         return done
 
     def baked_here(self):
-        """The results of the manifest's maps without a farm."""
+        """Returns the results for the maps of the manifest without a farm."""
         self.succeed("bake", "--manifest", self.manifest)
         there = contents(self.folder / "out")
         self.assertEqual(len(there), self.maps)
@@ -295,7 +296,8 @@ class BundleTest(FarmTest):
 
 
 class MergedBundleTest(FarmTest):
-    """Runs shares and then a merge. Chunks in any order, one of them twice, give the files of one process."""
+    """Runs shares and then a merge. If chunks run in any order and one of them runs twice, the files must equal those
+    of one process."""
     maps = 3
 
     def check(self, words, shards):
@@ -332,7 +334,7 @@ class MergedBundleTest(FarmTest):
 
 
 class DocumentTest(unittest.TestCase):
-    """Checks docs/how-to/clusters.md: its example for Kubernetes, against the API's reference for batch/v1 Jobs."""
+    """Compares the Kubernetes example in docs/how-to/clusters.md with the API reference for batch/v1 Jobs."""
 
     def test_the_indexed_job(self):
         text = (ROOT / "docs/how-to/clusters.md").read_text()

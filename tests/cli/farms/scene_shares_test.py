@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""A scene baked by several processes gives the same files and the same plan as one process, whatever the number of
-shares, their order and repetition. Missing, damaged or hostile records are named, and only these are made again.
+"""Tests that several processes that bake a scene give the same files and the same plan as one process, whatever the
+number, order and repetition of the shares. Messages name missing, damaged or hostile records, and only these are made
+again.
 
   tests/cli/farms/scene_shares_test.py --programs FOLDER
 """

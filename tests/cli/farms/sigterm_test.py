@@ -32,7 +32,7 @@ SIZE = 128
 
 @dataclasses.dataclass
 class Row:
-    """A command. `{out}` in its words is replaced by the folder of its results."""
+    """Describes a command. `{out}` in its words is replaced by its result folder."""
     name: str
     words: tuple
     keeps: tuple = ()   # prefixes of file names (hidden files included) that may exist after the stop

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
 """Tests `multum gltf --lobes`: the extension MULTUM_lobes of materials (docs/reference/gltf.md, "The extension
-MULTUM_lobes"), the unchanged rest, and the results of gltf-validator, three.js and @multum/three.
+MULTUM_lobes"), the parts that stay unchanged, and the results of gltf-validator, three.js and @multum/three.
 
   gltf_lobes_test.py MULTUM [unittest's arguments]
 """
@@ -30,7 +30,7 @@ NAME = "MULTUM_lobes"
 
 
 def key_of(data, key=b"multumLobes"):
-    """Returns the form of a KTX2 file, its layers, and the JSON of its key."""
+    """Returns the format of a KTX2 file, its number of layers, and the JSON of its key."""
     assert data[:12] == b"\xabKTX 20\xbb\r\n\x1a\n"
     form, _, _, _, _, layers, _, _, scheme = struct.unpack("<9I", data[12:48])
     at, length = struct.unpack("<2I", data[56:64])
@@ -204,7 +204,7 @@ class GltfLobesTest(FolderCase):
     @unittest.skipUnless(shutil.which("node") and (MODULES / "three").is_dir(),
                          "no npm packages: tools/install_dependencies test")
     def test_colours_of_lobes_are_drawn(self):
-        """Readers that do not support the lobes have a higher error."""
+        """Programs that do not support the lobes have a higher error."""
         self.coloured("with")
         known = self.read("out.glb")
         self.assertEqual(known.count(b'"colours"'), 1)
@@ -277,7 +277,7 @@ class GltfLobesTest(FolderCase):
         self.draw()
 
     def drawn(self, plan):
-        """Returns the output of model_pictures.mjs for a plan's pictures."""
+        """Returns the output of model_pictures.mjs for the pictures of a plan."""
         with open(self.path("plan.json"), "w", encoding="utf-8") as file:
             json.dump(plan, file)
         subprocess.run([MULTUM, "shaders", "-o", self.path("shaders"), "--quiet"], check=True)

@@ -31,7 +31,7 @@ def packed(width, height, texel=None):
 
 
 def plain_model(normal=None, surface=None, **factors):
-    """One material with a normal map and a metallic-roughness texture."""
+    """Returns a model of one material with a normal map and a metallic-roughness texture."""
     model = Model()
     model.square()
     sampler = model.sampler(magFilter=LINEAR, minFilter=LINEAR, wrapS=REPEAT, wrapT=REPEAT)
@@ -118,7 +118,7 @@ class GltfTest(FolderCase):
         self.assertIn("KHR_texture_basisu, does not allow", self.messages)
 
     def test_level_0_of_normals_stays_as_it_was(self):
-        """Includes vectors that are not unit vectors, whose directions another rounding would change."""
+        """The vectors include some that are not unit vectors. A second rounding would change their directions."""
         def texel(x, y):
             length = 0.93 + 0.01 * x
             return code(0.3 * length), code(0.1 * (y % 3) * length), code(0.93 * length)

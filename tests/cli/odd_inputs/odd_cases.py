@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Makes the odd inputs: about 570 small maps from a seed, each with the result that docs/reference/input_maps.md
-promises."""
+"""Makes the odd inputs, which are about 570 small maps from a seed. For each map, also gives the result that
+docs/reference/input_maps.md promises."""
 import math
 import struct
 import zlib
@@ -21,7 +21,7 @@ NAN, INF = math.nan, math.inf
 
 @dataclass
 class Beside:
-    """A map that accompanies the normals: colours, roughness, gloss or weights."""
+    """Describes a map that accompanies the normals: colours, roughness, gloss or weights."""
     option: str
     data: bytes
     extension: str
@@ -76,7 +76,7 @@ class Generator:
         return self.random.choice(sizes)
 
     def normals(self, kind="uint", bits=8, sizes=SIZES, is_signed=None):
-        """Returns normals of a surface as a picture, and their expected meaning."""
+        """Returns the normals of a surface as a picture, and the normals that are expected from it."""
         width, height = self.size(sizes)
         is_signed = kind == "int" if is_signed is None else is_signed
         return picture_of(surface(width, height, self.random), width, height, kind, bits, is_signed), \
@@ -109,7 +109,7 @@ class Generator:
                         self.add("PNG normals", data, "png", read_png(data), meaning)
 
     def few_normals(self, count):
-        """Returns `count` 8-bit normals around +Z: the entries of a colour map."""
+        """Returns `count` 8-bit normals around +Z, which are the entries of a colour map."""
         normals = surface(16, 16, self.random)
         chosen = self.random.sample(normals, count)
         return [[rounded(c / 2 + 0.5, "uint", 8) for c in v] for v in chosen]
@@ -319,7 +319,7 @@ class Generator:
                 self.add("TIFF pages", data, "tif", read_tiff(data), meaning, warns=(warning,))
 
     def tiff_strips(self):
-        """Adds strips that hold all rows: the number of rows is left out, or it is the largest possible."""
+        """Adds strips that hold all rows. The number of rows is left out or is the largest possible number."""
         for kind, bits in (("uint", 8), ("uint", 16), ("float", 32), ("float", 64)):
             for rows in (-1, 2**32 - 1, 2**31 - 1):
                 for compression in (tiff.NONE, tiff.DEFLATE):
@@ -447,7 +447,7 @@ class Generator:
                 self.add("EXR parts", data, "exr", exr_picture(data, "RGB"), meaning, warns=("2 parts",))
 
     def contents(self):
-        """Adds normals that need repair or care: broken, short, black, below the horizon, flat."""
+        """Adds normals that need repair or care: invalid, short, black, below the horizon, or flat."""
         def add(picture, meaning, warns=(), options=(), name="contents", tolerance=1e-5):
             kind = "float" if picture.kind == "float" else "uint"
             data = self.exr_file(picture, "RGB", compression=3) if kind == "float" else self.png(picture, 2)
@@ -522,7 +522,7 @@ class Generator:
                  options=("--bumpformat", "height", "--height-scale", "3"))
 
     def beside(self, width, height, *besides, kind="beside", **keys):
-        """Adds a case of plain normals with other maps."""
+        """Adds a case of ordinary normals with accompanying maps."""
         picture = picture_of(surface(width, height, self.random), width, height, "uint", 16, False)
         data = self.png(picture, 2)
         self.add(kind, data, "png", read_png(data), Meaning(), beside=besides, **keys)

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Writes OpenEXR files of odd layouts: windows, channels, parts, line orders, tiles; uncompressed, RLE, ZIPS and ZIP.
-exr_reading reads them again."""
+"""Writes OpenEXR files with unusual windows, channels, parts, line orders and tiles, which are uncompressed or
+compressed with RLE, ZIPS or ZIP. exr_reading reads them again."""
 import struct
 import zlib
 from dataclasses import dataclass, field

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""TIFF of every layout: a writer and a separate decoder (TIFF 6.0; BigTIFF; Adobe's TIFF Technical Note 3 for
-predictor 3). LZW is the only compression that both implement themselves."""
+"""Contains a writer and a separate decoder for TIFF of every layout (TIFF 6.0, BigTIFF, and Adobe's TIFF Technical
+Note 3 for predictor 3). LZW is the only compression that both implement with their own code."""
 import struct
 import zlib
 from dataclasses import dataclass, field
@@ -32,8 +32,8 @@ class Layout:
 
 
 def lzw_encoded(data):
-    """TIFF 6.0, section 13: codes of 9 to 12 bits, highest bit first. The length of codes grows one code earlier than
-    needed."""
+    """Implements TIFF 6.0, section 13. Codes have 9 to 12 bits, highest bit first. The length of codes increases one
+    code earlier than necessary."""
     codes, table, size, text = [(256, 9)], {bytes([i]): i for i in range(256)}, 258, b""
     width = 9
     for byte in data:
@@ -139,7 +139,8 @@ def block_size(picture, layout):
 
 
 def blocks_of(picture, layout):
-    """Strips or tiles, plane by plane, each compressed. Tiles hold arbitrary numbers beyond the picture's edge."""
+    """Returns compressed strips or tiles, plane by plane. Beyond the edge of the picture, tiles contain arbitrary
+    numbers."""
     width, height = block_size(picture, layout)
     n = picture.channels
     for plane in range(n) if layout.is_planar else (None,):
@@ -261,8 +262,8 @@ def expanded(data, compression):
 
 
 def read_tiff(data):
-    """Decodes the first page. Looks up colour maps (v from v * 256 or v * 257) and inverts pictures with 0 for
-    white."""
+    """Decodes the first page. Looks up colours in colour maps (v from v * 256 or v * 257), and inverts pictures in
+    which 0 is white."""
     order = "<" if data[:2] == b"II" else ">"
     is_big = struct.unpack_from(order + "H", data, 2)[0] == 43
     tags = read_directory(data, order, is_big)

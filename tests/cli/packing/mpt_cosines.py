@@ -29,7 +29,7 @@ class CosineStream:
         self.before = None  # the most recently decoded image
 
     def image(self, parent, level):
-        """Returns [plane]{block number: values}; blocks of zeros are left out."""
+        """Returns [plane]{block number: values}. Blocks of zeros are left out."""
         planes = [{}, {}, {}]
         for p, blocks in enumerate(planes):
             if self.coder.bit(("plane",)):

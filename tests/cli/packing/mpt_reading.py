@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Reads packed fields, NAME.mpt, by docs/reference/packed_fields.md, "Packed fields", with only Python and numpy.
+"""Reads packed fields, NAME.mpt, as docs/reference/packed_fields.md, "Packed fields", says. Uses only Python and
+numpy.
 
 As a program it writes 32-bit floats one after another:
     mpt_reading.py FILE OUTPUT           the texture of every sample of every chunk, in the index's order, gamma-coded,
@@ -71,7 +72,7 @@ class Section:
 
 
 class PackedField:
-    """Has `sections` and a `description`; `chunk()` decodes one chunk."""
+    """Holds `sections` and a `description`. `chunk()` decodes one chunk."""
 
     def __init__(self, data):
         self.data, reader = data, ByteReader(data)
@@ -137,7 +138,7 @@ class PackedField:
 # Chunks.
 
 class TextureChunk:
-    """Has `width`, `height` and `sizes` of the block; texture() returns the texture of a sample."""
+    """Holds `width`, `height` and `sizes` of the block. texture() returns the texture of a sample."""
 
     def __init__(self, data):
         reader = ByteReader(data)
@@ -268,7 +269,7 @@ def radiance(texture):
 
 
 def box_weights(fine):
-    """[floor(fine / 2)][fine]: the weights of fine texels in each coarse texel along an axis."""
+    """Returns the weights of fine texels in each coarse texel along an axis, as [floor(fine / 2)][fine]."""
     coarse = max(1, fine // 2)
     weights = np.zeros((coarse, fine))
     for i in range(coarse):

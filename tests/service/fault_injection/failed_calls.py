@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Makes each system call with which the daemon writes files fail once, while jobs end and their results are published:
-a file, and a folder over an earlier result. Whatever fails, the daemon survives or can be started again, the job
-succeeds without help, its result is complete, and no other file is left next to it.
+"""Makes each system call with which the daemon writes files fail once, while jobs end and their results are published.
+One result is a file, and one is a folder that replaces an earlier result. Whatever fails, the daemon must survive or
+be able to start again, the job must succeed without help, its result must be complete, and no other file may remain
+next to it.
 
   fault_injection/failed_calls.py MULTUM_DRILL SHIM [--every 1]
 """

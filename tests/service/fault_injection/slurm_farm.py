@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Runs many small jobs and a large map in shares on a real Slurm of four nodes, while everything that can fail does:
-controllers right after they have accepted a job, nodes with all their tasks, the daemon. One node is drained for a
-while, the clock of another is an hour fast, and the shared folder is full for a while. Every result must exist once,
-and no other file may be left.
+"""Runs many small jobs and a large map in shares on a real Slurm with four nodes, while everything fails that can
+fail: controllers right after they have accepted a job, nodes with all of their tasks, and the daemon. One node is
+drained for a while, the clock of another node is one hour fast, and the shared folder is full for a while. Every
+result must exist exactly once, and no other file may be left.
 
   fault_injection/slurm_farm.py MULTUM_DRILL [--jobs 500] [--map 8192] [--faults 3]
 
@@ -95,7 +95,8 @@ class Farm:
     # ---- Faults
 
     def kill_controller(self):
-        """Kills the controller right after it has accepted the next job; it returns some seconds later."""
+        """Kills the controller right after it has accepted the next job. The controller is started again some seconds
+        later."""
         if self.slurm.processes["slurmctld"].poll() is not None:
             return
         with open(self.flag + ".pid", "w", encoding="utf-8") as file:

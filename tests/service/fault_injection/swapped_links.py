@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""A user of a root folder swaps folders for links to the outside, at any moment. Meanwhile jobs of every type read from
-one folder and write into another, results are downloaded, and uploads arrive. Outside are files with the same names
-and other contents. Everything that a job reads or a download returns must come from inside the root, and no file
-outside may be written, changed or removed.
+"""Tests a user of a root folder who replaces folders by links to the outside at any moment. Meanwhile jobs of every
+type read from one folder and write into another, results are downloaded, and uploads arrive. Outside are files with
+the same names and other contents. Everything that a job reads or a download returns must come from inside the root,
+and no file outside may be written, changed or removed.
 
   fault_injection/swapped_links.py MULTUM [--seconds 60]
 """
