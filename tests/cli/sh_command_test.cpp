@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests multum bake --ndf sh: its file, its figures, changes that it recognises, and refusals.
+// Tests multum bake --ndf sh: the file, the reported errors, the changes that it notices, and its refusals.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -39,13 +39,14 @@ TEST_F(ShCommandTest, BakesVerifiesAndSaysWhatItHolds) {
   EXPECT_GT(report["launches"]["sh_project"], 0);
   EXPECT_GT(report["launches"]["mip_levels"], 0);
   EXPECT_FALSE(report["launches"].contains("moment_finest"));
-  // Each of 7 levels has errors of 4 BRDFs, plain and coloured, at 4 points. Only the last level has a single point.
+  // Each of the 7 levels has the errors of 4 BRDFs, with and without colours, at 4 points. Only the last level has a
+  // single point.
   EXPECT_EQ(report["measured_error"].size(), (6u * 4u + 1u) * 8u);
   for (const auto& row : report["measured_error"]) {
     EXPECT_TRUE(std::isfinite(row["relative_l1"].get<double>()));
     EXPECT_LT(row["relative_l1"].get<double>(), 2.0) << row.dump();
-    // This holds for every level. A coloured error compares the product of two averages, as in any file with one colour
-    // per texel.
+    // This holds for every level. An error with colours compares the product of two averages, as in every file with one
+    // colour per texel.
     if (row["brdf"] == "lambert") {
       EXPECT_LT(row["relative_l1"].get<double>(), 0.015) << row.dump();
     }
@@ -75,7 +76,7 @@ TEST_F(ShCommandTest, OrdersAreOtherFilesWhoseFirstCoefficientsAreTheSame) {
   for (std::size_t l = 0; l < two.levels.size(); ++l)
     for (std::size_t p = 0; p < two.levels[l].parts.size(); ++p)
       EXPECT_TRUE(two.levels[l].parts[p] == four.levels[l].parts[p]) << l;
-  // A bake with another order replaces the file, and a second bake restores it.
+  // A bake with another order replaces the file, and a further bake with the old order restores it.
   EXPECT_FALSE(contains(bake("map_normal.png", "four.ndf.exr", {"-d", "float", "--sh-order", "3"}).out, "unchanged"));
   EXPECT_NE(hash("four.ndf.exr"), first);
   ASSERT_EQ(bake("map_normal.png", "four.ndf.exr", {"-d", "float", "--no-measure"}).exit_code, 0);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Defines the numerical cases of brdf/ and vmf_zonal.glsl, with facets at their peak, at grazing angles and facing
+// Defines the numerical cases of brdf/ and vmf_zonal.glsl. The facets are at their peak, at grazing angles, and facing
 // away.
 #include <fmt/format.h>
 
@@ -101,7 +101,7 @@ void schlick_ends(const GlFunctions& gl, const Edits& edits, WorstError& worst) 
           worst);
 }
 
-// Tests a term with d, q and e in a.xyz. Compares the ratio to the peak, and the peak.
+// Tests a term whose d, q and e are in a.xyz. Compares the peak, and the value as a fraction of the peak.
 void terms_of_every_spread(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   GlslComparison c{
       "vec4(multum_term(a.x, a.y, a.z) / multum_term(a.x, a.y, 0.0), multum_term(a.x, a.y, 0.0) * a.w, 0.0, "
@@ -123,8 +123,8 @@ void terms_of_every_spread(const GlFunctions& gl, const Edits& edits, WorstError
 
 double nothing(double) { return 0.0; }
 
-// Describes the shader functions of one BRDF: V, F, and f of one normal and of a lobe, relative to the peak of f.
-// `flags` select the BRDF.
+// Describes the shader functions of one BRDF: V, F, f of a single normal, and f of a lobe, all relative to the peak of
+// f. `flags` select the BRDF.
 struct FacetsOf {
   std::vector<std::string> flags;
   std::string visibility, fresnel;  // expressions that contain the cosine c = b.w
@@ -198,12 +198,13 @@ void cook_torrance_facets(const GlFunctions& gl, const Edits& edits, WorstError&
   }
 }
 
-// Tests two terms, one of negative weight. Far from the peak, the negative term is larger than the positive term.
+// Tests two terms, one of which has a negative weight. Far from the peak, the negative term is larger than the positive
+// term.
 void facets_of_terms(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   const glm::vec3 weights[] = {glm::vec3(1.5f), glm::vec3(-0.5f)};
   const float spreads[] = {0.01f, 0.3f};
   FacetsOf f{{"MULTUM_MEASURED", "MULTUM_TERM_COUNT 2"}, "0.0", "0.0", 20.0};
-  f.formulas = brdf_shader_text("measured.glsl");  // the table in this file stays black
+  f.formulas = brdf_shader_text("measured.glsl");  // the shader's table stays black here
   f.facets = nothing;
   f.lobe_facets = [=](double spread, double theta) {
     double sum = 0.0;
@@ -250,7 +251,7 @@ double ggx_facet_kappa(double alpha, double kappa, double e) {
   return facets;
 }
 
-// Tests a lobe that is opposite to h and as sharp as the facets, so the lobe and the facets cancel.
+// Tests a lobe that is opposite to h and as sharp as the facets, so that the lobe and the facets cancel each other.
 void facet_kappa_of_opposite_lobes(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   GlslComparison c{"vec4(multum_ggx_facet_kappa(a.x, a.y, a.z) / b.x, 0.0, 0.0, 0.0)", {}, {}};
   for (const float alpha : {0.0025f, 0.5f, 1.0f})
@@ -270,7 +271,7 @@ void facet_kappa_of_opposite_lobes(const GlFunctions& gl, const Edits& edits, Wo
 struct HighlightOf {
   std::vector<std::string> flags;
   std::vector<glm::dvec2> terms;                                   // weight and kappa of each term
-  std::function<double(double spread, double theta)> lobe_facets;  // for a single term with its own formula
+  std::function<double(double spread, double theta)> lobe_facets;  // used for a single term with its own formula
   std::function<void(const ShaderProgram&)> set_uniforms;
 };
 
@@ -448,7 +449,7 @@ void charlie_highlights(const GlFunctions& gl, const Edits& edits, WorstError& w
   }
 }
 
-// The table entries are their own indices, so each value read is the index that the shader used.
+// Each table entry contains its own index, so each value that the shader reads is the index that it used.
 void measured_tables(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   constexpr int kFacets = 90, kDifferences = 19;
   GlslComparison c{"vec4(multum_facets(vec3(0.0, 0.0, 1.0), b.xyz).x, multum_fresnel(b.w).x, 0.0, 0.0)", {}, {}};

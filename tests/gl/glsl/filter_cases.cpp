@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Defines the numerical cases of pyramids and of the lookups in texture_filter.glsl.
+// Defines the numerical cases of pyramids, and those of the lookups in texture_filter.glsl.
 
 #include <algorithm>
 #include <cmath>
@@ -48,7 +48,7 @@ void normals_straight_away(const GlFunctions& gl, const Edits& edits, WorstError
   compare_glsl(gl, edits, c, worst);
 }
 
-// Computes the footprint of the shader from two derivatives in double.
+// Computes the shader's footprint from two derivatives, in double precision.
 glm::dvec4 exact_footprint(const glm::dvec4& a, int taps_max, double size, double bias) {
   const glm::dvec2 along_x(a.x, a.y), along_y(a.z, a.w);
   const double x = glm::length(along_x), y = glm::length(along_y), longer = std::max(x, y), shorter = std::min(x, y);
@@ -92,7 +92,7 @@ void footprints_of_no_width(const GlFunctions& gl, const Edits& edits, WorstErro
   }
 }
 
-// Compares only the longer length, with one tap and with all taps.
+// Compares only the longer side of the footprint, with one tap and with all taps.
 void longer_lengths(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   constexpr float kBias = -0.5f;
   for (const int taps_max : {1, 4, 16}) {
@@ -125,8 +125,8 @@ void footprints_on_another_size(const GlFunctions& gl, const Edits& edits, Worst
   compare_glsl(gl, edits, c, worst);
 }
 
-// Returns the columns and rows of the grid. Halves the number of points along the longer side while the parts stay
-// longer than wide.
+// Returns the number of columns and rows of the grid. Divides the longer side into halves again and again, as long as
+// the parts are longer than wide.
 glm::dvec2 exact_grid(double count, double along_x, double along_y) {
   const double ratio = std::max(along_x, along_y) / std::max(std::min(along_x, along_y), 1e-20);
   double across = 1.0;

@@ -19,7 +19,8 @@ namespace {
 
 using Edits = std::vector<SourceEdit>;
 
-constexpr int kUnrolledOrder = 4;  // a low order, because compilers unroll the loops; tests/agreement tests order 20
+constexpr int kUnrolledOrder = 4;  // The order is low because compilers unroll the loops. tests/agreement tests order
+                                   // 20.
 
 // Contains sets of directions and a texture of their coefficients. The texture has one row per set.
 struct Harmonics {
@@ -95,8 +96,8 @@ GlslInputs sets_and_directions(std::size_t set_count) {
   return inputs;
 }
 
-// Compares both shading functions with the series in double, also at the poles. Errors are relative to the peak of one
-// tilt.
+// Compares both shading functions with the series in double precision, also at the poles. Errors are relative to the
+// peak of one tilt.
 void harmonics_of_opposite_tilts(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   for (const double s : {12.0, 500.0}) {
     const ZonalCoefficients of_brdf = zonal_blinn_phong(kUnrolledOrder, s), of_lambert = zonal_lambert(kUnrolledOrder);

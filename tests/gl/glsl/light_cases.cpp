@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Defines the numerical cases of light/. The inputs contain directions at the poles of an environment and along the
-// view, tables and levels at their ends, light from exactly behind, and light from a point on the surface.
+// Defines the numerical cases of light/. The inputs include directions at the poles of an environment, directions along
+// the view, positions at the ends of tables and levels, light from exactly behind, and a light at a point on the
+// surface.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -68,8 +69,8 @@ void irradiance_behind_the_light(const GlFunctions& gl, const Edits& edits, Wors
   }
 }
 
-// Entries contain their own position, so each value read shows the position that the shader used, and whether another
-// plane is mixed in.
+// Each entry contains its own position. Hence a value that the shader reads shows which position it used, and whether
+// it mixed in another plane.
 void table_at_its_ends(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   constexpr int kColumns = 32, kRows = 24, kPlanes = 3;
   std::vector<glm::vec4> texels;
@@ -112,7 +113,7 @@ void levels_beyond_their_ends(const GlFunctions& gl, const Edits& edits, WorstEr
 }
 
 // Tests equal light from every direction: a lobe of any width reflects exactly this light. The inputs include views
-// along the lobe, where v and mu span no plane.
+// along the lobe, for which v and mu do not span a plane.
 void seen_along_the_lobe(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   const ConstantLight light(gl);
   GlslComparison c{"", {}, {}};
@@ -244,7 +245,7 @@ void directions_at_the_pole(const GlFunctions& gl, const Edits& edits, WorstErro
   compare_glsl(gl, edits, c, worst);
 }
 
-// Tests light opposite to the view, and normals that face away from the viewer, so there is no half vector.
+// Tests light opposite to the view, which has no half vector, and normals that face away from the viewer.
 void a_sample_straight_behind(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   constexpr double kAlpha = 0.02, kExponent = 10.0;
   const Texture map = flat_texture(gl, glm::vec4(kTexelRadiance));
@@ -310,8 +311,8 @@ void light_straight_behind(const GlFunctions& gl, const Edits& edits, WorstError
   compare_glsl(gl, edits, c, worst);
 }
 
-// Tests a light at the lit point itself, which has no direction. Elsewhere, its irradiance decreases with the squared
-// distance.
+// Tests a light at the lit point itself. Such a light has no direction. Elsewhere, its irradiance decreases with the
+// squared distance.
 void a_light_on_the_surface(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   for (const glm::vec3& point : {glm::vec3(0.0f), glm::vec3(0.0f, 3.0f, 4.0f), glm::vec3(0.0f, 0.0f, -1e-3f)}) {
     GlslComparison c{"vec4(multum_lights(test_surface(a), mat3(1.0), vec3(0.0), b.xyz), 0.0)", {}, {}};

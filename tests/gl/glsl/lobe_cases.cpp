@@ -17,7 +17,7 @@ namespace {
 
 using Edits = std::vector<SourceEdit>;
 
-// Describes three things: a lobe along +z (so that (a r, a) is exact in float), a direction in the plane y = 0, and a
+// Holds a lobe along +z (so that (a r, a) is exact in single precision), a direction in the plane y = 0, and a
 // parameter.
 struct Point {
   double amplitude, spread, theta, parameter;
@@ -31,7 +31,7 @@ glm::vec4 direction_of(const Point& p) {
           static_cast<float>(p.parameter)};
 }
 
-// Returns the angle between the float vectors of the shader, whose lengths are not exactly 1.
+// Returns the angle between the shader's vectors of floats, whose lengths are not exactly 1.
 double angle_seen(const Point& p) {
   const glm::vec4 w = direction_of(p);
   const double x = static_cast<double>(w.x), z = static_cast<double>(w.z) - 1.0;
@@ -53,7 +53,7 @@ std::vector<double> evaluated(const GlFunctions& gl, const Edits& edits, const s
   return values;
 }
 
-// Adds the relative errors of a function of one number, `b.w`, for all `inputs`.
+// Adds the relative errors of a function of the single number `b.w` for all `inputs`.
 void add_function(const GlFunctions& gl, const Edits& edits, const std::string& expression,
                   const std::vector<double>& inputs, const std::function<double(double)>& exact, WorstError& worst) {
   std::vector<Point> points;
@@ -166,8 +166,8 @@ void amplitude_to_0(const GlFunctions& gl, const Edits& edits, WorstError& worst
   }
 }
 
-// Tests the paper's rule, which is kept for comparison. It must match its own formula, but can differ from the
-// reference.
+// Tests the paper's rule, which is kept for comparison. The shader must match the formula of the rule, but can differ
+// from the reference.
 void papers_rule(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   std::vector<Point> points;
   for (const double s : {1.0, 100.0, 1e5})
@@ -200,8 +200,8 @@ void torrance_sparrow(const GlFunctions& gl, const Edits& edits, WorstError& wor
 }
 
 // Tests lobes from single directions to lobes without a direction, and facets from mirrors to facets of the whole
-// sphere. Half vectors are along, across and opposite to the lobe. The sum of two opposite vMFs of equal kappa has no
-// direction.
+// sphere. Half vectors are parallel, perpendicular and opposite to the lobe. The sum of two opposite vMFs of equal
+// kappa has no direction.
 void highlight_cosines(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   const glm::dvec3 l = glm::normalize(glm::dvec3(0.3, -0.5, 0.8)), up(0.0, 0.0, 1.0);
   GlslComparison c{
@@ -266,8 +266,8 @@ void magnified(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   compare_glsl(gl, edits, c, worst);
 }
 
-// Tests lobes that were shortened for the width of a BRDF, with every mean cosine. Their lengths range from 0 to
-// above their amplitude.
+// Tests lobes that were shortened for the width of a BRDF, with every mean cosine. The lengths of these lobes range
+// from 0 to more than their amplitude.
 void roughness_taken_out(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   GlslComparison c{"multum_movmf_without_roughness(a, b.x)", {}, {}};
   for (const float amplitude : {0.0f, 1e-30f, 1e-6f, 0.5f, 1.0f})

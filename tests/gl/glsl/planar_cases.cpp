@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Defines the numerical cases of planar Gaussians and of slope moments. Includes the inputs of the kernels with the
-// same formulas (host/lab/selftest), and inputs that occur only in shaders.
+// Defines the numerical cases of planar Gaussians and of slope moments. The inputs include those of the kernels that
+// use the same formulas (host/lab/selftest), and inputs that occur only in shaders.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -36,7 +36,7 @@ void planar_variance_below_0(const GlFunctions& gl, const Edits& edits, WorstErr
   compare_glsl(gl, edits, c, worst);
 }
 
-// Tests means that rounding left outside the unit circle, with lobes of every amplitude.
+// Tests lobes of every amplitude whose means are outside the unit circle because of rounding.
 void planar_means_beyond_the_rim(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   GlslComparison c{"vec4(multum_gmm_lambert(a, b.xyz), multum_gmm_lifted(a.xy / max(a.w, 1e-6)))", {}, {}};
   for (const double length : {0.0, 0.5, 0.9999, 1.0, 1.0001, 1.5})
@@ -62,7 +62,8 @@ void planar_amplitude_to_0(const GlFunctions& gl, const Edits& edits, WorstError
   compare_glsl(gl, edits, c, worst);
 }
 
-// Tests the Gaussian of a mean normal, which can have length 0, and the facet variance for means of every length.
+// Tests the Gaussian of a mean normal. The mean normal can have any length, including 0. Also tests the facet variance
+// of such means.
 void planar_mean_normals(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   GlslComparison c{"vec4(multum_gmm_normal_map(a).zw, multum_gmm_facet_variance(a, b.x), 0.0)", {}, {}};
   for (const double amplitude : {0.0, 1e-40, 1e-30, 1e-5, 0.5, 1.0})
@@ -106,8 +107,8 @@ glm::vec4 half_at(double s, double t, double cross_moment) {
   return with(glm::normalize(glm::dvec3(-s, -t, 1.0)), cross_moment);
 }
 
-// Tests second moments below the square of the mean, for slopes up to the largest slope. No value exceeds the peak of
-// the BRDF.
+// Tests second moments below the square of the mean, for slopes up to the largest allowed slope. No value exceeds the
+// peak of the BRDF.
 void slope_variance_below_0(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   for (const double s : {1.0, 100.0, 1e5}) {
     GlslInputs inputs;

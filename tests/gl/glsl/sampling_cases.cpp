@@ -19,7 +19,7 @@ namespace {
 
 using Edits = std::vector<SourceEdit>;
 
-// Tests lobes of every width in every direction. For lobes that point downwards, the shader chooses other tangents.
+// Tests lobes of every width in every direction. For lobes that point downwards, the shader chooses different tangents.
 void normals_drawn(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   GlslComparison c{"vec4(multum_movmf_drawn_normal(a, b.xy), 0.0)", {}, {}};
   for (const double tilt : {0.0, 40.0, 90.0, 140.0, 180.0})
@@ -40,8 +40,8 @@ void normals_drawn(const GlFunctions& gl, const Edits& edits, WorstError& worst)
   compare_glsl(gl, edits, c, worst);
 }
 
-// Tests a pixel in many frames. Some frame numbers are so large that their product has no fraction in float. `map`
-// contains quarters.
+// Tests a pixel in many frames. Some frame numbers are so large that their product has no fractional part in single
+// precision. `map` contains quarters.
 void numbers_of_the_millionth_frame(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   constexpr int kSide = 64;
   std::vector<float> texels;
@@ -112,7 +112,7 @@ std::uint32_t hash(std::uint32_t v) {
   return (word >> 22u) ^ word;
 }
 
-// Uses the index of each element as the number of its pixel.
+// Uses the index of each element as its pixel number.
 void places_of_the_billionth_sample(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   constexpr std::uint32_t kSteps[] = {3859688306u, 3468523225u, 3117001274u, 2801104767u, 2517223198u, 2262111973u};
   for (const int sample : {0, 1, 1000003, 2147483647}) {
@@ -128,7 +128,8 @@ void places_of_the_billionth_sample(const GlFunctions& gl, const Edits& edits, W
   }
 }
 
-// Tests that only texels that a filter mixes at one position are chosen, for positions inside the map and far outside.
+// Tests that the shader chooses only texels that a filter would mix at this position. The positions are inside the map
+// and far outside.
 void footprints_of_one_place(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   constexpr int kWidth = 37, kHeight = 21;
   constexpr WrapMode kModes[] = {WrapMode::kBlack, WrapMode::kClamp, WrapMode::kPeriodic, WrapMode::kMirror};

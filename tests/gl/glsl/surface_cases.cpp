@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Defines the numerical cases of surface/ and of the tangent frame of a mesh. Compares every representation of a
-// single normal with the normal in double. Views are from above, from below and from exactly behind. Also tests an
-// empty material.
+// Defines the numerical cases of surface/ and of the tangent frame of a mesh. Compares every representation of a single
+// normal with the normal in double precision. The views are from above, from below and from exactly behind. Also tests
+// an empty material.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -105,8 +105,8 @@ void single_normals_as_lobes(const GlFunctions& gl, const Edits& edits, WorstErr
   compare_surface(gl, edits, test, worst);
 }
 
-// Tests `d h + mu / s` with a half vector opposite to mu, so the terms cancel. Also tests other sums without a
-// direction.
+// Tests `d h + mu / s` with a half vector opposite to mu, so that the two terms cancel. Also tests other sums that have
+// no direction.
 void visibility_of_opposite_half_vectors(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   SurfaceTest test{kCookTorrance, lobe_texts(), "", true};
   GlslComparison c{"vec4(test_highlight(a, vec3(0.0, 1.0, 0.0), vec3(1.0, 0.0, 0.0), b.xyz), 0.0, 0.0, 0.0)", {}, {}};
@@ -148,7 +148,8 @@ void single_normals_as_gaussians(const GlFunctions& gl, const Edits& edits, Wors
   compare_surface(gl, edits, test, worst);
 }
 
-// Tests the normal as one normal (MIP) and by Toksvig's rule, which also stores the roughness in the normal's length.
+// Tests the shading of one normal (MIP), and Toksvig's rule, which also stores the roughness in the length of the
+// normal.
 void single_normals_as_means(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   for (const char* mode : {"MULTUM_MIP", "MULTUM_TOKSVIG"}) {
     SurfaceTest test{kBlinnPhongFlags, shader_surface_normals_glsl,
@@ -158,7 +159,7 @@ void single_normals_as_means(const GlFunctions& gl, const Edits& edits, WorstErr
   }
 }
 
-// Converts the exponents of a roughness map to variances, from mirrors to the roughest texel.
+// Tests the conversion of a roughness map's exponents to variances, from mirrors to the roughest texel.
 void exponents_of_roughness(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   constexpr double kMirrorExponent = 1e5;
   GlslComparison c{"test_variances(a.x)", {}, {}};
@@ -183,7 +184,7 @@ void exponents_of_roughness(const GlFunctions& gl, const Edits& edits, WorstErro
   compare_glsl(gl, edits, c, worst);
 }
 
-// Contains shader statements that store the basis functions of the normal up to order 2, as a file stores them.
+// Contains shader statements that set the basis functions of the normal up to order 2, as a file stores them.
 constexpr char kFillHarmonics[] =
     "  vec3 n = a.xyz;\n"
     "  surface.parts[0] = a.w * vec4(0.48860251 * n.yzx, 1.09254843 * n.x * n.y);\n"
@@ -266,7 +267,7 @@ void means_in_an_environment(const GlFunctions& gl, const Edits& edits, WorstErr
   }
 }
 
-// Tests light from all directions, and light made of two bands. Both need only E[n] and E[n n^T].
+// Tests light from all directions, and light that consists of two bands. Both depend only on E[n] and E[n n^T].
 void harmonics_in_an_environment(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   SurfaceTest test{kBlinnPhongFlags, std::string(shader_common_sh_shading_glsl) + shader_surface_sh_glsl,
                    kFillHarmonics, false};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests when a measured error counts as worse than the error stated in the file.
+// Tests when a measured error counts as worse than the error that the file states.
 #include "host/bakes/bake/baked_check.h"
 
 #include <gtest/gtest.h>
@@ -48,7 +48,7 @@ TEST(BakedCheck, RoundingIsNoFinding) {
   EXPECT_NE(worse_rows({row(1, 0.506)}, stated), "");
 }
 
-// Earlier programs stated no intervals and measured other texels.
+// Earlier versions did not state intervals, and they measured other texels.
 TEST(BakedCheck, WithoutAnIntervalThereIsRoom) {
   std::vector<AccuracyRow> stated = {row(0, 0.426)};
   EXPECT_NE(worse_rows({row(0, 0.609)}, stated), "");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests each limit of Open Job Description's "Template Schemas" 2023-09 that a bundle could break. The largest allowed
+// Tests each limit of Open Job Description's "Template Schemas" 2023-09 that a bundle could exceed. The largest allowed
 // value is accepted, and one more is refused. tests/cli/farms validates whole bundles against the schema.
 #include <fmt/format.h>
 #include <gtest/gtest.h>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests the probe request and the manifest of inferred textures: they read back equal, and errors are refused by name.
+// Tests the probe request and the manifest of inferred textures. Both must be the same after writing and reading, and
+// messages must name every error.
 #include <gtest/gtest.h>
 
 #include "host/fields/inferred/inference_error.h"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests paths that the browser's player recorded: they give the same points as in tests/player/modules_test.mjs, and
-// refusals have the expected messages.
+// Tests paths that the player in the browser recorded. They must give the same points as in
+// tests/player/modules_test.mjs, and errors must have the expected messages.
 #include "host/fields/playback/recorded_path.h"
 
 #include <gtest/gtest.h>

@@ -82,7 +82,7 @@ TEST(ErrorTest, ALimitOfFileSizesIsAnErrorAndNoSignal) {
             "tool: " + path + ": cannot be written: File too large; files may have 4096 bytes (ulimit -f)\n");
 }
 
-// Tests which errors a loop over files survives and which stop it.
+// Tests after which errors a loop over files continues, and after which errors it stops.
 TEST(ErrorTest, WhatTheSystemRefusesIsAnErrorOfItsFile) {
   const auto caught = [](auto thrown) {
     try {
