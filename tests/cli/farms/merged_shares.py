@@ -130,7 +130,7 @@ class MergedSharesTest(unittest.TestCase):
 
     def check_refusals(self):
         for more, part in ((("--shard", "0/3"), "expected I/N"), (("--shard", "1/5000"), "at most 4096 shares"),
-                           (("--shard", "1/3", "--merge", "3"), "exclude each other"), (("--merge", "0"), "--merge")):
+                           (("--shard", "1/3", "--merge", "3"), "mutually exclusive"), (("--merge", "0"), "--merge")):
             done = self.run_command(*more)
             self.assertEqual(done.returncode, 2, more)
             self.assertIn(part, done.stderr)

@@ -18,8 +18,8 @@ namespace {
 bool is_of_us_or_root(const struct stat& found) { return found.st_uid == ::geteuid() || found.st_uid == 0; }
 
 [[noreturn]] void refuse(const std::string& path, const std::string& what) {
-  throw Error(ErrorCode::kEnvironment, fmt::format("{}: {}; expected a folder that only the daemon's user can write "
-                                                   "to: choose another folder, or change its owner and mode",
+  throw Error(ErrorCode::kEnvironment, fmt::format("{}: {}; expected a folder to which only the daemon's user can "
+                                                   "write. Choose another folder, or change its owner and mode",
                                                    path, what));
 }
 

@@ -64,7 +64,7 @@ void copy_entry(const Place& source, const Place& target, int depth) {
   if (S_ISREG(found.st_mode)) return copy_file(from, found.st_mode, source, target);
   if (!S_ISDIR(found.st_mode) || depth == kCopyDepthMax)
     throw Error(ErrorCode::kEnvironment,
-                fmt::format("{}: cannot be copied: expected a file, or folders nested at most {} levels deep",
+                fmt::format("{}: cannot be copied; expected a file, or folders that are nested at most {} levels deep",
                             source.path, kCopyDepthMax));
   if (::mkdirat(target.folder, target.name.c_str(), found.st_mode & 0777) != 0)
     fail_by_errno(target.path, "cannot be made");

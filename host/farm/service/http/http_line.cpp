@@ -137,7 +137,7 @@ asio::awaitable<void> HttpLine::read_header(Parser& parser, Clock::time_point un
     } catch (const UnreadableRequest& slow) {
       throw is_silent ? gone() : slow;  // there was no request
     }
-    if (count == 0) throw is_silent ? gone() : no_http("it ends within its header");
+    if (count == 0) throw is_silent ? gone() : no_http("the request ends within its header");
     end = text().find("\r\n\r\n", before < 3 ? 0 : before - 3);
     if (!is_text(text().substr(0, end))) throw no_http("expected lines of text that end in CR LF");
   }

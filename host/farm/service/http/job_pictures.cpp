@@ -156,7 +156,7 @@ asio::awaitable<HttpResponse> JobPictures::answer(Job job, std::string name) {
 
 asio::awaitable<void> JobPictures::made(Request request) {
   if (waiters_.size() >= kWaitingMax)
-    throw Refusal{503, "busy", "too many jobs wait for pictures", {{"Retry-After", "10"}}};
+    throw Refusal{503, "busy", "too many jobs are waiting for pictures", {{"Retry-After", "10"}}};
   std::exception_ptr error;
   const auto initiate = [&](auto handler) {
     const auto shared = std::make_shared<decltype(handler)>(std::move(handler));

@@ -127,7 +127,7 @@ void ResultArchive::begin_next() {
 void ResultArchive::end_file() {
   const File& file = files_[next_ - 1];
   if (!is_in_state(open_, file.state))
-    throw Error(ErrorCode::kUsage, fmt::format("{}: was changed while it was sent", file.path));
+    throw Error(ErrorCode::kUsage, fmt::format("{}: was changed while it was being sent", file.path));
   open_ = OpenFile();
   is_open_ = false;
   sent_ = 0;

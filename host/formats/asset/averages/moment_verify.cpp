@@ -79,7 +79,7 @@ std::vector<VerifyFinding> MomentScan::findings() const {
                      "E[b b] contradicts E[b], beyond rounding,"),
       excess_finding("slope", texels_->slope, fmt::format("no mean slope exceeds {}", kSlopeMax),
                      "a mean slope is too steep"),
-      excess_finding("|n| <= 1", texels_->length, "no mean normal is longer than 1, except for rounding",
+      excess_finding("|n| <= 1", texels_->length, "no mean normal is longer than rounding allows",
                      "a mean normal is longer than rounding allows,"),
   };
   if (header_.weight_count > 0) findings.push_back(weights_finding(header_.weight_count, texels_->weight, "1"));

@@ -235,8 +235,8 @@ std::vector<VerifyFinding> MovmfScan::findings() const {
       is_planar ? "|a mean| exceeds a, beyond rounding," : "|a r| exceeds a, beyond rounding,"));
   if (is_planar)
     findings.push_back(excess_finding("variance", lobes_->missing_variance,
-                                      "no variance is below 0, except for rounding",
-                                      "a variance is below 0, beyond rounding,"));
+                                      "no variance is negative by more than rounding allows",
+                                      "a variance is negative by more than rounding allows,"));
   if (header_.header.weight_count > 0)
     findings.push_back(weights_finding(header_.header.weight_count, lobes_->weight_range, "a"));
   return findings;

@@ -149,7 +149,7 @@ std::string step_text(const HeightSteps& steps, const HeightSurface& surface) {
     return is_byte ? "1/255 (8 bits)" : "1/255 (8 bits stored in more)";
   }
   return fmt::format("{:.4g}{}", steps.step * value_unit(surface.info(), surface.reading()),
-                     is_float_type(surface.info().sample_type) ? "" : " in the file's own numbers");
+                     is_float_type(surface.info().sample_type) ? "" : " in the units of the file");
 }
 
 }  // namespace multum

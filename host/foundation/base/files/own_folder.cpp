@@ -28,8 +28,8 @@ constexpr mode_t kOthersWrite = S_IWGRP | S_IWOTH;
 
 [[noreturn]] void refuse(const std::string& path, const std::string& what) {
   throw Error(ErrorCode::kEnvironment,
-              fmt::format("{}: {}; expected a new folder, or one that only this user may write to. It was left "
-                          "unchanged: remove it, or write to another folder",
+              fmt::format("{}: {}; expected a new folder, or one to which only this user can write. It was left "
+                          "unchanged. Remove it, or write to another folder",
                           path, what));
 }
 

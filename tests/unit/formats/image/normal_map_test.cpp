@@ -278,7 +278,7 @@ TEST(NormalMapReading, FlatMapsAreExactlyFlat) {
       write_test_image(folder / "flat.png", image);
       const NormalMap map = read_map(folder / "flat.png");
       EXPECT_TRUE(contains(map.report.encoding, "undecided")) << map.report.encoding;
-      EXPECT_TRUE(contains(warnings(map), "gain nothing")) << warnings(map);
+      EXPECT_TRUE(contains(warnings(map), "bring no benefit")) << warnings(map);
       EXPECT_FALSE(contains(warnings(map), "green")) << warnings(map);  // 0 for both signs of green
       for (std::size_t i = 0; i < map.x.size(); ++i) {
         EXPECT_EQ(map.x[i], 0.0f);
@@ -374,8 +374,8 @@ TEST(NormalMapReading, ColoursAreRefusedWithTheReason) {
   std::mt19937 generator(seed);
   std::uniform_real_distribution<double> uniform(-1.0, 1.0);
   const RefusalCase cases[] = {{"bricks", 0.6, 0.3, 0.2, 0.2, "below the surface"},
-                               {"sky", 0.53, 0.81, 0.92, 0.03, "leans to one side"},
-                               {"white", 0.95, 0.93, 0.9, 0.05, "leans to one side"},
+                               {"sky", 0.53, 0.81, 0.92, 0.03, "tilted to one side"},
+                               {"white", 0.95, 0.93, 0.9, 0.05, "tilted to one side"},
                                {"lavender", 0.6, 0.5, 0.75, 0.05, "too few vectors"}};
   for (const RefusalCase& test : cases) {
     TestImage image;
