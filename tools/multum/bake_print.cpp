@@ -26,7 +26,7 @@ void print_report(const BakeJob& job, const BakePrinting& printing, const BakeRe
   for (const LevelReport& level : report.fit.levels)
     print_shown(out, "level %2d  %6d x %-6d  %8.3f s  %6llu launches\n", level.level, level.width, level.height,
                 level.seconds, static_cast<unsigned long long>(level.launches));
-  print_shown(out, "choosing a start %.3f s, binning normals %.3f s\n", report.fit.start_seconds,
+  print_shown(out, "choosing starting values %.3f s, binning normals %.3f s\n", report.fit.start_seconds,
               report.fit.binning_seconds);
   for (const auto& [kernel, count] : report.launches) {
     const auto found = report.launch_seconds.find(kernel);

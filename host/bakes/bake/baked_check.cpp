@@ -126,7 +126,7 @@ std::string worse_than_stated(const StatedErrors& measured, const StatedErrors& 
     const auto same = std::find_if(stated.rows.begin(), stated.rows.end(), [&](const AccuracyRow& other) {
       return other.level == row.level && other.point == row.point && other.brdf == row.brdf;
     });
-    if (same == stated.rows.end()) return fmt::format("states no error for {}", row_name(row));
+    if (same == stated.rows.end()) return fmt::format("does not state its error for {}", row_name(row));
     const double allowed = same->confidence == kIntervalUnstated ? kAllowedOfUnstated : kAllowedRelative;
     const double excess = comparable(row.error) - (same->error * (1.0 + allowed) + kAllowedAbsolute);
     if (excess <= worst_excess) continue;

@@ -33,7 +33,7 @@ std::string shown(const nlohmann::json& json, const std::string& key) {
 
 // Words for settings that are hashes of maps.
 const std::map<std::string, std::string> kHashedMaps = {
-    {"albedo", "albedo"}, {"roughness", "roughness map"}, {"weights", "map of weights"}};
+    {"albedo", "albedo"}, {"roughness", "roughness map"}, {"weights", "weight map"}};
 
 // Lists the settings that differ, with both values. Hashes are replaced with words.
 std::vector<std::string> changed_settings(const std::string& there, const std::string& now) {

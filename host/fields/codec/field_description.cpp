@@ -185,7 +185,7 @@ FieldDescription decode_description(std::span<const std::uint8_t> bytes) {
   FieldDescription result;
   try {
     const std::string text = inflated(bytes);
-    if (holds_nul(text)) refuse_description("holds NUL in a text");
+    if (holds_nul(text)) refuse_description("contains a NUL in a text");
     json object = json::parse(text);
     const std::vector<json> layers = expand(object);
     result.field = scene_from(object);

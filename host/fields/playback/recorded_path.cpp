@@ -35,7 +35,7 @@ std::vector<double> position_from(const json& list, std::size_t number, std::siz
 }  // namespace
 
 RecordedPath::RecordedPath(const std::string& text, const std::vector<std::string>& names) {
-  if (holds_nul(text)) refuse_path("holds NUL in a text");
+  if (holds_nul(text)) refuse_path("contains a NUL in a text");
   const json file = json::parse(text, nullptr, false);
   if (file.is_discarded()) refuse_path("is not JSON, expected a path that the player page saved");
   if (!file.is_object() || !file.contains("multumPath")) refuse_path("is not a path, expected \"multumPath\": 1");

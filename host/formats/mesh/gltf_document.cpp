@@ -152,7 +152,7 @@ std::string buffer_view_bytes(const GltfDocument& document, std::size_t view) {
                                   ? uri_bytes(document.path, from.at("uri").get<std::string>(), offset + length)
                                   : document.binary;
     if (offset > bytes.size() || length > bytes.size() - offset)
-      refuse_file(document.path, what + " goes beyond its buffer");
+      refuse_file(document.path, what + " extends beyond its buffer");
     return bytes.substr(offset, length);
   } catch (const Error& error) {
     if (std::string_view(error.what()).starts_with(document.path)) throw;

@@ -25,7 +25,7 @@ constexpr std::int64_t kBytesMax = std::int64_t{256} << 20;
 
 std::string text_of(const ShareName& share) {
   std::error_code ignored;
-  if (!std::filesystem::exists(share.path(), ignored)) refuse(share, "is not there");
+  if (!std::filesystem::exists(share.path(), ignored)) refuse(share, "is missing");
   try {
     ByteFile file(share.path());
     if (file.size() > kBytesMax)

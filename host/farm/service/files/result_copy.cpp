@@ -67,7 +67,7 @@ void copy_entry(const Place& source, const Place& target, int depth) {
                 fmt::format("{}: cannot be copied; expected a file, or folders that are nested at most {} levels deep",
                             source.path, kCopyDepthMax));
   if (::mkdirat(target.folder, target.name.c_str(), found.st_mode & 0777) != 0)
-    fail_by_errno(target.path, "cannot be made");
+    fail_by_errno(target.path, "cannot be created");
   const OpenFile to(::openat(target.folder, target.name.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC));
   if (!to.is_open()) fail_by_errno(target.path, "cannot be opened");
   for (const std::string& name : names_in(from, source.path))

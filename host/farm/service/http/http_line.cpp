@@ -49,9 +49,9 @@ void check_fields(const HttpLine::Parser& parser) {
   for (const http::field once :
        {http::field::host, http::field::content_length, http::field::transfer_encoding, http::field::authorization,
         http::field::origin, http::field::expect, http::field::content_type})
-    if (head.count(once) > 1) throw no_http(std::string(http::to_string(once)) + " is there twice");
+    if (head.count(once) > 1) throw no_http(std::string(http::to_string(once)) + " occurs twice");
   for (const char* once : {"Sec-Fetch-Site", "Sec-Fetch-Mode", "Last-Event-ID"})
-    if (head.count(once) > 1) throw no_http(std::string(once) + " is there twice");
+    if (head.count(once) > 1) throw no_http(std::string(once) + " occurs twice");
   if (head.version() >= 11 && head.count(http::field::host) == 0) throw no_http("Host is missing");
   if (head.count(http::field::transfer_encoding) == 0) return;
   if (head.version() < 11) throw no_http("HTTP/1.0 has no Transfer-Encoding");

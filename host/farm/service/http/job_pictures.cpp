@@ -270,7 +270,7 @@ void JobPictures::make(const Request& request) {
   std::error_code error;
   fs::remove_all(unfinished, error);
   fs::create_directory(unfinished, error);
-  if (error) throw Error(ErrorCode::kEnvironment, unfinished + ": cannot be made: " + error.message());
+  if (error) throw Error(ErrorCode::kEnvironment, unfinished + ": cannot be created: " + error.message());
   try {
     run(request, unfinished);
     check_result();

@@ -214,7 +214,7 @@ class RecordReader {
     const bool is_there = std::filesystem::is_regular_file(path, ignored);
     if (is_there && hash_file(path) == expected) return;
     share.damaged.insert(path);
-    if (share.why.empty()) share.why = path + (is_there ? ": is damaged, or belongs to another run" : ": is not there");
+    if (share.why.empty()) share.why = path + (is_there ? ": is damaged, or belongs to another run" : ": is missing");
   }
 
   PointReport point_from(const Json& json) const {

@@ -230,9 +230,10 @@ std::vector<VerifyFinding> MovmfScan::findings() const {
            ? "no negative amplitude"
            : fmt::format("a = {} at {}", -lobes_->negative_amplitude.value, lobes_->negative_amplitude.text())});
   const bool is_planar = lobe_family(header_.header.representation).is_planar;
-  findings.push_back(excess_finding(
-      is_planar ? "|mean| <= 1" : "|r| <= 1", lobes_->long_mean, "no mean vector is longer than rounding allows",
-      is_planar ? "|a mean| exceeds a, beyond rounding," : "|a r| exceeds a, beyond rounding,"));
+  findings.push_back(excess_finding(is_planar ? "|mean| <= 1" : "|r| <= 1", lobes_->long_mean,
+                                    "no mean vector is longer than rounding allows",
+                                    is_planar ? "|a mean| exceeds a by more than rounding allows,"
+                                              : "|a r| exceeds a by more than rounding allows,"));
   if (is_planar)
     findings.push_back(excess_finding("variance", lobes_->missing_variance,
                                       "no variance is negative by more than rounding allows",

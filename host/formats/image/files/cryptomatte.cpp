@@ -64,7 +64,7 @@ std::uint32_t as_identifier(std::uint32_t hash) {
 
 // Reads as much of a manifest as possible. Returns a description of the fault, or an empty string.
 std::string parse_manifest(const std::string& text, std::map<std::string, std::uint32_t>& manifest) {
-  if (holds_nul(text)) return "it holds NUL";
+  if (holds_nul(text)) return "it contains a NUL";
   std::string name, wrong;
   const auto take = [&](int depth, nlohmann::json::parse_event_t event, nlohmann::json& value) {
     using Event = nlohmann::json::parse_event_t;

@@ -211,7 +211,7 @@ std::string summary(const Reading& reading) {
 // up to 1 with an empty blue. But they lack the gradients of a surface and are far from flat (measured: agreement 0.00,
 // rebuilt z 0.67).
 std::optional<std::string> two_channel_refusal(const VectorStatistics& s) {
-  if (s.beyond_share > 0.005) return fmt::format("x^2 + y^2 exceeds 1 on {:.1f} % of texels", 100.0 * s.beyond_share);
+  if (s.beyond_share > 0.005) return fmt::format("x^2 + y^2 exceeds 1 in {:.1f} % of texels", 100.0 * s.beyond_share);
   if (std::hypot(s.mean_x, s.mean_y) > 0.5 * s.rebuilt_z_mean) return "the mean vector is tilted to one side";
   if (s.tilted_share > 0.05 && s.negative_share < 0.01) return "red and green contain no negative values";
   if (std::abs(s.gradient_agreement) < 0.15 && s.rebuilt_z_mean < 0.85)

@@ -65,7 +65,8 @@ TEST(BakedCheck, TheFurthestOffIsNamed) {
 }
 
 TEST(BakedCheck, WhatIsNotStatedIsNotHeld) {
-  EXPECT_EQ(worse_rows({row(0, 0.1), row(3, 0.1)}, {row(0, 0.1)}), "states no error for level 3, centre, lambert");
+  EXPECT_EQ(worse_rows({row(0, 0.1), row(3, 0.1)}, {row(0, 0.1)}),
+            "does not state its error for level 3, centre, lambert");
 }
 
 TEST(BakedCheck, WhatIsNoNumberIsWorse) { EXPECT_NE(worse_rows({row(0, std::nan(""))}, {row(0, 0.1)}), ""); }
