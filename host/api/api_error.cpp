@@ -108,7 +108,7 @@ multum_status report_exception(multum_error** error) noexcept {
     try {
       return store(error, MULTUM_BAD_ENVIRONMENT, caught_error("").what());
     } catch (...) {
-      return store(error, MULTUM_BAD_ENVIRONMENT, "a call of the system failed");
+      return store(error, MULTUM_BAD_ENVIRONMENT, "a system call failed");
     }
   } catch (const std::exception& caught) {
     return store(error, MULTUM_INTERNAL, caught.what());

@@ -306,9 +306,9 @@ multum_view checked_shape(const multum_map& map, int level, multum_part part) {
   map.check_level(level);
   const multum_view view = multum_map_shape(&map, level, part);
   if (view.layers == 0)
-    throw Error(ErrorCode::kUsage,
-                fmt::format("part is {}, which {} of representation {} does not hold, expected another part",
-                            kPartNames[part], map.path(), map.text("representation")));
+    throw Error(ErrorCode::kUsage, fmt::format("part is {}, but the file {} has the representation {}, which does not "
+                                               "contain this part; expected another part",
+                                               kPartNames[part], map.path(), map.text("representation")));
   return view;
 }
 

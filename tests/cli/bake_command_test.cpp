@@ -174,7 +174,7 @@ TEST_F(BakeCommandTest, LobesTooSharpForTheStorageAreWarnedOf) {
     EXPECT_EQ(count > 0, share > 0.0);
     EXPECT_LE(share, 1.0);
     EXPECT_TRUE(contains(result.out, fmt::format("{} too sharp for the data format", count))) << result.out;
-    const bool warned = contains(result.err, "warning: ") && contains(result.err, "lose their spread");
+    const bool warned = contains(result.err, "warning: ") && contains(result.err, "lose their width");
     EXPECT_EQ(warned, share > 1.0 / 3.0) << share << "\n" << result.err;
     if (warned) {
       EXPECT_TRUE(contains(result.err, fmt::format("noise.exr: {} lobes", count))) << result.err;
@@ -251,7 +251,7 @@ TEST_F(BakeCommandTest, RepairsAreShown) {
   const ProgramResult bake =
       multum({"bake", path("holes.png"), "-o", path("holes.ndf.exr"), "--no-measure", "--report", path("report.json")});
   ASSERT_EQ(bake.exit_code, 0) << bake.err;
-  expect_says(bake.out, {"0 not finite", "1 of zero length", "0 below the horizon", "128 black"});
+  expect_says(bake.out, {"0 were not finite", "1 had zero length", "0 were below the horizon", "128 were black"});
   expect_says(bake.err, {"warning: ", path("holes.png"), "128 of 4096 texels", "3.1 %", "black"});
   const auto input = nlohmann::json::parse(read_bytes(path("report.json")))["input"];
   EXPECT_EQ(input["unused_texels"], 128);
@@ -348,7 +348,7 @@ TEST_F(BakeCommandTest, TexelsWithoutAColourAreCounted) {
   const ProgramResult bake = multum({"bake", path("map.png"), "--albedo", path("albedo.exr"), "-o", path("map.ndf.exr"),
                                      "--ndf", "moments", "--no-measure", "--report", path("map.json")});
   EXPECT_EQ(bake.exit_code, 0) << bake.err;
-  expect_says(bake.out, {"texels of the albedo: 3", "read as 0"});
+  expect_says(bake.out, {"3 albedo texels", "read as 0"});
   EXPECT_EQ(nlohmann::json::parse(read_bytes(path("map.json")))["albedo_clamped"], 3);
 }
 

@@ -96,7 +96,7 @@ TEST_F(LimitsTest, NamesThatAreTooLongAreOfTheCommandLine) {
     SCOPED_TRACE(command.front());
     const ProgramResult result = multum(command);
     EXPECT_EQ(result.exit_code, kUsage) << result.err;
-    expect_says(result.err, {"too long", "found", "expected at most"});
+    expect_says(result.err, {"too long", "bytes", "expected at most"});
     EXPECT_TRUE(std::filesystem::is_empty(path("out")));
   }
   const std::string view = std::string(MULTUM_BIN_DIR) + "/multum-view";

@@ -148,11 +148,11 @@ TEST_F(MomentsCommandTest, WhatFitsNoMomentsIsRefused) {
     expect_refusal(bake("map_normal.png", "map.ndf.exr", more), kUsage, parts);
     EXPECT_FALSE(std::filesystem::exists(path("map.ndf.exr")));
   };
-  refused({"--lobes", "6"}, {"--lobes", "for --ndf vmf"});
-  refused({"--reference"}, {"--reference", "for --ndf vmf"});
-  refused({"--align", "0.1"}, {"--align", "for --ndf vmf"});
+  refused({"--lobes", "6"}, {"--lobes", "with --ndf vmf"});
+  refused({"--reference"}, {"--reference", "with --ndf vmf"});
+  refused({"--align", "0.1"}, {"--align", "with --ndf vmf"});
   refused({"-d", "snorm16"}, {"--data-format", "snorm16", "half", "float", "--ndf moments"});
-  refused({"--region", "0,0,8,8", "--onto", path("old.ndf.exr")}, {"--region", "--onto", "for --ndf vmf"});
+  refused({"--region", "0,0,8,8", "--onto", path("old.ndf.exr")}, {"--region", "--onto", "with --ndf vmf"});
   refused({"--ndf", "gmm"}, {"--ndf"});
 }
 
@@ -170,7 +170,7 @@ TEST_F(MomentsCommandTest, BrokenAndSteepNormalsAreRepairedAndCounted) {
   write_test_image(path("map.exr"), image);
   const ProgramResult result = bake("map.exr", "map.ndf.exr", {"--report", path("map.json"), "--signed"});
   ASSERT_EQ(result.exit_code, 0) << result.err;
-  EXPECT_TRUE(contains(result.out, "1 not finite, 0 of zero length, 1 below")) << result.out;
+  EXPECT_TRUE(contains(result.out, "1 were not finite, 0 had zero length, 1 were below")) << result.out;
   expect_says(result.out, {"21 normals", "horizon"});
   EXPECT_EQ(nlohmann::json::parse(read_bytes(path("map.json")))["counts"]["slopes_limited"], 21);
   EXPECT_EQ(multum({"verify", path("map.ndf.exr")}).exit_code, 0);

@@ -112,9 +112,9 @@ TEST_F(ShCommandTest, WhatFitsNoHarmonicsIsRefused) {
   };
   refused({"--sh-order", "0"}, {"--sh-order", "0", "1 to 20"});
   refused({"--sh-order", "21"}, {"--sh-order", "21", "1 to 20"});
-  refused({"--lobes", "6"}, {"--lobes", "for --ndf vmf"});
+  refused({"--lobes", "6"}, {"--lobes", "with --ndf vmf"});
   refused({"-d", "snorm16"}, {"--data-format", "snorm16", "half", "float", "--ndf sh"});
-  refused({"--region", "0,0,8,8", "--onto", path("old.ndf.exr")}, {"--region", "--onto", "for --ndf vmf"});
+  refused({"--region", "0,0,8,8", "--onto", path("old.ndf.exr")}, {"--region", "--onto", "with --ndf vmf"});
   const ProgramResult other = multum({"bake", path("map_normal.png"), "-o", path("map.ndf.exr"), "--sh-order", "4"});
   expect_refusal(other, kUsage, {"--sh-order", "for --ndf sh", "found --ndf vmf"});
 }

@@ -40,7 +40,7 @@ TEST_F(TargetCommandTest, MeetsAnErrorAndSaysHow) {
   ASSERT_TRUE(std::regex_search(
       met.out, judged,
       std::regex("chosen: [^:]*: (\\S+) \\+- (\\S+) %[^]*measured at footprints that were not used to choose the "
-                 "settings; at the footprints that were used: (\\S+) \\+- [^]*95 % of pixels have errors "
+                 "settings; the error at the footprints that were used is (\\S+) \\+- [^]*95 % of pixels have errors "
                  "of at most \\S+ %; the worst pixels cover \\d+ to \\d+ texels and have an error of \\S+ %")))
       << met.out;
   EXPECT_LE(std::stod(judged[1]) + std::stod(judged[2]), 30.0);
@@ -72,7 +72,7 @@ TEST_F(TargetCommandTest, RefusesWhatNothingReaches) {
   std::vector<std::string> best_effort = impossible;
   best_effort.push_back("--best-effort");
   const ProgramResult written = bake(best_effort);
-  expect_refusal(written, kVerification, {"map_normal.png: ", "no settings", "were written"});
+  expect_refusal(written, kVerification, {"map_normal.png: ", "no settings", "were used"});
   EXPECT_EQ(multum({"verify", path("map.ndf.exr")}).exit_code, 0);
   // An exponent that is not one of the usual ones is not stored in the file.
   EXPECT_FALSE(contains(multum({"info", path("map.ndf.exr")}).out, "blinn-phong:70"));

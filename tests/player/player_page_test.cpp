@@ -113,7 +113,7 @@ TEST_F(PlayerPageTest, APageThatWouldBeTooLargeIsRefused) {
   const std::vector<std::uint8_t> large = packed_file(sections);
   write_bytes(path("large.mpt"), std::string(large.begin(), large.end()));
   expect_refusal(multum({"player", path("large.mpt"), "-o", path("large.html")}), kUsage,
-                 {"large.html", "a page holds at most 16777216", "expected a folder"});
+                 {"large.html", "a page can hold at most 16777216", "expected a folder"});
   EXPECT_FALSE(fs::exists(path("large.html")));
   EXPECT_EQ(multum({"player", path("large.mpt"), "-o", path("large")}).exit_code, 0);
 }

@@ -97,7 +97,7 @@ TEST(RegionErrorTest, IsAtMostAHundredthAboveAWholeBakes) {
   }
   EXPECT_EQ(job.hashes->read_count(), 2) << "edited.png was baked twice and hashed once";
   write_map(folder / "edited.png", false);
-  testing::expect_error(ErrorCode::kInput, {"edited.png", "changed while it was read"},
+  testing::expect_error(ErrorCode::kInput, {"edited.png", "changed while it was being read"},
                         [&] { bake("edited.png", "changed.ndf.exr"); });
 }
 

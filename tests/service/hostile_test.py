@@ -451,7 +451,7 @@ class HostileTest(ClientCase):
         with open(os.path.join(self.folder, "serve.toml"), "w", encoding="utf-8") as file:
             file.write(QUICK)
         self.service.process.send_signal(signal.SIGHUP)
-        self.service.wait_for_log("previous settings stay in use")
+        self.service.wait_for_log("previous settings remain in use")
         self.refused(401, "token", [], "GET", "/v1/jobs")
 
 

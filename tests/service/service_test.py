@@ -311,7 +311,7 @@ class ServiceTest(ClientCase):
         with open(path, "a", encoding="utf-8") as file:
             file.write("[[queue]]\nnmae = 3\n")
         service.process.send_signal(signal.SIGHUP)
-        service.wait_for_log("previous settings stay in use")
+        service.wait_for_log("previous settings remain in use")
         self.assertIn("serve.toml:", service.log_text().splitlines()[-1])
         service.wait_for(self.drill(queue="night"))
 

@@ -461,7 +461,7 @@ class SlurmSettingsTest(ClientCase):
         shared = os.path.join(self.folder, "shared")
         os.mkdir(shared)
         os.chmod(shared, 0o777)
-        self.refused_settings("other users own it or may write to it")
+        self.refused_settings("other users own it or can write to it")
         os.chmod(shared, 0o700)
         self.refused_settings("where jobs could write to it", folder=os.path.join(self.folder, "root", "shared"))
         self.refused_settings("unknown key 'slurm.partitions'", 'partitions = "a"')

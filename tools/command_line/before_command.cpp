@@ -43,7 +43,7 @@ void check(const CLI::Option& option, const std::string& value) {
   for (const std::filesystem::path& part : std::filesystem::path(value))
     longest = std::max(longest, part.native().size());
   const bool is_part = longest > NAME_MAX;
-  throw Error(ErrorCode::kUsage, fmt::format("{} {}: the name is too long: found {} of {} bytes, expected at most {}",
+  throw Error(ErrorCode::kUsage, fmt::format("{} {}: the name is too long: {} has {} bytes, expected at most {}",
                                              option.get_name(), value, is_part ? "a part" : "a path",
                                              is_part ? longest : value.size(), is_part ? NAME_MAX : PATH_MAX - 1));
 }

@@ -84,9 +84,10 @@ void check_merge(const BakeOptions& o, bool is_several) {
   if (o.merged_shards == 1) throw Error(ErrorCode::kUsage, "--merge is 1, expected at least 2 shares of one map");
   if (is_several)
     throw Error(ErrorCode::kUsage,
-                "found --merge for several maps, expected one map: shares of several maps need no merge");
+                "found --merge for several maps, expected one map, because shares of several maps need no merge");
   if (has_target(o.values))
-    throw Error(ErrorCode::kUsage, "--merge and a target exclude each other: the shares already have their settings");
+    throw Error(ErrorCode::kUsage,
+                "--merge and a target are mutually exclusive, because the shares already have their settings");
 }
 
 int run_bake(const CLI::App& bake, BakeOptions& o) {
@@ -102,7 +103,8 @@ int run_bake(const CLI::App& bake, BakeOptions& o) {
   check_target_values(o.values);
   apply(o.values, job);
   const DeviceChoice device_choice{o.values.text("device").value_or(""), o.values.flag("scalar")};
-  if (!o.shard.empty() && o.merged_shards > 0) throw Error(ErrorCode::kUsage, "--shard and --merge exclude each other");
+  if (!o.shard.empty() && o.merged_shards > 0)
+    throw Error(ErrorCode::kUsage, "--shard and --merge are mutually exclusive");
   if (has_manifest) {
     if (o.merged_shards > 0) check_merge(o, true);
     if (!o.shard.empty()) o.manifest.shard = parse_work_shard("--shard", o.shard);

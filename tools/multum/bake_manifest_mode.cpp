@@ -115,12 +115,13 @@ void check_no_map_is_given(const CLI::App& bake, const ManifestModeOptions& o) {
     if (option->count() == 0) continue;
     const std::string name = shown_name(*option);
     if (std::find(kOfNamedMaps.begin(), kOfNamedMaps.end(), name) != kOfNamedMaps.end())
-      throw Error(ErrorCode::kUsage, name + " and --manifest exclude each other: the manifest names the maps");
+      throw Error(ErrorCode::kUsage,
+                  name + " and --manifest are mutually exclusive, because the manifest names the maps");
     std::string key = option->get_lnames().empty() ? name : option->get_lnames().front();
     std::replace(key.begin(), key.end(), '-', '_');
     const Parameter* const parameter = bake_parameters().find(key);
     if (parameter == nullptr || !parameter->is_on(kInManifest)) continue;
-    throw Error(ErrorCode::kUsage, name + " and --manifest exclude each other, expected " + parameter->name +
+    throw Error(ErrorCode::kUsage, name + " and --manifest are mutually exclusive, expected " + parameter->name +
                                        " under [[map]] or [defaults] in " + o.manifest);
   }
 }
@@ -130,7 +131,7 @@ int run_manifest(const ManifestModeOptions& o, const BakeJob& pattern, const Dev
   const Stopwatch stopwatch;
   add_key_words(bake_parameters().names(kInManifest));
   if (o.summary == kStdout && common.json)
-    throw Error(ErrorCode::kUsage, "--summary - and --json exclude each other: both print to stdout");
+    throw Error(ErrorCode::kUsage, "--summary - and --json are mutually exclusive, because both print to stdout");
   if (o.summary == kStdout) printing.out = stderr;
   std::vector<ManifestMap> maps = read_bake_manifest(o.manifest, pattern);
   check_result_files(o, maps);

@@ -75,7 +75,7 @@ int run_doctor(const DoctorOptions& options) {
   else write_shown(stdout, findings_text(findings) + fmt::format("\n{} failures, {} warnings\n", failures, warnings));
   if (failures > 0)
     throw Error(ErrorCode::kEnvironment,
-                fmt::format("this machine fails {} checks: follow the advice under each failure", failures));
+                fmt::format("this machine fails {} checks; follow the advice under each failure", failures));
   return 0;
 }
 

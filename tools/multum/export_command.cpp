@@ -61,7 +61,7 @@ void check_no_reading_is_given(const std::string& input, const ParameterValues& 
   for (const Parameter& row : export_parameters().rows())
     if (row.group == kSourceGroup && values.has(row.name))
       throw Error(ErrorCode::kUsage,
-                  input + " is a baked file, whose normals are already decoded: expected no " + row.option());
+                  input + " is a baked file, whose normals are already decoded; expected no " + row.option());
 }
 
 ExportReport export_with_page(ExportJob job, const std::string& page, const CommonOptions& common, Device& device) {
@@ -88,7 +88,7 @@ void print_export(const ExportJob& job, const CommonOptions& common, const Expor
   print_shown(stdout, "%s", report.accuracy.to_text().c_str());
   if (!common.verbose) return;
   if (report.rows_resumed > 0)
-    print_shown(stdout, "%llu rows of levels were taken from an interrupted export\n",
+    print_shown(stdout, "%llu level rows were reused from an interrupted export\n",
                 static_cast<unsigned long long>(report.rows_resumed));
   print_shown(stdout, "%s", report.plan.c_str());
   for (const auto& [stage, seconds] : report.seconds) print_shown(stdout, "%s %.2f s\n", stage.c_str(), seconds);
@@ -183,10 +183,11 @@ int run_export_manifest(const ExportOptions& o) {
 // Throws Error(kUsage) for an option that the manifest sets for each map.
 void check_no_map_is_given(const ExportOptions& o) {
   if (!o.inputs.empty() || !o.job.output.empty())
-    throw Error(ErrorCode::kUsage, "input, --output and --manifest exclude each other: the manifest names the maps");
+    throw Error(ErrorCode::kUsage,
+                "input, --output and --manifest are mutually exclusive, because the manifest names the maps");
   for (const Parameter& row : export_parameters().rows())
     if ((row.is_on(kInManifest) || row.name == "report" || row.name == "page") && o.values.has(row.name))
-      throw Error(ErrorCode::kUsage, row.option() + " and --manifest exclude each other, expected " + row.name +
+      throw Error(ErrorCode::kUsage, row.option() + " and --manifest are mutually exclusive, expected " + row.name +
                                          " under [[map]] or [defaults] in " + o.manifest);
 }
 
@@ -200,7 +201,8 @@ LobeExportJob lobe_export_job(const ExportOptions& o) {
   for (const Parameter& row : export_parameters().rows())
     if (o.values.has(row.name) && std::find(kWithLobes.begin(), kWithLobes.end(), row.name) == kWithLobes.end())
       throw Error(ErrorCode::kUsage,
-                  "--lobes: found " + row.option() + ", expected it without --lobes: lobes are stored unchanged");
+                  "--lobes: found " + row.option() +
+                      ", which has no effect because lobes are stored unchanged; expected it only without --lobes");
   LobeExportJob job{o.inputs[0], o.job.output, o.values.text("report").value_or("")};
   if (!o.job.output.ends_with(".ktx2"))
     throw Error(ErrorCode::kUsage, o.job.output + ": is not the name of a KTX2 file, expected NAME.ktx2 with --lobes");

@@ -93,7 +93,7 @@ constexpr InfoKind kInfoKinds[] = {
                           file.has_colours ? ", mean colour" : "", material_texts(file));
      },
      [](const BakedHeader& file) {
-       return fmt::format("at a slope b, stores deviations of slopes down to {:.4f} b",
+       return fmt::format("at a slope b, stores deviations of slopes as small as {:.4f} b",
                           static_cast<double>(least_slope_deviation(file.encoding)));
      }},
     {Representation::kSh,
@@ -140,11 +140,11 @@ std::string reading_text(const std::string& reading) {
   for (const auto& [key, label] : kLines)
     if (json.contains(key)) line(label, json.at(key));
   constexpr std::pair<const char*, const char*> kCounts[] = {
-      {"unused_texels", "black texels, taken as unused"},
+      {"unused_texels", "black texels, which are taken as unused"},
       {"nonfinite_repaired", "texels that are not finite"},
       {"zero_length_repaired", "texels of length 0"},
       {"below_horizon_repaired", "texels below the horizon"},
-      {"albedo_clamped", "texels of the albedo without a colour"}};
+      {"albedo_clamped", "albedo texels without a colour"}};
   for (const auto& [key, label] : kCounts)
     if (json.contains(key)) line("repaired", fmt::format("{} {}", json.at(key).dump(), label));
   if (json.contains("doubts"))
@@ -195,8 +195,7 @@ int print_info(const std::string& path) {
   text += on_the_gpu(baked_gpu_bytes(path), file);
   text += fmt::format("source          {}, SHA-256 {}\n", from.source_name, from.file_hash());
   if (!from.source_tiles.empty())
-    text +=
-        fmt::format("with its set    SHA-256 {} of the source and of the data from other tiles\n", from.source_hash);
+    text += fmt::format("with its set    SHA-256 {} of the source and the data from other tiles\n", from.source_hash);
   text += reading_text(from.reading);
   text += fmt::format("settings        {}\n", rounded_settings(from.settings));
   text += fmt::format("checksum        {}\n", from.content_hash);

@@ -41,8 +41,8 @@ int run_man(const CLI::App& program, const ManOptions& o) {
   answer_of_viewer({"man", "-o", std::filesystem::absolute(o.folder).string()});
   if (o.json) print_json({{"output", path_json(o.folder)}});
   else
-    print_shown(stdout, "%s: written: %d pages of multum, and one of multum-view for each of its commands\n",
-                o.folder.c_str(), count);
+    print_shown(stdout, "%s: written: %d pages for multum, and one for each command of multum-view\n", o.folder.c_str(),
+                count);
   return 0;
 }
 

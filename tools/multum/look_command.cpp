@@ -33,9 +33,9 @@ int run_look(LookOptions& o) {
   o.job.threads = apply(o.common);
   keep_freed_memory();
   if (!o.sources.empty() && o.sources.size() != o.inputs.size())
-    throw Error(ErrorCode::kUsage, fmt::format("found {} --source, expected none, or one for each of {} files in the "
-                                               "same order",
-                                               o.sources.size(), o.inputs.size()));
+    throw Error(ErrorCode::kUsage,
+                fmt::format("found {} --source, expected none, or one for each of the {} files in the same order",
+                            o.sources.size(), o.inputs.size()));
   for (std::size_t i = 0; i < o.inputs.size(); ++i)
     o.job.maps.push_back({o.inputs[i], o.sources.empty() ? "" : o.sources[i]});
   if (o.job.output.empty()) {

@@ -88,7 +88,7 @@ std::string map_text(const GltfMaterials& model, const GltfMaterial& material, c
   if (material.colour->uv_set != material.normal->uv_set)
     return text + fmt::format("# no albedo: {} uses TEXCOORD_{}\n", relative(colour), material.colour->uv_set);
   if (!(size_of(colour) == size_of(normal)))
-    return text + fmt::format("# no albedo: {} has another size\n", relative(colour));
+    return text + fmt::format("# no albedo, because {} has a different size\n", relative(colour));
   return text + fmt::format("albedo = {}\n", relative(colour));
 }
 

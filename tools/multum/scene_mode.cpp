@@ -157,8 +157,8 @@ void check_no_map_option_is_given(const CLI::App& bake, const std::string& scene
     std::string key = option->get_lnames().front();
     std::replace(key.begin(), key.end(), '-', '_');
     if (bake_parameters().find(key) != nullptr && !kOfTheScene.contains(key))
-      throw Error(ErrorCode::kUsage,
-                  shown_name(*option) + " cannot be given with " + scene + ": the scene has the settings of its maps");
+      throw Error(ErrorCode::kUsage, shown_name(*option) + " cannot be given with " + scene +
+                                         ": the scene contains the settings of its maps");
   }
 }
 

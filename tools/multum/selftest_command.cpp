@@ -38,7 +38,7 @@ NumericalRun read_run(const std::string& path) {
 void check(const SelftestCommandOptions& options) {
   if (!options.with.empty() && options.markdown.empty()) throw Error(ErrorCode::kUsage, "--with needs --markdown");
   if (!options.markdown.empty() && !options.selftest.filter.empty())
-    throw Error(ErrorCode::kUsage, "--markdown and --filter exclude each other: the page lists all cases");
+    throw Error(ErrorCode::kUsage, "--markdown and --filter are mutually exclusive, because the page lists all cases");
 }
 
 int run_selftest_command(SelftestCommandOptions options) {
@@ -67,7 +67,7 @@ int run_selftest_command(SelftestCommandOptions options) {
   }
   if (broken > 0)
     throw Error(ErrorCode::kVerification,
-                fmt::format("{} of {} numerical cases are broken on {} ({}, {}): do not trust its bakes", broken,
+                fmt::format("{} of {} numerical cases fail on {} ({}, {}); do not trust its bakes", broken,
                             run.verdicts.size(), run.device, run.platform, run.driver));
   return 0;
 }

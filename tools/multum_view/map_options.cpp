@@ -167,11 +167,11 @@ void check_map_options(const MapOptions& options) {
   if (options.comparison.is_of_texels() && picture.shading.filter.is_drivers)
     throw Error(ErrorCode::kUsage,
                 "--reference-of texels averages the texels that --taps and --level-bias select; found --anisotropy, "
-                "which lets the driver filter");
+                "with which the driver filters instead");
   for (const auto& [option, path] : {std::pair{"--albedo", &source.albedo}, std::pair{"--roughness", &source.roughness},
                                      std::pair{"--gloss", &source.gloss}, std::pair{"--weights", &source.weights}})
     if (!path->empty() && source.normals.empty())
-      throw Error(ErrorCode::kUsage, fmt::format("{} requires --source: both describe the baked map", option));
+      throw Error(ErrorCode::kUsage, fmt::format("{} requires --source, because both describe the baked map", option));
   if (!options.brdf_roughness.empty()) check_brdf_roughness(options);
   if (!options.comparison.kept_reference.empty() &&
       (!options.animation.folder.empty() || !picture.camera.distances.empty() || options.comparison.is_of_texels()))

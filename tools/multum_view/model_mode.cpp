@@ -166,7 +166,7 @@ class Model {
     check_options_of(file->second, picture_, scenes_, false, map.header);
     if (map.header.first_level > 0)
       throw Error(ErrorCode::kInput,
-                  file->second + ": holds no level 0, expected files with all levels for --material");
+                  file->second + ": does not contain level 0, expected files with all levels for --material");
     surfaces_.push_back(make_material(gl, map, picture_.shading, {}));
     return surfaces_.back().get();
   }

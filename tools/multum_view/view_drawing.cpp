@@ -147,8 +147,8 @@ std::vector<NamedPicture> PictureDrawer::draw(const gl::RenderScene& scene) {
 void warn_of_wrong_anisotropy(const MapOptions& options, const BakedHeader& baked, const std::string& renderer) {
   if (options.picture.shading.anisotropy <= 1.0f || renderer.find("llvmpipe") == std::string::npos) return;
   if (is_power_of_two(baked.width) && is_power_of_two(baked.height)) return;
-  log_warning(options.file, fmt::format("is {} x {} texels; with --anisotropy this software renderer filters maps "
-                                        "wrongly unless their sides are powers of two. Leave the option out",
+  log_warning(options.file, fmt::format("has {} x {} texels; with --anisotropy, this software renderer filters maps "
+                                        "wrongly unless their sides are powers of two. Omit --anisotropy",
                                         baked.width, baked.height));
 }
 

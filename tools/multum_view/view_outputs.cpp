@@ -75,7 +75,7 @@ nlohmann::json noise_json(double noise) { return std::isfinite(noise) ? nlohmann
 std::string reference_line(const gl::Picture& reference) {
   const std::string noise =
       std::isfinite(reference.noise) ? fmt::format("{:.2f} % of itself", 100.0 * reference.noise) : "unknown";
-  return fmt::format("the reference has {} samples per pixel; its noise is {}\n", reference.sample_count, noise);
+  return fmt::format("the reference has {} samples per pixel, and its noise is {}\n", reference.sample_count, noise);
 }
 
 nlohmann::json filter_json(const ShadingOptions& shading) {

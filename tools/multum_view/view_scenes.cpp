@@ -63,8 +63,8 @@ std::vector<Brdf> make_basis(const MaterialOptions& options, bool has_environmen
   for (const auto& [option, colours] :
        {std::pair{"--diffuse", &options.diffuse}, std::pair{"--specular", &options.specular}})
     if (colours->size() > 1 && colours->size() != brdfs.size())
-      throw Error(ErrorCode::kUsage, fmt::format("{}: found {}, expected one, or one for each of {} --brdf", option,
-                                                 colours->size(), brdfs.size()));
+      throw Error(ErrorCode::kUsage, fmt::format("{}: found {}, expected one, or one for each of the {} --brdf options",
+                                                 option, colours->size(), brdfs.size()));
   std::vector<Brdf> basis;
   for (std::size_t k = 0; k < brdfs.size(); ++k) {
     Brdf brdf = parse_brdf("--brdf", brdfs[k], options.term_count);
@@ -85,7 +85,7 @@ void change_brdf(const AnimationOptions& options, const ViewScenes& scenes, Brdf
     const Brdf before = brdf;
     brdf = parse_brdf("--to-brdf", options.brdf, before.term_count);
     if (brdf.kind != before.kind || brdf.kind == BrdfKind::kMeasured)
-      refuse_value("--to-brdf", options.brdf, "another parameter of the family of --brdf");
+      refuse_value("--to-brdf", options.brdf, "another parameter of the same BRDF family as --brdf");
     brdf.diffuse = before.diffuse;
     brdf.specular = before.specular;
   }
@@ -118,9 +118,9 @@ ViewScenes make_scenes(const PictureOptions& options) {
   scenes.first.filter.is_turned = !options.surface.mesh.empty();
   scenes.first.filter.level_bias = options.shading.level_bias.value_or(static_cast<float>(kLevelBiasDefault));
   if (options.material.fixed_fresnel && !options.light.environment.empty())
-    throw Error(ErrorCode::kUsage, "--fixed-fresnel: works only with lights; found --environment, expected none");
+    throw Error(ErrorCode::kUsage, "--fixed-fresnel works only with lights; found --environment, expected none");
   if (options.shading.formula == gl::LobeFormula::kPaper && scenes.first.brdf.kind != BrdfKind::kBlinnPhong)
-    throw Error(ErrorCode::kUsage, "--formula paper: needs Blinn-Phong, expected --brdf blinn-phong:S");
+    throw Error(ErrorCode::kUsage, "--formula paper works only with Blinn-Phong, expected --brdf blinn-phong:S");
   scenes.last = scenes.first;
   return scenes;
 }

@@ -63,8 +63,8 @@ std::uint64_t window_bytes(const BakeJob& job) {
   constexpr std::uint64_t kTaken = kProcessBytes + kQueueBytes, kLeast = std::uint64_t{8} << 20;
   const std::uint64_t memory = job.memory_bytes > 0 ? job.memory_bytes : usual_memory(kTaken + kLeast);
   if (memory < kTaken + kLeast)
-    throw Error(ErrorCode::kUsage, fmt::format("--memory is {} MiB, expected at least {} MiB: the program, its OpenCL "
-                                               "driver and rows that wait to be written need {} MiB",
+    throw Error(ErrorCode::kUsage, fmt::format("--memory is {} MiB, expected at least {} MiB, because the program, its "
+                                               "OpenCL driver and the rows that wait to be written need {} MiB",
                                                memory >> 20, (kTaken + kLeast) >> 20, kTaken >> 20));
   return memory - kTaken;
 }
@@ -123,9 +123,9 @@ void warn_of_diffuse_error(const BakeJob& job, BakeReport& report) {
       error = std::max(error, row.error);
   if (error <= kDiffuseErrorNoted) return;
   report.roughness->warnings.push_back(fmt::format(
-      "{}: with roughness baked in, the error of diffuse light is up to {:.3g} % at levels 0 and 1, because "
-      "roughness varies strongly over the map. Averaged normals are nearly exact at these levels. If diffuse "
-      "light matters, compute it from the normal map, or bake without --{} (docs/reference/input_maps.md)",
+      "{}: with roughness baked in, diffuse light has an error of up to {:.3g} % at levels 0 and 1, because roughness "
+      "varies strongly over the map. Averaged normals are nearly exact at these levels. If diffuse light matters, "
+      "compute it from the normal map, or bake without --{} (docs/reference/input_maps.md)",
       job.input, 100.0 * error, job.roughness_is_gloss ? "gloss" : "roughness"));
   log_named_warning(report.roughness->warnings.back());
 }
@@ -140,8 +140,8 @@ void check_job(const BakeJob& job) {
   ndf_bake(job.representation).check_settings(job);
   if ((job.shard || job.merged_shards > 0) && !holds_lobes(job.representation))
     throw Error(ErrorCode::kUsage,
-                fmt::format("{} is given, expected vMF lobes or planar Gaussians: the bake of {} is one averaging pass "
-                            "and cannot be divided",
+                fmt::format("{} is given, expected vMF lobes or planar Gaussians, because the bake of {} is a single "
+                            "averaging pass that cannot be divided",
                             job.shard ? "--shard" : "--merge", representation_info(job.representation).name));
   validate(job.writing);
   check_paths_differ(input_files(job), {job.output, job.report});

@@ -36,7 +36,7 @@ void check_range(const BakeJob& job, float largest) {
   if (largest > most)
     throw Error(
         ErrorCode::kInput,
-        fmt::format("{}: found a colour of {:g}, expected at most {:g}{}", job.albedo, largest, most,
+        fmt::format("{}: found a colour value of {:g}, expected at most {:g}{}", job.albedo, largest, most,
                     is_float ? "" : ", the largest half float" + advice("; <data_format float> stores larger values")));
 }
 

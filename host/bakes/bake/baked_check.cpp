@@ -32,11 +32,11 @@ constexpr double kAllowedOfUnstated = 0.5;
 std::string other_shape(const BakedHeader& header, const BakeSource& source) {
   const PlaneStore& normals = source.map.normals;
   if (header.width != normals.width() || header.height != normals.height())
-    return fmt::format("holds {} x {} texels, its source has {} x {}", header.width, header.height, normals.width(),
+    return fmt::format("holds {} x {} texels, but its source has {} x {}", header.width, header.height, normals.width(),
                        normals.height());
   const int weight_count = source.weights ? source.weights->count : 0;
   if (header.weight_count != weight_count)
-    return fmt::format("has {} weights, its source has {}", header.weight_count, weight_count);
+    return fmt::format("has {} weights, but its source has {}", header.weight_count, weight_count);
   if (header.has_roughness != source.has_roughness())
     return header.has_roughness ? "has roughness, but its source has no roughness map"
                                 : "has no roughness, but its source has a roughness map";
@@ -113,25 +113,26 @@ std::string worse_than_stated(const StatedErrors& measured, const StatedErrors& 
     if (stated.footprint_errors.empty()) break;
     const auto same = std::find_if(stated.footprint_errors.begin(), stated.footprint_errors.end(),
                                    [&](const FootprintError& other) { return other.brdf == one.brdf; });
-    if (same == stated.footprint_errors.end()) return fmt::format("states no pixel error for {}", one.brdf.text());
+    if (same == stated.footprint_errors.end())
+      return fmt::format("does not state its pixel error for {}", one.brdf.text());
     const double excess = comparable(one.error) - (same->error * (1.0 + kAllowedRelative) + kAllowedAbsolute);
     if (excess <= worst_excess) continue;
     worst_excess = excess;
-    worst = fmt::format("has a pixel error of {:.4g} % for {}, but states {:.4g} %", 100.0 * one.error, one.brdf.text(),
-                        100.0 * same->error);
+    worst = fmt::format("has a pixel error of {:.4g} % for {}, but its header states {:.4g} %", 100.0 * one.error,
+                        one.brdf.text(), 100.0 * same->error);
   }
   if (!worst.empty()) return worst;
   for (const AccuracyRow& row : measured.rows) {
     const auto same = std::find_if(stated.rows.begin(), stated.rows.end(), [&](const AccuracyRow& other) {
       return other.level == row.level && other.point == row.point && other.brdf == row.brdf;
     });
-    if (same == stated.rows.end()) return fmt::format("states no error for {}", row_name(row));
+    if (same == stated.rows.end()) return fmt::format("does not state its error for {}", row_name(row));
     const double allowed = same->confidence == kIntervalUnstated ? kAllowedOfUnstated : kAllowedRelative;
     const double excess = comparable(row.error) - (same->error * (1.0 + allowed) + kAllowedAbsolute);
     if (excess <= worst_excess) continue;
     worst_excess = excess;
-    worst = fmt::format("has an error of {:.4g} % at {}, but states {:.4g} %", 100.0 * row.error, row_name(row),
-                        100.0 * same->error);
+    worst = fmt::format("has an error of {:.4g} % at {}, but its header states {:.4g} %", 100.0 * row.error,
+                        row_name(row), 100.0 * same->error);
   }
   return worst;
 }

@@ -39,7 +39,8 @@ std::string options_text(const ParameterValues& values);
 const Parameter* given_of_another_ndf(const ParameterValues& values);
 /// Lists the values of --ndf to which the parameter applies: "for vmf and gmm".
 std::string scope_text(const Parameter& parameter);
-/// Throws Error(kUsage) for a parameter of another representation: "--lobes is for --ndf vmf and gmm, found --ndf sh".
+/// Throws Error(kUsage) for a parameter of another representation: "--lobes works only with --ndf vmf and gmm, found
+/// --ndf sh".
 void check_scopes(const ParameterValues& values);
 
 }  // namespace multum

@@ -40,14 +40,15 @@ void warn_of_sharp_lobes(const BakeJob& job, const MovmfMipmap& header, OutputRe
   const auto kappa_max = static_cast<double>(family.kappa_max(header.header.encoding));
   log_warning(
       job.input,
-      fmt::format("{} lobes, which represent {:.0f} % of the normals, are sharper than kappa {:.0f} and lose their "
-                  "spread in {}: sharp highlights (Blinn-Phong with s = {:.0f} or more) become too sharp{}",
-                  report.unrepresentable, 100.0 * report.unrepresentable_share, kappa_max,
-                  storage_encoding_name(header.header.encoding), kappa_max,
-                  header.header.encoding == StorageEncoding::kHalf
-                      ? advice(fmt::format("; <data_format snorm16> stores kappa up to {:.0f}, and float larger values",
-                                           family.kappa_max(StorageEncoding::kSnorm16)))
-                      : advice("; <data_format float> keeps them")));
+      fmt::format(
+          "{} lobes, which represent {:.0f} % of the normals, are sharper than kappa {:.0f} and lose their width in "
+          "{}, so sharp highlights (Blinn-Phong with s = {:.0f} or more) become too sharp{}",
+          report.unrepresentable, 100.0 * report.unrepresentable_share, kappa_max,
+          storage_encoding_name(header.header.encoding), kappa_max,
+          header.header.encoding == StorageEncoding::kHalf
+              ? advice(fmt::format("; <data_format snorm16> stores kappa up to {:.0f}, and float stores larger values",
+                                   family.kappa_max(StorageEncoding::kSnorm16)))
+              : advice("; <data_format float> keeps them")));
 }
 
 // Bakes of maps up to this size do not keep the rows of the finest fitted level, unless the bake is resumed. Three
@@ -148,10 +149,11 @@ void check_lobe_settings(const BakeJob& job) {
     throw Error(ErrorCode::kUsage, "--region needs --onto, the file that was baked before this part was edited");
   const char* const option = job.shard ? "--shard" : job.merged_shards > 0 ? "--merge" : nullptr;
   if (option == nullptr) return;
-  if (!job.onto.empty()) throw Error(ErrorCode::kUsage, std::string(option) + " and --onto exclude each other");
+  if (!job.onto.empty()) throw Error(ErrorCode::kUsage, std::string(option) + " and --onto are mutually exclusive");
   if (job.fitting.refine)
-    throw Error(ErrorCode::kUsage,
-                std::string(option) + " and --refine exclude each other: shares store only one set of lobes");
+    throw Error(
+        ErrorCode::kUsage,
+        std::string(option) + " and --refine are mutually exclusive, because shares store only one set of lobes");
 }
 
 VerifiedFile verify_lobe_file(const BakeJob& job, const AccuracySettings& accuracy, Progress* progress) {

@@ -33,7 +33,7 @@ std::string shown(const nlohmann::json& json, const std::string& key) {
 
 // The words that replace settings that are hashes of maps.
 const std::map<std::string, std::string> kHashedMaps = {
-    {"albedo", "albedo"}, {"roughness", "roughness map"}, {"weights", "map of weights"}};
+    {"albedo", "albedo"}, {"roughness", "roughness map"}, {"weights", "weight map"}};
 
 // Lists the settings that differ, with both values. Hashes are replaced with words.
 std::vector<std::string> changed_settings(const std::string& there, const std::string& now) {
@@ -48,8 +48,7 @@ std::vector<std::string> changed_settings(const std::string& there, const std::s
     if (old_json.contains(key) && new_json.contains(key) && old_json[key] == new_json[key]) continue;
     if (const auto map = kHashedMaps.find(key); map != kHashedMaps.end())
       changes.push_back(fmt::format("the {} has changed", map->second));
-    else if (key == "kernels")
-      changes.emplace_back("it was baked with kernels that differ from the kernels of this program");
+    else if (key == "kernels") changes.emplace_back("it was baked with kernels that differ from those of this program");
     else changes.push_back(fmt::format("{} was {} and is now {}", key, shown(old_json, key), shown(new_json, key)));
   }
   return changes;
@@ -62,7 +61,7 @@ std::vector<std::string> changed_target(const std::string& there, const std::str
   const nlohmann::json new_json = nlohmann::json::parse(now);
   if (!old_json.is_object()) return {"its settings cannot be parsed"};
   if (old_json.value("kernels", "") != new_json.at("kernels").get<std::string>())
-    return {"it was baked with kernels that differ from the kernels of this program"};
+    return {"it was baked with kernels that differ from those of this program"};
   if (!old_json.contains("target")) return {"its settings were not chosen for a target"};
   const std::string was = old_json["target"].dump(), is = new_json["target"].dump();
   const auto words = [](const std::string& target) { return target.substr(1, target.rfind(", ") - 1); };

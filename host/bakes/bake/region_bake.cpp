@@ -46,7 +46,7 @@ void check_region(const MapRegion& region, const MovmfMipmap& header) {
   if (region.x < 0 || region.y < 0 || region.width < 1 || region.height < 1 ||
       region.width > header.width() - region.x || region.height > header.height() - region.y)
     throw Error(ErrorCode::kUsage,
-                fmt::format("--region {},{},{},{} is not in the map, expected x,y,width,height inside {} x {}",
+                fmt::format("--region {},{},{},{} is not inside the map, expected x,y,width,height within {} x {}",
                             region.x, region.y, region.width, region.height, header.width(), header.height()));
   // Edits at such a border also change points on the other side of the border.
   const BakedHeader& is = header.header;
@@ -54,8 +54,8 @@ void check_region(const MapRegion& region, const MovmfMipmap& header) {
              wraps_y = is.wrap_t == WrapMode::kPeriodic && (region.y == 0 || region.y + region.height == is.height);
   if (baked_surface(is) == map_surface_name(MapSurface::kInterpolated) && (wraps_x || wraps_y))
     throw Error(ErrorCode::kUsage,
-                fmt::format("--region {},{},{},{} touches a border where the map repeats, with --surface interpolated; "
-                            "expected a region away from such borders, or a bake of the whole map",
+                fmt::format("--region {},{},{},{} touches a border where the map repeats, which --surface interpolated "
+                            "does not allow; expected a region away from such borders, or a bake of the whole map",
                             region.x, region.y, region.width, region.height));
 }
 
@@ -144,9 +144,9 @@ MapRegion resolve_region(const std::optional<MapRegion>& asked, const std::strin
   const std::optional<MapRegion> changed = find_changed_region(old, header, normals, features, threads);
   if (!changed && !asked)
     throw Error(ErrorCode::kUsage,
-                old + ": stores no level 0, so changes cannot be found; expected --region x,y,width,height");
+                old + ": does not store level 0, so changes cannot be detected; expected --region x,y,width,height");
   if (!changed) {
-    log_warning(input, fmt::format("{} stores no level 0, so changes outside --region {} cannot be detected", old,
+    log_warning(input, fmt::format("{} does not store level 0, so changes outside --region {} cannot be detected", old,
                                    region_text(*asked)));
     return *asked;
   }
@@ -154,8 +154,8 @@ MapRegion resolve_region(const std::optional<MapRegion>& asked, const std::strin
   else log_info(fmt::format("{}: since {} was baked, this part has changed: {}", input, old, region_text(*changed)));
   if (!asked) return changed->height == 0 ? MapRegion{0, 0, 1, 1} : *changed;
   if (changed->height > 0 && !contains(*asked, *changed))
-    throw Error(ErrorCode::kInput, fmt::format("{}: found changes since {} was baked in {}, expected none outside "
-                                               "--region {}; --region auto bakes the changed part",
+    throw Error(ErrorCode::kInput, fmt::format("{}: since {} was baked, the part {} has changed; expected no changes "
+                                               "outside --region {}. --region auto bakes the changed part",
                                                input, old, region_text(*changed), region_text(*asked)));
   return *asked;
 }

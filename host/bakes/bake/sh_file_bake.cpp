@@ -59,9 +59,9 @@ std::unique_ptr<AccuracyMeter> try_sh(const BakeRun& run, const AccuracySettings
 
 void check_sh_settings(const BakeJob& job) {
   if (job.region.has_value() || !job.onto.empty())
-    throw Error(
-        ErrorCode::kUsage,
-        "--region and --onto are only for --ndf vmf: spherical harmonics are averaged over the whole map, not fitted");
+    throw Error(ErrorCode::kUsage,
+                "--region and --onto work only with --ndf vmf, because spherical harmonics are averaged over the whole "
+                "map, not fitted");
   validate_sh_order(job.sh_order);
 }
 

@@ -51,7 +51,7 @@ BakeSource source_of(const NoteJson& note, const std::string& share, std::uint64
   const int width = json_int(note, "width"), height = json_int(note, "height"),
             weight_count = json_int(note, "weights");
   if (width < 1 || height < 1 || width > 32768 || height > 32768 || weight_count < 0 || weight_count > 4)
-    throw Error(ErrorCode::kEnvironment, share + ": has no valid description of its map");
+    throw Error(ErrorCode::kEnvironment, share + ": does not contain a valid description of its map");
   const PlaneBlocks blocks{normals_begin, kPlaneGap, kPlaneRows};
   BakeSource source{
       {PlaneStore(width, height, ScratchFile::to_read(share), blocks), note.at("report").get<NormalMapReport>()},
@@ -181,7 +181,7 @@ BakeSource read_shard_source(const BakeJob& job, const std::string& key) {
   try {
     source = source_of(NoteJson::parse(share.note()), share.path(), rows.begin_of(kNormalsLevel), spill);
   } catch (const NoteJson::exception&) {
-    throw Error(ErrorCode::kEnvironment, share.path() + ": has no valid description of its map");
+    throw Error(ErrorCode::kEnvironment, share.path() + ": does not contain a valid description of its map");
   }
   // Writing the last row gives the scratch file its full length.
   const std::vector<float> row(static_cast<std::size_t>(source->map.normals.width()));

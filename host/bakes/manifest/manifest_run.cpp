@@ -68,7 +68,7 @@ void bake_map(const ManifestMap& map, Device& device, Progress* progress, MapRes
     if (chosen.written) result.report = chosen.report;
     if (!chosen.met) {
       result.state = MapState::kWorse;
-      add_reason(result, fmt::format("no settings reach {}: the best settings, {}, have an error of {}{}",
+      add_reason(result, fmt::format("no settings reach {}; the best settings, {}, have an error of {}{}",
                                      target_text(*map.target), chosen.options,
                                      error_text(chosen.reached.error, chosen.reached.confidence),
                                      chosen.written ? "" : ", not written"));

@@ -84,16 +84,16 @@ BakePlan make_bake_plan(const MipSchedule& schedule, const MovmfSettings& settin
 }
 
 std::string BakePlan::to_text(const MipSchedule& schedule, const MovmfSettings& settings, int rgb_plane_count) const {
-  std::string text =
-      fmt::format("plan: windows and buffers of at most {} MiB; levels larger than {} MiB go to scratch files\n",
-                  memory_bytes >> 20, spill_bytes >> 20);
+  std::string text = fmt::format(
+      "plan: windows and buffers take at most {} MiB; levels larger than {} MiB are kept in scratch files\n",
+      memory_bytes >> 20, spill_bytes >> 20);
   for (const LevelSchedule& level : schedule.levels) {
     const BandPlan& band = levels.at(level.level);
     const bool whole = band.band_rows >= level.fit.height;
     const char* method = level.method == FitMethod::kTexels   ? "all normals"
                          : level.method == FitMethod::kChoice ? "each normal assigned to a lobe"
                          : level.method == FitMethod::kBinned ? "binned normals"
-                                                              : "all normals, by bands of the map";
+                                                              : "all normals, one band of the map at a time";
     text += fmt::format("  level {}: {} x {}, {}, {}, {:.1f} MiB\n", level.level, level.fit.width, level.fit.height,
                         method, whole ? "at once" : fmt::format("{} rows at a time", band.band_rows),
                         static_cast<double>(fit_level_bytes(level, settings, rgb_plane_count, band)) / (1 << 20));

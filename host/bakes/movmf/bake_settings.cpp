@@ -104,7 +104,7 @@ void validate(const MovmfSettings& settings) {
   const RepresentationInfo& lobes = representation_info(settings.representation);
   if (settings.refine && !lobes.has_kappa)
     throw Error(ErrorCode::kUsage,
-                fmt::format("--refine is given with --ndf {}, expected --ndf vmf: --refine does not support {}",
+                fmt::format("--refine is given with --ndf {}, expected --ndf vmf, because --refine does not support {}",
                             lobes.option, lobes.contents));
   if (settings.refine && settings.coarse_normals == CoarseNormals::kAll)
     throw Error(ErrorCode::kUsage,

@@ -53,16 +53,16 @@ MapShard parse_map_shard(const std::string& option, const std::string& text) {
     const MapShard shard{std::stoi(found[1]), std::stoi(found[2])};
     if (2 <= shard.count && shard.count <= kCountMax && shard.index <= shard.count) return shard;
   }
-  throw Error(ErrorCode::kUsage, fmt::format("{} is '{}', expected I/N of one map, such as 0/8 for its coarse levels "
-                                             "and 1/8 to 8/8 for its bands, with N from 2 to {}",
+  throw Error(ErrorCode::kUsage, fmt::format("{} is '{}', expected a share I/N of one map, such as 0/8 for the coarse "
+                                             "levels or 1/8 to 8/8 for the bands, with N from 2 to {}",
                                              option, text, kCountMax));
 }
 
 ShardPlan plan_shard(const MipSchedule& schedule, const MovmfSettings& settings, const MapShard& shard) {
   if (!settings.aligned_start)
     throw Error(ErrorCode::kUsage,
-                "--shard is given with unaligned lobes, expected aligned lobes: levels of unaligned lobes do not "
-                "depend on each other");
+                "--shard is given with unaligned lobes, expected aligned lobes, because levels of unaligned lobes do "
+                "not depend on each other");
   ShardPlan plan;
   // All shares must divide the same levels, so the levels are determined for a band in the middle of the map.
   LevelRows middle_before{}, own_before{};
@@ -94,8 +94,8 @@ ShardPlan plan_shard(const MipSchedule& schedule, const MovmfSettings& settings,
   }
   if (is_first)
     throw Error(ErrorCode::kUsage,
-                fmt::format("--shard has {} bands, expected fewer: the finest fitted level has only {} rows, or the "
-                            "settings do not allow bands",
+                fmt::format("--shard has {} bands, expected fewer, because the finest fitted level has only {} rows or "
+                            "the settings do not allow bands",
                             shard.count, schedule.levels.empty() ? 0 : schedule.levels.back().fit.height));
   return plan;
 }
@@ -142,7 +142,7 @@ ShareFile::ShareFile(const std::string& output, const MapShard& shard, const std
     throw Error(ErrorCode::kEnvironment, error.what() + remedy_);
   }
   if (end == 0) refuse("belongs to another map, other settings, or another version of multum");
-  if (!is_whole_) refuse("is cut off, or damaged");
+  if (!is_whole_) refuse("is incomplete or damaged");
 }
 
 // Rows are checked later, when they are read.

@@ -205,8 +205,9 @@ void validate(const MovmfSettings& settings, int map_width, int map_height) {
                 fmt::format("found a map of {} x {}, expected at most 32768 texels per side", map_width, map_height));
   const int level_max = mip_level_count(map_width, map_height) - 1;
   if (settings.first_level > level_max)
-    throw Error(ErrorCode::kUsage, fmt::format("--first-level is {}, expected 0 to {}, the levels of a map of {} x {}",
-                                               settings.first_level, level_max, map_width, map_height));
+    throw Error(ErrorCode::kUsage,
+                fmt::format("--first-level is {}, expected a level from 0 to {} for a map of {} x {}",
+                            settings.first_level, level_max, map_width, map_height));
 }
 
 void bake_movmf(Device& device, const MapInputs& map, const MovmfSettings& settings, RowOrigin& rows,
@@ -215,13 +216,13 @@ void bake_movmf(Device& device, const MapInputs& map, const MovmfSettings& setti
   validate(settings, normals.width(), normals.height());
   if (settings.refine && normals.is_shortened())
     throw Error(ErrorCode::kUsage,
-                "--refine is given with a roughness map, expected none: --refine supports only unit normals");
+                "--refine is given with a roughness map, expected none, because --refine supports only unit normals");
   const FeaturePlanes& features = map.features;
   MULTUM_CHECK(features.all_of_size(normals.width(), normals.height()));
   if (averages_suffice(rows, settings)) {
     if (rows.sink() == nullptr)
       throw Error(ErrorCode::kUsage,
-                  "--shard is given with one lobe per texel, which is a plain average and cannot be divided");
+                  "--shard is given with one lobe per texel, which is a plain average that cannot be divided");
     average_movmf(device, map, settings, *rows.sink(), report, progress);
     return;
   }

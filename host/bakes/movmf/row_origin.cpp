@@ -76,7 +76,8 @@ LevelTask GatheredRows::begin(const LevelShape& level) {
   level_ = level;
   if (there_.row_count(level.level, level.row_bytes()) != level.height)
     throw Error(ErrorCode::kEnvironment,
-                fmt::format("{}: its shares lack rows of level {}; --force computes them again", output_, level.level));
+                fmt::format("{}: its shares do not contain the rows of level {}; --force computes them again", output_,
+                            level.level));
   return {level.height, {}, {}};
 }
 
@@ -125,8 +126,9 @@ void ShareRows::keep(const DoneRows& rows) {
 // Returns the rows of the level from the coarse share.
 RowStore ShareRows::rows_of_coarse_share() {
   if (there_.row_count(level_.level, level_.row_bytes()) != level_.height)
-    throw Error(ErrorCode::kEnvironment,
-                "the share of coarse levels lacks rows, or its rows have another size; --force computes it again");
+    throw Error(
+        ErrorCode::kEnvironment,
+        "the share of the coarse levels lacks rows, or its rows have the wrong size; --force computes the share again");
   RowStore store(level_.height, level_.lobe_row_bytes, spill_);
   std::vector<unsigned char> row(level_.lobe_row_bytes);
   for (int y = 0; y < level_.height; ++y) {

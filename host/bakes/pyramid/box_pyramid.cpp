@@ -26,8 +26,9 @@ void validate_box_map(int first_level, int map_width, int map_height) {
                                                map_height, kBoxMapSideMax));
   const int level_max = mip_level_count(map_width, map_height) - 1;
   if (first_level < 0 || first_level > level_max)
-    throw Error(ErrorCode::kUsage, fmt::format("--first-level is {}, expected 0 to {}, the levels of a map of {} x {}",
-                                               first_level, level_max, map_width, map_height));
+    throw Error(ErrorCode::kUsage,
+                fmt::format("--first-level is {}, expected a level from 0 to {} for a map of {} x {}", first_level,
+                            level_max, map_width, map_height));
 }
 
 BoxPyramid::BoxPyramid(Device& device, const BoxMap& map, const Memory& memory)

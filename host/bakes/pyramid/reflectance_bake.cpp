@@ -146,7 +146,7 @@ void validate(const ReflectanceJob& job) {
     refuse("found no --light and no --environment, expected one of them");
   for (const ReflectanceLight& light : job.lights)
     if (!(glm::length(light.direction) > 0.0) || !is_colour(light.irradiance))
-      refuse("--light: expected a direction other than 0, and an irradiance >= 0");
+      refuse("--light: expected a direction that is not zero, and an irradiance >= 0");
   if (!(glm::length(job.viewer) > 0.0)) refuse("--viewer is 0,0,0, expected a direction towards the viewer");
   if (!(job.exponent >= 1.0f && job.exponent <= 1e5f))
     refuse(fmt::format("--brdf has an exponent of {}, expected 1 to 100000", job.exponent));

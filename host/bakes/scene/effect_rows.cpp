@@ -113,14 +113,15 @@ class EffectRows {
             fmt::format("{} {}: {}", parts_name(), seen_texels(),
                         plan_.candidates.size() == 1
                             ? fmt::format("margin {}", percent_text(scene_.budget.estimate_margin))
-                            : fmt::format("the 4 lobes of the default bake have errors of {}, and the limit is {}",
+                            : fmt::format("the 4 lobes of the default bake have errors of {}, but the limit is {}",
                                           parts_text(plan_.default_bake.error), parts_text(plan_.limit))) +
                 (needs_.exponent_max > kEstimatedExponentMax
                      ? fmt::format("; highlights as of s = {:g}", kEstimatedExponentMax)
                      : ""),
             needed ? chosen_without(one) : saved_by(one));
     plan_.effects.back().list = lobes_tried();
-    if (needed) add_row("aligned lobes", true, "hardware filters each lobe with the matching lobes of other texels");
+    if (needed)
+      add_row("aligned lobes", true, "the hardware filters each lobe together with the matching lobes of other texels");
   }
 
   // Lists items such as "2 lobes": "0.21/45 %, one colour 0.4/45 %", sorted by the number of lobes. The candidates
@@ -210,7 +211,7 @@ class EffectRows {
                         mip_level_size(plan_.height, plan_.last_seen);
     add_row("coarsest levels", plan_.last_seen >= plan_.level_count - 1,
             fmt::format("{}: kept, because the fit starts at the coarsest level; all levels coarser than the last "
-                        "visible one take {:.2g} of the map's size",
+                        "visible one together take {:.2g} of the map's size",
                         why, last / 3.0 / (static_cast<double>(plan_.width) * plan_.height)));
   }
 

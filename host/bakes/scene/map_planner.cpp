@@ -94,7 +94,7 @@ void MapPlanner::check_weights() const {
     if (&scene_.maps[object.map] == &map_ && object.materials.size() > 1 &&
         static_cast<int>(object.materials.size()) != source_->weights->count)
       throw Error(ErrorCode::kInput,
-                  fmt::format("{}: holds {} weights, expected {}: one for each material of object \"{}\"",
+                  fmt::format("{}: holds {} weights, expected {}, one for each material of object \"{}\"",
                               map_.job.weights, source_->weights->count, object.materials.size(), object.name));
 }
 

@@ -160,7 +160,7 @@ std::string bakes_text(const MapPlan& map) {
 // Describes the cost of trials, which is not part of the cost model. A trial on a mosaic of 256 x 256 texels takes 0.05
 // to 0.7 s on 2 cores of an Intel Xeon with AVX-512 (docs/contributing/ALGORITHMS.md, "Plans of scenes").
 std::string trials_text() {
-  return fmt::format(" plus the trials (up to {} per map, a few seconds in total)",
+  return fmt::format(" plus the trials (up to {} per map, which take a few seconds in total)",
                      target_candidates(Representation::kMovmf).size());
 }
 

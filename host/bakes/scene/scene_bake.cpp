@@ -58,7 +58,7 @@ BakeReport bake_lobes_to_target(const BakeJob& job, double target_error, const B
   ChosenBake chosen = bake_to_target(job, target, source, device, progress);
   if (!chosen.met)
     throw Error(ErrorCode::kVerification,
-                fmt::format("{}: no settings reach target_error {:g}; the best are {}, with an error of {:.3g}",
+                fmt::format("{}: no settings reach target_error {:g}; the best settings, {}, have an error of {:.3g}",
                             job.input, target_error, chosen.options, chosen.reached.error));
   options = chosen.options;
   return std::move(chosen.report);
@@ -266,7 +266,8 @@ std::string SceneReport::to_text() const {
                   bytes_text(std::abs(bytes)), bytes < 0.0 ? "more" : "less");
   if (all_unchanged)
     return text +
-           fmt::format("nothing to bake: all files exist; the plan took {}; ", time_text(1e3 * plan.plan_seconds)) +
+           fmt::format("nothing to bake, because all files exist; the plan took {}; ",
+                       time_text(1e3 * plan.plan_seconds)) +
            textures;
   return text +
          fmt::format(

@@ -169,7 +169,7 @@ void check_keys_of_family(const StrictTable& table, const NamedFamily& named, co
   }
   if (table.has("file") != named.family->is_file)
     table.refuse(table.has("file") ? "file" : "",
-                 table.has("file") ? fmt::format("is for brdf = \"measured\", found brdf = \"{}\"", name)
+                 table.has("file") ? fmt::format("works only with brdf = \"measured\", found brdf = \"{}\"", name)
                                    : "has no file, which brdf = \"measured\" requires");
 }
 
@@ -194,7 +194,7 @@ SceneMaterial read_material(const std::string& path, const toml::table& toml, Na
   brdf.f0 = read_colour(table, "f0", kFromZeroToOne, brdf.f0);
   brdf.diffuse = read_colour(table, "diffuse", kFromZero, brdf.diffuse);
   if (family.fit == BrdfFit::kNone && table.has("specular"))
-    table.refuse("specular", fmt::format("is for BRDFs with a highlight, found brdf = \"{}\"", name));
+    table.refuse("specular", fmt::format("works only with BRDFs that have a highlight, found brdf = \"{}\"", name));
   brdf.specular = read_colour(table, "specular", kFromZero, brdf.specular);
   material.width_in_map = named->width_in_map;
   const bool takes_width = family.has_width() && !named->width_in_map;
@@ -225,9 +225,10 @@ void check_materials(const StrictTable& table, const SceneObject& object, const 
       table.refuse(key, fmt::format("is \"{}\", whose brdf is \"roughness-map\", but map \"{}\" has no roughness",
                                     material.name, map.name));
     if (!material.width_in_map && !map.job.roughness.empty())
-      table.refuse(key, fmt::format("is \"{}\", but map \"{}\" has a roughness: expected a material of brdf = "
-                                    "\"roughness-map\"",
-                                    material.name, map.name));
+      table.refuse(
+          key,
+          fmt::format("is \"{}\", but map \"{}\" has a roughness; expected a material with brdf = \"roughness-map\"",
+                      material.name, map.name));
   }
 }
 
@@ -277,7 +278,7 @@ SceneLight read_light(const std::string& path, const toml::table& toml) {
   if (!light.is_point && light.place == glm::dvec3(0.0)) table.refuse(place, "is 0, expected a direction");
   light.power = read_colour(table, power, kFromZero, glm::vec3(light.is_point ? 1.0f : 3.14159265f));
   if (!light.is_point && (light.power.y != light.power.x || light.power.z != light.power.x))
-    table.refuse(power, "is a colour, expected one number: distant lights are white");
+    table.refuse(power, "is a colour, expected one number, because distant lights are white");
   return light;
 }
 
@@ -345,7 +346,7 @@ SceneDescription read_scene(const std::string& path, const BakeJob& pattern, boo
   for (std::size_t m = 0; m < scene.maps.size(); ++m)
     if (std::none_of(scene.objects.begin(), scene.objects.end(), [&](const SceneObject& o) { return o.map == m; }))
       map_table(path, *map_tables[m])
-          .refuse("name", fmt::format("is \"{}\", which no [[object]] shows", scene.maps[m].name));
+          .refuse("name", fmt::format("is \"{}\", which is not used by any [[object]]", scene.maps[m].name));
   return scene;
 }
 

@@ -83,7 +83,7 @@ void hold_to_budgets(const SceneBudget& budget, std::vector<MapPlan>& maps) {
           }
       if (step == nullptr)
         throw Error(ErrorCode::kVerification,
-                    fmt::format("no settings meet the budget {} = {:g}: the lowest possible value is {:.6g}", what,
+                    fmt::format("no settings meet the budget {} = {:g}; the lowest possible value is {:.6g}", what,
                                 *limit, total));
       cheapest->chosen = *step;
     }

@@ -237,7 +237,7 @@ std::string choice_text(const BakeTarget& target, const SettingTrials& trials, c
                                  reached_text(chosen.judged()), trials.brdf().id.text());
   text += target.error ? fmt::format(", asked for {}", in_percent(*target.error))
                        : fmt::format(" in {:.0f} ms, asked for {:.0f}", 1e3 * chosen.seconds, 1e3 * *target.seconds);
-  text += fmt::format("; tried {} of {} settings on a mosaic, and baked {}\n", trials.made().size(),
+  text += fmt::format("; tried {} of {} settings on a mosaic, and baked with {}\n", trials.made().size(),
                       trials.candidates().size(), attempts.made().size());
   if (target.error) {
     // States the error of the most accurate cheaper settings, to show that no cheaper settings suffice.
@@ -246,13 +246,14 @@ std::string choice_text(const BakeTarget& target, const SettingTrials& trials, c
       if (trial.candidate < chosen.trial.candidate && (!below || trial.reached.error < below->reached.error))
         below = &trial;
     if (met && below != nullptr)
-      text +=
-          fmt::format("  cheaper settings reach {} at best ({})\n", in_percent(below->reached.error), options(*below));
+      text += fmt::format("  the best cheaper settings have an error of {} ({})\n", in_percent(below->reached.error),
+                          options(*below));
   }
   const ReachedError& judged = chosen.judged();
   if (chosen.confirmed)
     text += fmt::format(
-        "  measured at footprints that were not used to choose the settings; at the footprints that were used: {}\n",
+        "  measured at footprints that were not used to choose the settings; the error at the footprints that were "
+        "used is {}\n",
         error_text(chosen.reached.error, chosen.reached.confidence));
   text += fmt::format("  95 % of pixels have errors of at most {}; the worst pixels cover {} and have an error of {}\n",
                       in_percent(judged.percentile_95), octave_text(judged.worst_octave),
@@ -291,17 +292,17 @@ void check_target(const BakeTarget& target, const BakeJob& job) {
     throw Error(ErrorCode::kUsage, fmt::format("--brdf {} is a sum of vMFs, which --ndf {} cannot shade",
                                                target.brdf.text, representation_info(*target.only).option));
   if (!job.measure)
-    throw Error(
-        ErrorCode::kUsage,
-        "--no-measure excludes --target-error and --budget-ms, because these choose settings by measured errors");
+    throw Error(ErrorCode::kUsage,
+                "--no-measure cannot be combined with --target-error or --budget-ms, because these choose settings by "
+                "measured errors");
   if (job.region || !job.onto.empty())
-    throw Error(
-        ErrorCode::kUsage,
-        "--region and --onto use the settings of a file, so --target-error and --budget-ms cannot choose settings");
+    throw Error(ErrorCode::kUsage,
+                "--region and --onto use the settings of an existing file, so --target-error and --budget-ms cannot "
+                "choose settings");
   if (job.resume && target.seconds)
     throw Error(ErrorCode::kUsage,
-                "--resume and --budget-ms exclude each other: the time of a resumed bake does not show the cost of its "
-                "settings");
+                "--resume and --budget-ms are mutually exclusive, because the time of a resumed bake does not show the "
+                "cost of its settings");
 }
 
 ChosenBake bake_to_target(const BakeJob& job, const BakeTarget& target, Device& device, Progress* progress) {

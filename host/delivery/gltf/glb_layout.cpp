@@ -259,7 +259,8 @@ std::uint64_t write_glb(const GltfAsset& asset, GltfJson json, const ViewContent
   const std::uint64_t binary_chunk = layout.has_bytes() ? 8 + binary : 0;
   const std::uint64_t total = 12 + 8 + text.size() + binary_chunk + asset.other_chunks.size();
   if (total > std::numeric_limits<std::uint32_t>::max())
-    asset.refuse(fmt::format("would give a file of {} bytes, expected less than 4 GiB, the limit of GLB", total));
+    asset.refuse(
+        fmt::format("would become a file of {} bytes, expected less than 4 GiB, which is the limit of GLB", total));
   AtomicFile file(output);
   OutputFile bytes(file);
   const auto add = [&](const std::string& part) { write_or_throw(bytes, part.data(), part.size()); };

@@ -290,7 +290,7 @@ void prepare(const GltfAsset& asset, const SourceFitSettings& settings, Prepared
     // A common size of up to four times the larger image is accepted, so that images may differ in one side. If the
     // common size is larger, the images do not belong together.
     if (texels(largest) > 4 * std::max(texels(normal), texels(surface)))
-      made.kept = fmt::format("its normals have {} x {} texels and its roughness has {} x {}", normal.first,
+      made.kept = fmt::format("its normals have {} x {} texels, but its roughness has {} x {}", normal.first,
                               normal.second, surface.first, surface.second);
     if (surface != normal)
       made.notes.push_back(fmt::format("normals of {} x {} and roughness of {} x {} were resized to the same size",
@@ -307,9 +307,9 @@ void prepare(const GltfAsset& asset, const SourceFitSettings& settings, Prepared
   made.surface_is_original = source.surface_image && is_plain(made.surface_file, largest) &&
                              source.roughness_factor == 1.0 && is_surface_whole;
   if (std::make_pair(made.width, made.height) != largest)
-    made.notes.push_back(
-        fmt::format("{} x {} was enlarged to {} x {}, because KHR_texture_basisu needs sides that are multiples of {}",
-                    largest.first, largest.second, made.width, made.height, settings.side_multiple));
+    made.notes.push_back(fmt::format(
+        "{} x {} was enlarged to {} x {}, because KHR_texture_basisu requires sides that are multiples of {}",
+        largest.first, largest.second, made.width, made.height, settings.side_multiple));
 }
 
 }  // namespace

@@ -171,7 +171,7 @@ FarmJson openjd_template(const FarmCommand& command) {
   parameters.push_back({{"name", "Multum"},
                         {"type", "STRING"},
                         {"default", "multum"},
-                        {"description", "Name of the program in PATH, or its path on the workers"}});
+                        {"description", "Name of the program in PATH, or its path on the workers."}});
   FarmJson job = {{"specificationVersion", "jobtemplate-2023-09"}};
   if (command.shards > 1 && !command.is_one_map) job["extensions"] = {"TASK_CHUNKING"};
   check_word(command.name);

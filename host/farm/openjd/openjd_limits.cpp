@@ -163,7 +163,7 @@ class Checker {
         check_choice(what + ": dataFlow", text_of(parameter, "dataFlow"), {"NONE", "IN", "OUT", "INOUT"});
       const std::string value = parameter.contains("default") ? text_of(parameter, "default") : "";
       check_text(what + ": default", value, {0, kValueMax, false, true});
-      if (!references_.emplace("Param." + name, value).second) refuse(what, "is there twice", "a name of its own");
+      if (!references_.emplace("Param." + name, value).second) refuse(what, "occurs twice", "a name of its own");
       if (!parameter.contains("default")) without_value_.insert(name);
     }
   }
@@ -192,7 +192,7 @@ class Checker {
         if (!steps_.contains(text_of(one, "dependsOn")))
           refuse(what, "depends on " + text_of(one, "dependsOn"), "a step before it");
     }
-    if (!steps_.insert(name).second) refuse(what, "is there twice", "a name of its own");
+    if (!steps_.insert(name).second) refuse(what, "occurs twice", "a name of its own");
     if (step.contains("hostRequirements")) check_requirements(what, step.at("hostRequirements"));
     std::map<std::string, std::string> references = references_;
     if (step.contains("parameterSpace")) add_task_parameters(what, step.at("parameterSpace"), references);
@@ -226,7 +226,7 @@ class Checker {
       check_choice(own + ": type", type, {"INT", "CHUNK[INT]"});
       const std::string first = check_range(own, parameter.at("range"));
       if (type == "CHUNK[INT]") check_chunks(own, parameter.at("chunks"), ++chunked);
-      if (!references.emplace("Task.Param." + name, first).second) refuse(own, "is there twice", "a name of its own");
+      if (!references.emplace("Task.Param." + name, first).second) refuse(own, "occurs twice", "a name of its own");
     }
   }
 

@@ -79,7 +79,7 @@ json description_json(const FieldDescription& description) {
 std::string inflated(std::span<const std::uint8_t> bytes) {
   ByteReader reader(bytes);
   const std::uint64_t length = reader.number(kTextBytesMax);
-  if (reader.failed()) refuse_description("does not state its length");
+  if (reader.failed()) refuse_description("does not state how long it is");
   std::string text(length, '\0');
   auto written = static_cast<uLongf>(length);
   const auto packed = bytes.subspan(reader.position());
@@ -102,7 +102,7 @@ std::vector<json> expand(json& description) {
     const json& move = moves.at(index_of(sample.at(3), "the moves of a sample"));
     numbers += view.size();
     for (const json& matrix : move) numbers += std::max<std::size_t>(matrix.size(), 1);
-    if (numbers > kNumbersMax) refuse_description("moves too many objects in too many samples for a field");
+    if (numbers > kNumbersMax) refuse_description("describes more positions of moving objects than a field can store");
     sample = {{"name", sample.at(0)}, {"at", sample.at(1)}, {"worldToClip", view}, {"objectToWorld", move}};
   }
   std::vector<json> layers;
@@ -185,7 +185,7 @@ FieldDescription decode_description(std::span<const std::uint8_t> bytes) {
   FieldDescription result;
   try {
     const std::string text = inflated(bytes);
-    if (holds_nul(text)) refuse_description("holds NUL in a text");
+    if (holds_nul(text)) refuse_description("contains a NUL in a text");
     json object = json::parse(text);
     const std::vector<json> layers = expand(object);
     result.field = scene_from(object);

@@ -83,7 +83,7 @@ void PackedFieldFile::read_index() {
   for (const PackedSection& section : index_.sections())
     if (where.empty() && section.offset + section.length > size_)
       where = fmt::format(", cut within section {}", section_number(index_, &section));
-  refuse_file(path_, fmt::format("has {} bytes, but its index says {}{}", size_, index_.file_bytes(), where));
+  refuse_file(path_, fmt::format("has {} bytes, but its index states {}{}", size_, index_.file_bytes(), where));
 }
 
 std::string PackedFieldFile::section_name(std::size_t number) const {
@@ -174,7 +174,7 @@ UnpackReport unpack_field(const std::string& path, const std::string& folder, in
   const std::string manifest_path = folder + "/" + kInferredManifestName;
   std::error_code error;
   if (std::filesystem::exists(manifest_path, error))  // a manifest whose textures took hours is never overwritten
-    throw Error(ErrorCode::kUsage, manifest_path + ": already exists; unpack to a folder without this file");
+    throw Error(ErrorCode::kUsage, manifest_path + ": already exists; expected a folder without this file");
   make_folder(folder + "/textures");
   progress_start(progress, file.index().sections().size());
   progress_stage(progress, "unpack");

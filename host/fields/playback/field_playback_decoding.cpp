@@ -190,7 +190,7 @@ void FieldPlayback::decode_image(Lock& lock, ImageKey key) {
   lock.unlock();
   const ThreadStopwatch stopwatch;
   try {
-    if (coefficients == nullptr) throw Error(ErrorCode::kEnvironment, "its coefficients are gone");
+    if (coefficients == nullptr) throw Error(ErrorCode::kEnvironment, "its coefficients were discarded");
     decoded = decoded_image(*coefficients, key.image, settings_.kind);
   } catch (const std::exception& error) {  // no memory
     problem = error.what();

@@ -151,8 +151,8 @@ void write_player(const std::string& field, const PlayerOutput& output) {
   if (!output.folder.empty()) write_folder(name, title, bytes, geometry, output.folder);
   if (output.page.empty()) return;
   if (bytes.size() + geometry.size() > kPlayerPageBytesMax)
-    throw Error(ErrorCode::kUsage, fmt::format("{}: the field and its geometry have {} bytes, but a page holds at most "
-                                               "{}; expected a folder for the player instead of a page",
+    throw Error(ErrorCode::kUsage, fmt::format("{}: the field and its geometry have {} bytes, but a page can hold at "
+                                               "most {}; expected a folder for the player instead of a page",
                                                output.page, bytes.size() + geometry.size(), kPlayerPageBytesMax));
   write_text_file(output.page, one_page(name, title, bytes, geometry));
 }

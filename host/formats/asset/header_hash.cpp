@@ -100,7 +100,7 @@ VerifyFinding header_finding(const std::string& path) {
   const auto stated = std::find_if(attributes.begin(), attributes.end(), looks_like_it);
   if (stated == attributes.end())
     return {"header", true,
-            fmt::format("the file has no {}, which older programs do not write, so its attributes are not checked",
+            fmt::format("the file has no {}, which older programs do not write, so its attributes cannot be checked",
                         kHeaderHashAttribute)};
   if (stated->part != 0 || stated->name != kHeaderHashAttribute || stated->type != "string")
     return {"header", false,

@@ -62,7 +62,7 @@ std::string measuring_refusal(const Brdf& brdf) {
   const BrdfFamily& family = family_of(brdf);
   if (!is_vmf_sum(brdf) || width_of(brdf) >= static_cast<float>(family.sum_from)) return "";
   return fmt::format(
-      "found {}, whose highlight cannot be fitted by a sum of vMFs, so errors cannot be measured: expected {} of at "
+      "found {}, whose highlight cannot be fitted by a sum of vMFs, so errors cannot be measured; expected {} of at "
       "least {:g}",
       brdf_text(brdf, ""), family.members[0].symbol, family.sum_from);
 }

@@ -172,7 +172,7 @@ MeasuredBrdf BrdfCells::factor(const std::string& name) const {
       mean += cell_area * rho;
       area += cell_area;
     }
-  if (cells.empty()) throw Error(ErrorCode::kInput, name + ": holds no measurement above the horizon");
+  if (cells.empty()) throw Error(ErrorCode::kInput, name + ": contains no measurement above the horizon");
   mean /= area;
   if (!(mean.x + mean.y + mean.z > 0.0)) throw Error(ErrorCode::kInput, name + ": reflects nothing");
   for (Cell& cell : cells) cell.weight = cell.area / (cell.rho + 0.01 * mean + 1e-12);

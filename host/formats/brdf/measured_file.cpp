@@ -80,8 +80,9 @@ std::vector<double> numbers_of(const std::string& path, const std::string& text)
       char* end = nullptr;
       const double value = std::strtod(word.c_str(), &end);
       if (*end != '\0' || !std::isfinite(value))
-        refuse_file(path,
-                    fmt::format("line {}: expected numbers, with # before comments; this is not a measured BRDF", row));
+        refuse_file(
+            path,
+            fmt::format("line {}: expected numbers, or comments that begin with #; this is not a measured BRDF", row));
       numbers.push_back(value);
     }
   }
@@ -220,7 +221,8 @@ MeasuredBrdf read_measured_brdf(const std::string& path) {
   BrdfCells cells;
   if (sizes == std::array<std::int32_t, 3>{kThetaCount, kThetaCount, kPhiCount}) {
     if (size != kMerlBytes)
-      refuse_file(path, fmt::format("is cut short: {} bytes, expected {} for the MERL format", size, kMerlBytes));
+      refuse_file(path,
+                  fmt::format("is incomplete: it has {} bytes, expected {} for the MERL format", size, kMerlBytes));
     read_merl(path, in, cells);
     return cells.factor(path);
   }

@@ -41,8 +41,8 @@ void check_gltf_file(const std::string& path) {
   if (required == json.end() || !required->is_array()) return;
   for (const auto& name : *required)
     if (name.is_string() && !leaves_geometry_alone(name.get<std::string>()))
-      refuse_file(
-          path, "requires the glTF extension " + name.get<std::string>() + ", which cannot be read; export without it");
+      refuse_file(path, "requires the glTF extension " + name.get<std::string>() +
+                            ", which cannot be read; export the model without it");
 }
 
 }  // namespace multum

@@ -154,7 +154,8 @@ void take_arrays(const AskedFile& file, const std::byte* memory, Meshes& meshes)
     memory += bytes_of(array);
   });
   if (!are_sound(meshes))
-    refuse_file(file.path, "damaged: decoding gave no valid mesh, expected a file readable by " + file.library);
+    refuse_file(file.path,
+                "damaged: decoding did not return a valid mesh, expected a file that can be read by " + file.library);
 }
 
 template TriangleMesh parse_mesh_answer(const AskedFile&, MessageReader&);

@@ -88,7 +88,7 @@ class KernelCaches {
       fs::create_directory(folder);
       if (!prefer_environment(variable, folder, true) && &folder == &folders_.pocl)
         return fmt::format("{}: {}. Set {} to a writable folder", place, said, variable);
-      log_warning(place, fmt::format("{}; they are compiled again into a private folder, which is deleted when this "
+      log_warning(place, fmt::format("{}, so they are compiled again into a private folder, which is deleted when this "
                                      "program ends. Set {} to a writable folder",
                                      said, variable));
       return "";

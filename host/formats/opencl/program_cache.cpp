@@ -76,7 +76,7 @@ std::string read_binary(const std::string& path) {
   const std::string digest = bytes.substr(bytes.size() - kDigestSize);
   bytes.resize(bytes.size() - kDigestSize);
   if (hash_text(bytes) == digest) return bytes;
-  log_verbose("program cache: " + path + " is damaged; building it again");
+  log_verbose("program cache: " + path + " is damaged, so it is built again");
   return {};
 }
 
@@ -116,7 +116,7 @@ Source source_of(const DeviceState& state, const std::string& file, const std::s
 void tell_of_building(DeviceState& state) {
   if (state.told_of_building) return;
   state.told_of_building = true;
-  log_info("compiling kernels for " + state.info.name + "; later runs load them from " + g_cache_folder);
+  log_info("compiling kernels for " + state.info.name + "; later runs read them from " + g_cache_folder);
 }
 
 std::string build_binary(const DeviceState& state, const cl::Context& context, const std::string& file,

@@ -34,7 +34,7 @@ void throw_refusal(const AskedFile& file, std::string_view answer) {
                     file.memory_max, advice(" (<decode child:SECONDS,MEMORY> allows more, for files that you trust)")));
   if (kind == DecodingAnswer::kNoMemoryHere)
     throw Error(ErrorCode::kEnvironment,
-                fmt::format("{}: not enough memory to decode it: less than its limit of {} bytes is available; use a "
+                fmt::format("{}: not enough memory to decode it: less than its limit of {} bytes is available. Use a "
                             "machine, a container or limits (ulimit -v) that allow more: {}",
                             file.path, file.memory_max, errno_text(ENOMEM)));
 }

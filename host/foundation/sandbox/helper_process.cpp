@@ -207,7 +207,7 @@ void HelperProcess::reap() {
   std::string how;
   bool lacked_memory = false;
   if (WIFSIGNALED(status) && WTERMSIG(status) == SIGXCPU) {
-    how = "used up its processor time and was terminated";
+    how = "exceeded its limit of processor time and was terminated";
   } else if (WIFSIGNALED(status)) {
     how = fmt::format("was terminated by signal {} ({})", WTERMSIG(status), ::sigdescr_np(WTERMSIG(status)));
     lacked_memory = WTERMSIG(status) == SIGKILL || may_lack_memory(memory_max_);
@@ -281,7 +281,7 @@ std::string HelperProcess::receive(const HelperLimits& limits, const std::functi
     if (received_.size() >= sizeof(size)) {
       std::memcpy(&size, received_.data(), sizeof(size));
       if (size > kAnswerMax) end(fmt::format("announced an answer of {} bytes", size));
-      if (received_.size() > sizeof(size) + size) end("sent more than its answer");
+      if (received_.size() > sizeof(size) + size) end("sent more bytes than it had announced");
       if (received_.size() == sizeof(size) + size) return received_.substr(sizeof(size));
     }
     pollfd waited = {socket_, POLLIN, 0};

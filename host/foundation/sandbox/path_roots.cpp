@@ -109,7 +109,7 @@ OpenFile PathRoots::open_beneath(const std::string& canonical, int flags) const 
   const std::string relative = canonical == root ? "." : canonical.substr(root.size() + 1);
   OpenFile file(open_below(descriptor, relative, flags));
   if (!file.is_open() && (errno == ELOOP || errno == EXDEV))
-    throw Error(ErrorCode::kUsage, fmt::format("{}: has become a link, or is reached through a link", canonical));
+    throw Error(ErrorCode::kUsage, fmt::format("{}: has become a link, or its path contains a link", canonical));
   if (!file.is_open() && (errno == ENOENT || errno == ENOTDIR))
     throw Error(ErrorCode::kUsage, fmt::format("{}: no longer exists", canonical));
   if (!file.is_open()) fail_by_errno(canonical, "cannot be opened");

@@ -69,7 +69,7 @@ class MergedSharesTest(unittest.TestCase):
         """`of_share_two` is the name of a result that share 2 of 3 makes."""
         for index in (1, 3):
             self.succeed("--shard", f"{index}/3")
-        self.refused("2-of-3.shard: is not there: --shard 2/3 makes it again")
+        self.refused("2-of-3.shard: is missing: --shard 2/3 makes it again")
         self.assertIn("written", self.succeed("--shard", "2/3"))
         times = {path: path.stat().st_mtime_ns for path in self.out.rglob("*") if path.is_file()}
         self.assertNotIn("written", self.succeed("--shard", "1-3/3"))
@@ -132,7 +132,7 @@ class MergedSharesTest(unittest.TestCase):
 
     def check_refusals(self):
         for more, part in ((("--shard", "0/3"), "expected I/N"), (("--shard", "1/5000"), "at most 4096 shares"),
-                           (("--shard", "1/3", "--merge", "3"), "exclude each other"), (("--merge", "0"), "--merge")):
+                           (("--shard", "1/3", "--merge", "3"), "mutually exclusive"), (("--merge", "0"), "--merge")):
             done = self.run_command(*more)
             self.assertEqual(done.returncode, 2, more)
             self.assertIn(part, done.stderr)

@@ -426,7 +426,7 @@ class GltfTest(FolderCase):
                 model.json["materials"][0]["pbrMetallicRoughness"]["metallicRoughnessTexture"].update(turned)
                 after, report = self.convert(model, "--anisotropy")
                 self.assertNotIn("extensions", after.json["materials"][0])
-                self.assertIn("no anisotropy", report["materials"][0]["notes"][0])
+                self.assertIn("anisotropy was left out", report["materials"][0]["notes"][0])
 
     def test_a_smooth_map_keeps_its_own_textures(self):
         model = plain_model(normal=bumps(64, 64, steepness=0.005), surface=packed(64, 64, lambda x, y: (255, 150, 255)))

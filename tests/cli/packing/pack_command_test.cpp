@@ -326,7 +326,7 @@ TEST_F(PackCommandTest, DamagedCutAndOtherFilesAreRefused) {
   };
   refused(whole.substr(0, whole.size() - 10), {"bad.mpt", fmt::format("has {} bytes", whole.size() - 10), "section"});
   refused(whole.substr(0, 20), {"bad.mpt", "cut short within its index"});
-  refused(whole + "x", {"bad.mpt", fmt::format("its index says {}", whole.size())});
+  refused(whole + "x", {"bad.mpt", fmt::format("its index states {}", whole.size())});
   refused("MPTF", {"bad.mpt", "cut short"});
   refused("some text, longer than a head", {"bad.mpt", "not a packed field"});
   std::string damaged = whole;

@@ -127,7 +127,7 @@ TEST_F(PackResumeTest, AKilledPackingGoesOn) {
   ProgramResult result = multum(
       {"pack", path("out"), "-o", path("field.mpt"), "--resume", "--mse-max", "0.002", "-v", "--pyramid", "greedy"});
   ASSERT_EQ(result.exit_code, 0) << result.err;
-  expect_says(result.out, {"taken from an interrupted packing"});
+  expect_says(result.out, {"reused from an interrupted run"});
   EXPECT_EQ(multum({"verify", path("field.mpt")}).exit_code, 0);
 }
 

@@ -351,7 +351,8 @@ TEST_F(ViewTest, LeanIsToksvigInAnEnvironment) {
     const nlohmann::json pictures = nlohmann::json::parse(file)["pictures"];
     const bool is_same = pictures[2]["relative_l1"] == pictures[3]["relative_l1"] &&
                          pictures[2]["relative_l1"] == pictures[4]["relative_l1"];
-    const bool is_said = result.output.find("lean and lean-jacobian are drawn like toksvig") != std::string::npos;
+    const bool is_said =
+        result.output.find("lean and lean-jacobian are drawn in the same way as toksvig") != std::string::npos;
     EXPECT_EQ(is_same, is_said) << pictures << result.output;
     return is_said;
   };

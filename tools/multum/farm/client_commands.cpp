@@ -308,7 +308,7 @@ int run_wait(WaitOptions& o) {
       }
     }
   } else if (ids.empty()) {
-    throw Error(ErrorCode::kUsage, "found no job number and no --all, expected one of them");
+    throw Error(ErrorCode::kUsage, "found neither a job number nor --all, expected one of them");
   }
   PrintedJobs printed(o.client);
   const bool succeeded = wait_for(client, std::move(ids), printed);
@@ -415,7 +415,7 @@ void add_retry(CLI::App& app, int* exit_code) {
   retry->callback([o, exit_code] {
     if (o->all_dead == !o->ids.empty())
       throw Error(ErrorCode::kUsage, fmt::format("found {}, expected either job numbers or --all-dead",
-                                                 o->all_dead ? "both" : "no job number and no --all-dead"));
+                                                 o->all_dead ? "both" : "neither a job number nor --all-dead"));
     HttpClient client = client_of(o->client);
     if (!o->all_dead) {
       PrintedJobs printed(o->client);
@@ -447,7 +447,7 @@ void add_purge(CLI::App& app, int* exit_code) {
   purge->callback([o, exit_code] {
     if (o->ids.empty() == (o->age < 0))
       throw Error(ErrorCode::kUsage, fmt::format("found {}, expected either job numbers or --older-than",
-                                                 o->age < 0 ? "no job number and no --older-than" : "both"));
+                                                 o->age < 0 ? "neither a job number nor --older-than" : "both"));
     const Json body = o->age < 0 ? Json{{"jobs", o->ids}} : Json{{"finished_before_s", o->age}};
     const Json answer = client_of(o->client).ask("POST", "/v1/purge", body);
     if (o->client.json) print_json(OrderedJson(answer));

@@ -39,7 +39,7 @@ JobType bake_type() {
                      .first_map_is_for = "the page shows the lobes next to the map that was baked",
                      .folder_ending = "-look",
                      .kept_max = kLooksMax,
-                     .shown = {{"look.html", "Look at its lobes", "Save a page of its lobes"}},
+                     .shown = {{"look.html", "Look at its lobes", "Save a page that shows its lobes"}},
                      .only_for = {{"ndf", "vmf"}}}},
           .no_other_view = "only packed fields have a player",
           .estimate_command = "plan"};

@@ -105,8 +105,8 @@ void check_path_count(const FarmCommand& command, const std::string& kind) {
   constexpr std::size_t kPathsMax = kOpenJdParametersMax - 1;
   if (command.paths.size() <= kPathsMax) return;
   std::string message = fmt::format(
-      "{}: found {} paths, expected at most {}: each is a parameter of the job, and Open Job Description 2023-09 "
-      "allows {}",
+      "{}: found {} paths, expected at most {}, because each is a parameter of the job and Open Job Description "
+      "2023-09 allows {}",
       kind, command.paths.size(), kPathsMax, kOpenJdParametersMax);
   if (kind == "bake" || kind == "export")
     message += fmt::format(
@@ -154,7 +154,7 @@ BakedMaps maps_of_bake(const std::vector<std::string>& words, const std::vector<
   }
   for (const FarmWord& path : paths)
     if (!path.is_output && !words[path.word - 1].starts_with("--")) maps.push_back(words[path.word]);
-  if (maps.empty()) throw Error(ErrorCode::kUsage, "bake: found no existing map, expected one, or --manifest");
+  if (maps.empty()) throw Error(ErrorCode::kUsage, "bake: found no existing map, expected a map or --manifest");
   if (maps.size() > 1 || !maps.front().ends_with(".toml")) return {make_bake_jobs(pattern, maps), false};
   BakedMaps scene{{}, true};
   for (SceneMap& map : read_scene(maps.front(), {}).maps) scene.jobs.push_back(std::move(map.job));
@@ -233,11 +233,11 @@ FarmCommand farm_command(const OpenJdOptions& o) {
 int run_openjd(const OpenJdOptions& o, CheckWords check_words) {
   apply(o.common);
   if (o.words.empty())
-    throw Error(ErrorCode::kUsage, "found no command, expected one: multum openjd -o FOLDER bake ...");
+    throw Error(ErrorCode::kUsage, "found no command, expected one, for example: multum openjd -o FOLDER bake ...");
   if (!kCommands.contains(o.words.front()))
-    throw Error(ErrorCode::kUsage, o.words.front() +
-                                       " cannot run on a farm, expected bake, export, infer, pack, mip, reflectance or "
-                                       "tradeoff");
+    throw Error(ErrorCode::kUsage,
+                o.words.front() +
+                    " cannot run on a farm, expected one of bake, export, infer, pack, mip, reflectance and tradeoff");
   for (const std::string& word : o.words) check_openjd_text(word, word);
   check_words(o.words);
   const FarmCommand command = farm_command(o);

@@ -75,7 +75,8 @@ int run_rescue(const std::string& data) {
 void check_rescue(const ServeOptions& o) {
   if (o.begins_anew || o.workers > 0 || !o.config.empty() || !o.listen.empty() || !o.token_file.empty() ||
       !o.roots.empty())
-    throw Error(ErrorCode::kUsage, "found other options with --rescue, expected only --data: no service is started");
+    throw Error(ErrorCode::kUsage,
+                "found other options with --rescue, expected only --data, because no service is started");
 }
 
 struct WorkerOptions {

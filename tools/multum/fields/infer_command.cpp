@@ -110,7 +110,7 @@ int run_infer(InferOptions& o) {
   o.settings.viewer = find_viewer();
   std::optional<WorkShard> shares;
   if (!o.shard.empty()) shares = parse_merged_shard("--shard", o.shard);
-  if (shares && o.merged_shards > 0) throw Error(ErrorCode::kUsage, "--shard and --merge exclude each other");
+  if (shares && o.merged_shards > 0) throw Error(ErrorCode::kUsage, "--shard and --merge are mutually exclusive");
   const std::unique_ptr<Progress> progress = make_progress(o.common);
   const ParameterizedScene field(read_animation_job(o.job));
   make_folder(o.settings.output);

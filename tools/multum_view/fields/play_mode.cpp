@@ -75,9 +75,10 @@ std::vector<std::vector<double>> points_of(const PlayOptions& options, const Rec
   const double rate = static_cast<double>(options.rate);
   const double all = std::max(1.0, std::ceil(path.seconds() * rate));
   if (options.frame_count == 0 && all > kFramesMax)
-    throw Error(ErrorCode::kUsage,
-                fmt::format("{}: {:g} s are {:.0f} frames, expected at most {}; give --frames, or a lower --rate",
-                            options.path, path.seconds(), all, kFramesMax));
+    throw Error(
+        ErrorCode::kUsage,
+        fmt::format("{}: {:g} s are {:.0f} frames, expected at most {}; choose fewer --frames or a lower --rate",
+                    options.path, path.seconds(), all, kFramesMax));
   const int count = options.frame_count > 0 ? options.frame_count : static_cast<int>(all);
   std::vector<std::vector<double>> points;
   for (int frame = 0; frame < count; ++frame) points.push_back(path.at(frame / rate));
@@ -293,7 +294,7 @@ int play_field(const PlayOptions& options) {
               options.folder.c_str(), points.size(), counts.images_decoded, counts.chunks_decoded, counts.bytes_most);
   const std::vector<std::string> damaged = player.player().damaged();
   if (damaged.empty()) return 0;
-  std::string text = "damaged parts are left out; everything else is drawn:";
+  std::string text = "damaged parts are left out, and everything else is drawn:";
   for (const std::string& what : damaged) text += "\n  " + what;
   throw Error(ErrorCode::kVerification, text);
 }

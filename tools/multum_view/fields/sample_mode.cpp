@@ -90,8 +90,7 @@ class PackedTextures : public TextureSource {
   /// Throws Error(kVerification) that names the chunks that were skipped.
   void refuse_damage() const {
     if (damaged_.empty()) return;
-    throw Error(ErrorCode::kVerification, fmt::format("damaged parts are left out; everything else is drawn:\n"
-                                                      "{}",
+    throw Error(ErrorCode::kVerification, fmt::format("damaged parts are left out, and everything else is drawn:\n{}",
                                                       fmt::join(damaged_, "\n")));
   }
 
@@ -216,7 +215,7 @@ void add_sample_options(CLI::App& app, SampleOptions& options) {
 
 int draw_samples(const SampleOptions& options) {
   if (options.samples.size() != options.outputs.size())
-    throw Error(ErrorCode::kUsage, fmt::format("{} samples and {} --output: expected one output for each sample",
+    throw Error(ErrorCode::kUsage, fmt::format("found {} samples and {} --output, expected one output for each sample",
                                                options.samples.size(), options.outputs.size()));
   for (const std::string& output : options.outputs) check_picture_path(output);
   if (is_packed_field(options.folder)) {

@@ -60,7 +60,7 @@ std::optional<gl::PhongLights> baked_lights(const PyramidHeader& header, const s
     return lights;
   } catch (const nlohmann::json::exception&) {
     throw Error(ErrorCode::kInput,
-                path + ": its settings name no lights, expected the settings of `multum reflectance`");
+                path + ": its settings contain no lights, expected the settings of `multum reflectance`");
   }
 }
 
@@ -226,7 +226,7 @@ void check_surface(const PyramidOptions& options, const PyramidHeader& header) {
                             options.surface.mesh.empty() ? "none" : "two", "--mesh or --surface"));
   if (!by_normal && !(options.surface.mesh.empty() && options.surface_pyramid.empty()))
     throw Error(ErrorCode::kUsage,
-                fmt::format("{}: a pyramid of colours is drawn on the plane, found {}, expected no surface",
+                fmt::format("{}: a pyramid of colours is drawn on the plane; found {}, expected no surface",
                             options.file, options.surface.mesh.empty() ? "--surface" : "--mesh"));
   if (options.surface_pyramid.empty() && (options.detail.level || options.detail.spacing))
     throw Error(ErrorCode::kUsage, "--surface-level and --surface-spacing require --surface");

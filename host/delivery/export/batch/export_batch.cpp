@@ -75,7 +75,7 @@ std::vector<ExportJob> make_export_jobs(const ExportJob& pattern, const std::vec
     const std::string name = std::filesystem::path(job.output).lexically_normal().string();
     const auto [other, is_new] = taken.emplace(name, map.path);
     if (!is_new)
-      throw Error(ErrorCode::kUsage, name + ": both " + other->second + " and " + map.path + " would go there");
+      throw Error(ErrorCode::kUsage, name + ": both " + other->second + " and " + map.path + " would be written there");
     jobs.push_back(std::move(job));
   }
   return jobs;

@@ -230,7 +230,7 @@ void DataFolder::remove_found(JobQueue& queue, const Sweep& sweep) {
   std::error_code error;
   for (const auto& [job, output, identity] : sweep.left_overs) {
     if (fs::remove(fmt::format("{}/logs/{}.log", path_, job), error))
-      service_log(LogSeverity::kInfo, job, "the job was purged; removed its log");
+      service_log(LogSeverity::kInfo, job, "the log of the purged job was removed");
     if (!output.empty() && is_used(output)) continue;
     // Files that replaced the result, or that changed within it, have an unknown owner and therefore are not removed.
     try {

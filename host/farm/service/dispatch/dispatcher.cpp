@@ -143,15 +143,16 @@ void Dispatcher::recover() {
       }
     }
     for (const std::int64_t id : recovered.lost)
-      service_log(LogSeverity::kWarning, id, "was running when the daemon ended; it will be tried again");
+      service_log(LogSeverity::kWarning, id, "was running when the daemon ended, and will be tried again");
     folders = queue.files().output_folders();
     numbers = queue.numbers();
     for (const auto& [name, states] : queue.counts())
       for (const auto& [state, count] : states)
         if (!is_final(state) && !limits_.queues.contains(name))
-          service_log(LogSeverity::kWarning, 0,
-                      fmt::format("{} jobs are {} in queue {}, which the settings do not define: they will not start",
-                                  count, job_state_name(state), name));
+          service_log(
+              LogSeverity::kWarning, 0,
+              fmt::format("{} jobs are {} in queue {}, which the settings do not define, so they will not start", count,
+                          job_state_name(state), name));
   });
   const auto is_finished_with = [&](std::int64_t id) { return numbers.is_finished_with(id); };
   for (const std::string& path : sweep_staging(roots_.outputs, folders, instance_, is_finished_with))
@@ -342,7 +343,7 @@ void Dispatcher::start_job(const Claimed& claimed) {
   std::string made;
   if (data_.is_full() && roots_.results.is_inside(job.output))
     return note_end(job.id, job.owner, job.attempt,
-                    {AttemptOutcome::kFailed, 4, "data_max is reached: there is no room for the job's result"});
+                    {AttemptOutcome::kFailed, 4, "data_max is reached, so there is no room for the job's result"});
   try {
     order = order_of(job, made);
     // Slurm's nodes cannot see files in the daemon's data folder.
@@ -603,7 +604,7 @@ void Dispatcher::drain(std::function<void()> done) {
   drain_timer_.async_wait([this](const boost::system::error_code& error) {
     if (error) return;
     for (const std::int64_t id : pool_.running())
-      stop_job(id, "returned to the queue by a daemon that was told to stop", AttemptOutcome::kReturned);
+      stop_job(id, "returned to the queue, because the daemon was told to stop", AttemptOutcome::kReturned);
   });
   changed({});
 }

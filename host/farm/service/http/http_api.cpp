@@ -673,7 +673,7 @@ std::unique_ptr<HttpResponse> HttpApi::check(const HttpRequest& request) const {
         (given != request.headers.end() && is_same_secret(bearer_token(given->second), state_->token)) ||
         (query != request.query.end() && request.method == "GET" && is_same_secret(query->second, state_->token));
     if (!is_known)
-      return refuse({401, "token", "a bearer token is needed", {{"WWW-Authenticate", "Bearer realm=\"multum\""}}});
+      return refuse({401, "token", "a bearer token is required", {{"WWW-Authenticate", "Bearer realm=\"multum\""}}});
   }
   return nullptr;
 }

@@ -49,9 +49,9 @@ void check_fields(const HttpLine::Parser& parser) {
   for (const http::field once :
        {http::field::host, http::field::content_length, http::field::transfer_encoding, http::field::authorization,
         http::field::origin, http::field::expect, http::field::content_type})
-    if (head.count(once) > 1) throw no_http(std::string(http::to_string(once)) + " is there twice");
+    if (head.count(once) > 1) throw no_http(std::string(http::to_string(once)) + " occurs twice");
   for (const char* once : {"Sec-Fetch-Site", "Sec-Fetch-Mode", "Last-Event-ID"})
-    if (head.count(once) > 1) throw no_http(std::string(once) + " is there twice");
+    if (head.count(once) > 1) throw no_http(std::string(once) + " occurs twice");
   if (head.version() >= 11 && head.count(http::field::host) == 0) throw no_http("Host is missing");
   if (head.count(http::field::transfer_encoding) == 0) return;
   if (head.version() < 11) throw no_http("HTTP/1.0 has no Transfer-Encoding");
@@ -137,7 +137,7 @@ asio::awaitable<void> HttpLine::read_header(Parser& parser, Clock::time_point un
     } catch (const UnreadableRequest& slow) {
       throw is_silent ? gone() : slow;  // there was no request
     }
-    if (count == 0) throw is_silent ? gone() : no_http("it ends within its header");
+    if (count == 0) throw is_silent ? gone() : no_http("the request ends within its header");
     end = text().find("\r\n\r\n", before < 3 ? 0 : before - 3);
     if (!is_text(text().substr(0, end))) throw no_http("expected lines of text that end in CR LF");
   }

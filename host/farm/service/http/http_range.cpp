@@ -35,7 +35,7 @@ class FilePart : public HttpBody {
     ssize_t count = -1;
     do count = ::pread(file_->descriptor(), to, wanted, static_cast<off_t>(at_));
     while (count < 0 && errno == EINTR);
-    if (count < 0) fail_by_errno("a file that is sent", "cannot be read on");
+    if (count < 0) fail_by_errno("a file that is being sent", "cannot be read further");
     at_ += static_cast<std::uint64_t>(count);
     left_ -= static_cast<std::uint64_t>(count);
     return static_cast<std::size_t>(count);

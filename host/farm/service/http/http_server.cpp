@@ -273,7 +273,7 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
         co_return false;
       }
       keep = false;
-      response = busy("too many clients listen to events");
+      response = busy("too many clients are listening to events");
     } else if (!is_urgent && !share.resize(response.made ? response.made->memory() + kPiece : response.body.size())) {
       keep = false;
       response = busy("there is not enough memory for the answer");
@@ -524,7 +524,7 @@ void HttpServer::listen_unix(const std::string& path) {
   asio::local::stream_protocol::socket probe(state_->io);
   boost::system::error_code error;
   probe.connect(path, error);
-  if (!error) throw Error(ErrorCode::kEnvironment, path + ": another program listens on this socket");
+  if (!error) throw Error(ErrorCode::kEnvironment, path + ": another program is listening on this socket");
   ::unlink(path.c_str());
   const auto acceptor = std::make_shared<asio::basic_socket_acceptor<asio::local::stream_protocol>>(state_->io);
   const mode_t mask = ::umask(0177);

@@ -156,7 +156,7 @@ asio::awaitable<HttpResponse> JobPictures::answer(Job job, std::string name) {
 
 asio::awaitable<void> JobPictures::made(Request request) {
   if (waiters_.size() >= kWaitingMax)
-    throw Refusal{503, "busy", "too many jobs wait for pictures", {{"Retry-After", "10"}}};
+    throw Refusal{503, "busy", "too many jobs are waiting for pictures", {{"Retry-After", "10"}}};
   std::exception_ptr error;
   const auto initiate = [&](auto handler) {
     const auto shared = std::make_shared<decltype(handler)>(std::move(handler));
@@ -270,7 +270,7 @@ void JobPictures::make(const Request& request) {
   std::error_code error;
   fs::remove_all(unfinished, error);
   fs::create_directory(unfinished, error);
-  if (error) throw Error(ErrorCode::kEnvironment, unfinished + ": cannot be made: " + error.message());
+  if (error) throw Error(ErrorCode::kEnvironment, unfinished + ": cannot be created: " + error.message());
   try {
     run(request, unfinished);
     check_result();

@@ -127,7 +127,7 @@ void ResultArchive::begin_next() {
 void ResultArchive::end_file() {
   const File& file = files_[next_ - 1];
   if (!is_in_state(open_, file.state))
-    throw Error(ErrorCode::kUsage, fmt::format("{}: was changed while it was sent", file.path));
+    throw Error(ErrorCode::kUsage, fmt::format("{}: was changed while it was being sent", file.path));
   open_ = OpenFile();
   is_open_ = false;
   sent_ = 0;
@@ -150,7 +150,7 @@ std::size_t ResultArchive::advance(char* to, std::uint64_t bytes_max) {
       const ssize_t count =
           to == nullptr ? (moved < 0 ? -1 : static_cast<ssize_t>(wanted)) : ::read(open_.descriptor(), to, wanted);
       if (count < 0 && errno == EINTR) continue;
-      if (count <= 0) throw Error(ErrorCode::kUsage, fmt::format("{}: cannot be read on", files_[next_ - 1].path));
+      if (count <= 0) throw Error(ErrorCode::kUsage, fmt::format("{}: cannot be read further", files_[next_ - 1].path));
       left_ -= static_cast<std::uint64_t>(count);
       return static_cast<std::size_t>(count);
     }

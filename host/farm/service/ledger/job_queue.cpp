@@ -28,7 +28,7 @@ JobQueue::JobQueue(const LedgerSettings& settings)
   if (const std::string damage = database_.damage(); !damage.empty())
     throw Error(
         ErrorCode::kInput,
-        fmt::format("{}: is damaged: {}; docs/reference/service.md explains how to repair it", settings.path, damage));
+        fmt::format("{}: is damaged: {}. docs/reference/service.md explains how to repair it", settings.path, damage));
   take_instance(settings);
   take_numbers();
   resync();

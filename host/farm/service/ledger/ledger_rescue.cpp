@@ -381,7 +381,7 @@ RescueReport rescue_ledger(const std::string& data) {
   if (!fs::is_regular_file(path, error))
     throw Error(ErrorCode::kInput, path + ": is missing, expected a ledger to rescue");
   const std::unique_ptr<DataLock> lock = DataLock::take(data);
-  if (!lock) throw Error(ErrorCode::kEnvironment, data + ": a daemon is running there; stop it first");
+  if (!lock) throw Error(ErrorCode::kEnvironment, data + ": a daemon is running there, and must be stopped first");
   if (fs::file_size(path, error) == 0 && !fs::exists(path + "-wal", error))
     throw Error(ErrorCode::kInput, path +
                                        ": is empty, so there is nothing to rescue; move it away, and start once "

@@ -119,7 +119,7 @@ void QueueThread::look_for_loss() {
   if (what.empty()) return;
   const std::string why =
       "the ledger is lost: " + what +
-      "; the service accepts and records nothing until the ledger is put back and the service is restarted";
+      "; the service neither accepts nor records anything until the ledger is put back and the service is restarted";
   queue_.database().look_only(why);
   is_lost_ = true;
   service_log(LogSeverity::kError, 0, "ALARM: " + why);

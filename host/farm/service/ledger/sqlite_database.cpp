@@ -112,7 +112,7 @@ SqliteDatabase::SqliteDatabase(std::string path) : path_(std::move(path)) {
     log_file_ = file_number(path_ + "-wal");
     int has_moved = 0;  // whether the file was replaced before its inode was read
     sqlite3_file_control(handle_, "main", SQLITE_FCNTL_HAS_MOVED, &has_moved);
-    if (has_moved != 0) throw Error(ErrorCode::kEnvironment, path_ + ": was replaced while it was opened");
+    if (has_moved != 0) throw Error(ErrorCode::kEnvironment, path_ + ": was replaced while it was being opened");
   } catch (...) {
     sqlite3_close(handle_);
     throw;
@@ -128,7 +128,7 @@ SqliteStatement& SqliteDatabase::statement(const char* sql) {
 
 SqliteDatabase::~SqliteDatabase() {
   statements_.clear();
-  if (sqlite3_close(handle_) != SQLITE_OK) log_warning(path_, "was closed with statements that are still in use");
+  if (sqlite3_close(handle_) != SQLITE_OK) log_warning(path_, "was closed while statements were still in use");
 }
 
 void SqliteDatabase::execute(const std::string& sql) {
@@ -218,7 +218,7 @@ void SqliteDatabase::fail(int result) const {
       throw SqliteError(
           ErrorCode::kInput,
           fmt::format(
-              "{}: is damaged or not a database of jobs: {}; docs/reference/service.md explains how to repair it",
+              "{}: is damaged or not a database of jobs: {}. docs/reference/service.md explains how to repair it",
               path_, what),
           result);
     case SQLITE_READONLY: check_may_change(); break;

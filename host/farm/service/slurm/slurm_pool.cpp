@@ -407,7 +407,7 @@ void SlurmPool::split_array(std::int64_t number) {
   std::vector<SlurmPart> bands;
   for (const auto& [item, part] : batches_.at(number).parts) bands.push_back(part.row);
   replace(number, in_arrays(std::move(bands), array_size_max_),
-          "sbatch refused an array of so many tasks; the jobs are sent again in a smaller array");
+          "sbatch refused an array of so many tasks, so the jobs are sent again in a smaller array");
 }
 
 // The ledger records the parts of the old batch as lost, for this reason. The old order is removed, so that its tasks

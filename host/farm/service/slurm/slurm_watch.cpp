@@ -368,9 +368,9 @@ void SlurmPool::send_again(std::int64_t number) {
   }
   ++counters_.forgotten;
   service_log(LogSeverity::kWarning, parts.front().job,
-              fmt::format("Slurm no longer knows its job {}, or did not start it; the job is sent again",
+              fmt::format("Slurm no longer knows its job {}, or did not start it, so the job is sent again",
                           old.slurm_job.value_or(0)));
-  replace(number, {std::move(parts)}, "Slurm no longer knew the job, or did not start it; the job was sent again");
+  replace(number, {std::move(parts)}, "Slurm no longer knew the job, or did not start it, so the job was sent again");
 }
 
 // Removes the files of batches once the ledger has recorded how their parts ended.

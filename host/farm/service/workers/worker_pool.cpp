@@ -32,7 +32,7 @@ using std::chrono::milliseconds;
 constexpr auto kTick = milliseconds(250);
 constexpr int kSocket = 3;                 // descriptor of a worker's socket
 constexpr std::size_t kLineMax = 1 << 20;  // bytes per line; a worker that sends more is broken
-constexpr char kNonsense[] = "it talks nonsense";
+constexpr char kNonsense[] = "it sent an invalid message";
 constexpr int kBackOffDoublingsMax = 4;  // the pause before a worker is restarted begins at 250 ms and doubles at most
                                          // this many times
 

@@ -60,9 +60,11 @@ class FolderReader {
                          [](const Json& sample) { return sample.contains("object_to_world"); });
     has_index_ = exists("id_" + sample_name(samples.front()) + ".png");
     if (moves_ && !has_index_)
-      refuse_file(folder_,
-                  fmt::format("has objects that move, but no id_{}.png; moving objects need object-index images",
-                              sample_name(samples.front())));
+      refuse_file(
+          folder_,
+          fmt::format(
+              "has objects that move, but no id_{}.png; expected object-index images, which moving objects need",
+              sample_name(samples.front())));
     const char* other = moves_ ? "motion" : samples.front().contains("light_swing_deg") ? "light" : "parameter";
     job_.parameters = {{"view", whole(scene_, "views", "the scene"), true},
                        {other, whole(scene_, "params", "the scene"), false}};

@@ -157,7 +157,7 @@ void check_camera(const StrictTable& table, const AnimationCamera& camera) {
         "world_to_camera",
         "has a last row that is not 0 0 0 1; expected the four rows of a matrix that multiplies column vectors");
   if (!(glm::determinant(glm::dmat3(m)) > 0.0))
-    table.refuse("world_to_camera", "is mirrored or flat: its determinant is not above 0");
+    table.refuse("world_to_camera", "is mirrored or flat, because its determinant is not above 0");
   const glm::dmat4& p = camera.projection;
   const bool has_w = p[0][3] == 0.0 && p[1][3] == 0.0 && p[2][3] < 0.0 && p[3][3] == 0.0;
   if (!has_w || !(p[0][0] > 0.0) || !(p[1][1] > 0.0) || p[3][0] != 0.0 || p[3][1] != 0.0)

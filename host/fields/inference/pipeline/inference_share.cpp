@@ -198,7 +198,7 @@ class RecordReader {
       const PointName name = {size_from(json.at("layer")), size_from(json.at("point")), size_from(json.at("object"))};
       const auto wanted = work_.textures.find(name);
       if (wanted == work_.textures.end() || !found.insert(name).second)
-        refuse("lists a texture twice, or a texture of another share");
+        refuse("lists a texture twice, or a texture that belongs to another share");
       result.textures.push_back(texture_from(json, name, wanted->second, settings_, field_.job()));
       check_file(result.textures.back().file, json.at("sha256").get<std::string>(), share);
     }
@@ -214,7 +214,7 @@ class RecordReader {
     const bool is_there = std::filesystem::is_regular_file(path, ignored);
     if (is_there && hash_file(path) == expected) return;
     share.damaged.insert(path);
-    if (share.why.empty()) share.why = path + (is_there ? ": is damaged, or belongs to another run" : ": is not there");
+    if (share.why.empty()) share.why = path + (is_there ? ": is damaged, or belongs to another run" : ": is missing");
   }
 
   PointReport point_from(const Json& json) const {

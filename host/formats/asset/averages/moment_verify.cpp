@@ -76,10 +76,10 @@ std::vector<VerifyFinding> MomentScan::findings() const {
   std::vector<VerifyFinding> findings = {
       finite_finding(texels_->nonfinite, "non-finite texels"),
       excess_finding("variance", texels_->variance, "no variance is below 0, and no correlation exceeds 1",
-                     "E[b b] contradicts E[b], beyond rounding,"),
+                     "E[b b] contradicts E[b] by more than rounding allows,"),
       excess_finding("slope", texels_->slope, fmt::format("no mean slope exceeds {}", kSlopeMax),
                      "a mean slope is too steep"),
-      excess_finding("|n| <= 1", texels_->length, "no mean normal is longer than 1, except for rounding",
+      excess_finding("|n| <= 1", texels_->length, "no mean normal is longer than rounding allows",
                      "a mean normal is longer than rounding allows,"),
   };
   if (header_.weight_count > 0) findings.push_back(weights_finding(header_.weight_count, texels_->weight, "1"));

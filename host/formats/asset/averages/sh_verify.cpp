@@ -73,13 +73,14 @@ std::vector<VerifyFinding> ShScan::findings() const {
   std::vector<VerifyFinding> findings = {
       finite_finding(texels_->nonfinite, "non-finite texels"),
       excess_finding("power", texels_->strong,
-                     "in each band, the sum of squares is at most the sum for a single direction",
-                     "in a band, the sum of squares exceeds the sum for a single direction"),
-      excess_finding("level 0", texels_->unlike,
-                     header_.first_level > 0 ? "not stored"
-                     : header_.has_roughness ? "each texel holds the facets of one normal"
-                                             : "each texel holds one direction",
-                     "a texel does not hold one direction: the sum of squares of a band is too low"),
+                     "in each band, the sum of the squared coefficients is at most that of a single direction",
+                     "in a band, the sum of the squared coefficients exceeds that of a single direction"),
+      excess_finding(
+          "level 0", texels_->unlike,
+          header_.first_level > 0 ? "not stored"
+          : header_.has_roughness ? "each texel holds the facets of one normal"
+                                  : "each texel holds one direction",
+          "a texel does not hold one direction: in a band, the sum of the squared coefficients is too small"),
   };
   if (header_.weight_count > 0) findings.push_back(weights_finding(header_.weight_count, texels_->weight, "1"));
   return findings;

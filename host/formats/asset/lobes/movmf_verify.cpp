@@ -232,13 +232,14 @@ std::vector<VerifyFinding> MovmfScan::findings() const {
            ? "no negative amplitude"
            : fmt::format("a = {} at {}", -lobes_->negative_amplitude.value, lobes_->negative_amplitude.text())});
   const bool is_planar = lobe_family(header_.header.representation).is_planar;
-  findings.push_back(excess_finding(
-      is_planar ? "|mean| <= 1" : "|r| <= 1", lobes_->long_mean, "no mean vector is longer than rounding allows",
-      is_planar ? "|a mean| exceeds a, beyond rounding," : "|a r| exceeds a, beyond rounding,"));
+  findings.push_back(excess_finding(is_planar ? "|mean| <= 1" : "|r| <= 1", lobes_->long_mean,
+                                    "no mean vector is longer than rounding allows",
+                                    is_planar ? "|a mean| exceeds a by more than rounding allows,"
+                                              : "|a r| exceeds a by more than rounding allows,"));
   if (is_planar)
     findings.push_back(excess_finding("variance", lobes_->missing_variance,
-                                      "no variance is below 0, except for rounding",
-                                      "a variance is below 0, beyond rounding,"));
+                                      "no variance is negative by more than rounding allows",
+                                      "a variance is negative by more than rounding allows,"));
   if (header_.header.weight_count > 0)
     findings.push_back(weights_finding(header_.header.weight_count, lobes_->weight_range, "a"));
   return findings;

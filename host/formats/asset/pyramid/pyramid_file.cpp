@@ -112,9 +112,9 @@ class PyramidScan {
     return {
         {"finite", nonfinite_ == 0, fmt::format("{} non-finite values, expected 0", nonfinite_)},
         {"means", worst <= tolerance,
-         fmt::format(
-             "level means differ from the mean of level 0 by {:.1e} of the largest value, expected at most {:.1e}{}",
-             worst, tolerance, worst <= tolerance ? "" : fmt::format(" (level {})", worst_level))},
+         fmt::format("the means of the levels differ from the mean of level 0 by {:.1e} of the largest value, expected "
+                     "at most {:.1e}{}",
+                     worst, tolerance, worst <= tolerance ? "" : fmt::format(" (level {})", worst_level))},
     };
   }
 

@@ -140,7 +140,7 @@ LobeTextureHeader read_texture_header(ByteFile& file, const std::string& path) {
   header.texels = texels_of_format(file.little_endian(12, 4, "the format"), path);
   const std::string text = lobes_key(file, path);
   try {
-    if (holds_nul(text)) throw std::out_of_range("NUL in a text");
+    if (holds_nul(text)) throw std::out_of_range("a NUL in a text");
     parse_texture_header(nlohmann::json::parse(text), header);
   } catch (const std::exception& error) {
     refuse_file(path, fmt::format("cannot read {}: {}", kLobeTextureKey, error.what()));

@@ -66,7 +66,7 @@ std::uint32_t as_identifier(std::uint32_t hash) {
 
 // Reads as much of a manifest as possible. Returns a description of the fault, or an empty string.
 std::string parse_manifest(const std::string& text, std::map<std::string, std::uint32_t>& manifest) {
-  if (holds_nul(text)) return "it holds NUL";
+  if (holds_nul(text)) return "it contains a NUL";
   std::string name, wrong;
   const auto take = [&](int depth, nlohmann::json::parse_event_t event, nlohmann::json& value) {
     using Event = nlohmann::json::parse_event_t;
@@ -79,7 +79,7 @@ std::string parse_manifest(const std::string& text, std::map<std::string, std::u
     return true;
   };
   const auto json = nlohmann::json::parse(text, take, false);
-  if (json.is_discarded()) return fmt::format("its {} bytes are cut off or not JSON", text.size());
+  if (json.is_discarded()) return fmt::format("its {} bytes are incomplete or not JSON", text.size());
   return json.is_object() ? wrong : "it is not a JSON object";
 }
 
@@ -189,11 +189,12 @@ Cryptomatte find_cryptomatte(const ExrFile& file, const std::string& layer) {
     values = metadata_by_key(metadata, {layer, result.prefix, last_of(result.prefix)});
     result.warnings.push_back(
         values != nullptr
-            ? fmt::format("the metadata of Cryptomatte \"{}\" have no name; they were found by the hash of this name",
-                          layer)
-            : fmt::format(
-                  "found no metadata of Cryptomatte \"{}\"; its objects are matched by the MurmurHash3 of their names",
-                  layer));
+            ? fmt::format(
+                  "the metadata of Cryptomatte \"{}\" do not contain its name, but were found by the hash of this name",
+                  layer)
+            : fmt::format("found no metadata for Cryptomatte \"{}\", so its objects are matched by the MurmurHash3 of "
+                          "their names",
+                          layer));
   }
   if (values == nullptr) return result;
   result.hash = metadata_text(*values, "hash");
@@ -205,7 +206,7 @@ Cryptomatte find_cryptomatte(const ExrFile& file, const std::string& layer) {
     if (const std::string wrong = parse_manifest(text, result.manifest); !wrong.empty())
       result.warnings.push_back(
           fmt::format("the manifest of Cryptomatte \"{}\" is damaged: {}. {} of its names are usable; other names are "
-                      "matched by their hash",
+                      "matched by their hashes",
                       layer, wrong, result.manifest.size()));
   return result;
 }

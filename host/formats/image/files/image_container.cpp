@@ -82,7 +82,7 @@ void check_png_header(const std::string& path, ByteFile& file) {
                                   field(26), field(27), field(28)));
 }
 
-constexpr char kFirstFrame[] = "the file is an animation; only the first frame is read";
+constexpr char kFirstFrame[] = "the file is an animation, of which only the first frame is read";
 
 // A PNG file is a signature, then chunks of [length 4][type 4][data][CRC 4]. The picture needs IHDR PLTE tRNS gAMA sRGB
 // IDAT IEND. An XMP text chunk of 52 KB keeps OpenImageIO 2.4.7 busy for 15 s
@@ -107,7 +107,8 @@ void inspect_png(const std::string& path, ByteFile& file, ImageContainer& contai
     }
     has_palette |= type == "PLTE";
     if (type == "IDAT" && !has_palette && file.big_endian(25, 1, "a PNG header") == 3)
-      refuse_file(path, "damaged PNG: found no palette (PLTE) before its rows, expected one with colour type 3");
+      refuse_file(path,
+                  "damaged PNG: found no palette (PLTE) before its rows, expected one because its colour type is 3");
     has_rows |= type == "IDAT";
     if (type == "IEND" && !has_rows)
       refuse_file(path, "damaged PNG: found no rows (IDAT), expected at least one chunk");
@@ -230,11 +231,12 @@ void inspect_exr(const std::string& path, ByteFile& file, ImageContainer& contai
   container.width = parts.front().width;
   container.height = parts.front().height;
   if (!parts.front().subsampled.empty())
-    refuse_file(path, fmt::format("found channel {} with fewer samples than texels, as in luminance/chroma images (Y, "
-                                  "RY, BY); expected red, green and blue in every texel: convert it to RGB first",
-                                  parts.front().subsampled));
+    refuse_file(path,
+                fmt::format("found channel {} with fewer samples than texels, as in luminance/chroma images (Y, RY, "
+                            "BY); expected red, green and blue in every texel. Convert the image to RGB first",
+                            parts.front().subsampled));
   if (parts.size() > 1)
-    container.notes.push_back(fmt::format("the file has {} parts; only the first is read", parts.size()));
+    container.notes.push_back(fmt::format("the file has {} parts, of which only the first is read", parts.size()));
   keep(container, 0, file.size());
 }
 
@@ -267,7 +269,7 @@ void refuse_misread_tiff(const std::string& path, const TiffSurvey& tiff) {
     refuse_file(path, fmt::format("found a TIFF that stores CMYK, Lab or a colour filter array "
                                   "(PhotometricInterpretation {}), expected grey, RGB or a palette",
                                   tiff.photometric));
-  if (tiff.bits == 0) refuse_file(path, "found a TIFF without bits per sample (BitsPerSample), expected that tag");
+  if (tiff.bits == 0) refuse_file(path, "found a TIFF without bits per sample, expected the tag BitsPerSample");
   const std::vector<int> bits = tiff.sample_format == kFloats     ? std::vector{16, 32, 64}
                                 : tiff.sample_format == kSigned   ? std::vector{8, 16, 32}
                                 : tiff.sample_format == kUnsigned ? std::vector{1, 2, 4, 6, 8, 10, 12, 14, 16, 32}
@@ -332,7 +334,7 @@ void inspect_tiff(const std::string& path, ByteFile& file, ImageContainer& conta
   add_orientation(container, tiff.orientation);
   if (tiff.page_count > 1)
     container.notes.push_back(
-        fmt::format("the file has {} pages; only the first is read{}", tiff.page_count,
+        fmt::format("the file has {} pages, of which only the first is read{}", tiff.page_count,
                     tiff.is_reduced ? ", although the file says that it is a reduced version of another page" : ""));
   else if (tiff.is_reduced)
     container.notes.emplace_back("the file says that its picture is a reduced version of another picture");
@@ -359,7 +361,7 @@ std::string other_kind(std::string_view head) {
   using namespace std::string_view_literals;
   constexpr char kExpected[] = "expected PNG, JPEG, WebP, TIFF or OpenEXR";
   if (head.starts_with("DDS "sv))
-    return fmt::format("a DDS texture for GPUs, {}: give the map that it was made from", kExpected);
+    return fmt::format("a DDS texture for GPUs, {}; give the map from which it was made", kExpected);
   if (head.starts_with("glTF"sv))
     return fmt::format("a glTF model, {}. 'multum gltf' converts a model, and 'multum materials' lists its maps",
                        kExpected);

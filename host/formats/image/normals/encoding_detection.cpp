@@ -211,9 +211,9 @@ std::string summary(const Reading& reading) {
 // up to 1 with an empty blue channel. But they lack the gradients of a surface and are far from flat (measured:
 // agreement 0.00, rebuilt z 0.67).
 std::optional<std::string> two_channel_refusal(const VectorStatistics& s) {
-  if (s.beyond_share > 0.005) return fmt::format("x^2 + y^2 exceeds 1 on {:.1f} % of texels", 100.0 * s.beyond_share);
-  if (std::hypot(s.mean_x, s.mean_y) > 0.5 * s.rebuilt_z_mean) return "the mean vector leans to one side";
-  if (s.tilted_share > 0.05 && s.negative_share < 0.01) return "red and green are never negative";
+  if (s.beyond_share > 0.005) return fmt::format("x^2 + y^2 exceeds 1 in {:.1f} % of texels", 100.0 * s.beyond_share);
+  if (std::hypot(s.mean_x, s.mean_y) > 0.5 * s.rebuilt_z_mean) return "the mean vector is tilted to one side";
+  if (s.tilted_share > 0.05 && s.negative_share < 0.01) return "red and green contain no negative values";
   if (std::abs(s.gradient_agreement) < 0.15 && s.rebuilt_z_mean < 0.85)
     return "red and green are not the slopes of a surface";
   return std::nullopt;
@@ -240,7 +240,7 @@ std::optional<std::string> vector_refusal(const VectorStatistics& s) {
         "vectors have a mean length of {:.3g}, expected 1; their lengths differ, and they are not clearly the slopes "
         "of a surface (scale them to unit length)",
         s.length_mean);
-  if (s.mean_z < 0.4 || std::hypot(s.mean_x, s.mean_y) > 0.5 * s.mean_z) return "the mean vector leans to one side";
+  if (s.mean_z < 0.4 || std::hypot(s.mean_x, s.mean_y) > 0.5 * s.mean_z) return "the mean vector is tilted to one side";
   if (s.unit_share_10 >= 0.8) return std::nullopt;
   if (s.unit_share_20 >= 0.6 && (agreement >= 0.15 || s.rebuilt_z_correlation >= 0.25)) return std::nullopt;
   if (agreement >= 0.25) return std::nullopt;
@@ -401,10 +401,11 @@ DetectedEncoding packed_heights(const std::string& path, const Evidence& evidenc
   if (evidence.info().base_type != number_type::kUint8 || evidence.info().channel_count < channel_count)
     throw Error(ErrorCode::kInput, fmt::format("{}: found {}, expected {} channels of 8 bits for {}", path,
                                                evidence.info().format, channel_count, height_coding_name(coding)));
-  return height_field(coding_of(settings.bump_format)
-                          ? height_coding_name(coding) + ", as requested"
-                          : height_coding_name(coding) + ": the heights are continuous, but single channels jump",
-                      {coding, std::nullopt}, settings);
+  return height_field(
+      coding_of(settings.bump_format)
+          ? height_coding_name(coding) + ", as requested"
+          : height_coding_name(coding) + ": the heights are continuous, but the single channels contain jumps",
+      {coding, std::nullopt}, settings);
 }
 
 // Reads the file as a height field, as the settings request.
@@ -412,7 +413,7 @@ DetectedEncoding asked_heights(const std::string& path, const Evidence& evidence
   if (is_grey(evidence))
     return height_field(evidence.info().channel_count == 1
                             ? "as requested"
-                            : "as requested; heights are the mean of equal colour channels",
+                            : "as requested; each height is the mean of equal colour channels",
                         {HeightCoding::kGrey, evidence.survey.no_data()}, settings);
   if (const std::optional<HeightCoding> packed = find_packed_heights(evidence.image))
     return packed_heights(path, evidence, *packed, settings);
@@ -443,9 +444,9 @@ const char* green_name(GreenAxis green) { return green == GreenAxis::kUp ? "up (
 void warn_of_length(const Reading& reading, std::vector<std::string>& warnings) {
   const VectorStatistics& s = reading.statistics;
   if (reading.encoding.rebuild_z || s.unit_share_20 >= 0.5 || !has_one_length(s)) return;
-  warnings.push_back(
-      fmt::format("all its vectors have length {:.3g} instead of 1; they are read as scaled normals, and normalised",
-                  s.length_mean));
+  warnings.push_back(fmt::format(
+      "all its vectors have a length of {:.3g} instead of 1, so they are read as scaled normals and normalised",
+      s.length_mean));
 }
 
 // Warns if the direction of green is unknown, or if the settings contradict the statistics. A green channel with the
@@ -455,7 +456,7 @@ void warn_of_green(const NormalMapSettings& settings, std::optional<GreenAxis> f
   if (!settings.green && !found) {
     // If no texel is tilted, green is 0 for both directions.
     if (s.tilted_share > 0.0)
-      warnings.emplace_back("the statistics do not show the direction of green; assuming up (OpenGL)" +
+      warnings.emplace_back("the statistics do not show the direction of green, so it is assumed to point up (OpenGL)" +
                             advice(", <green up> or <green down> sets it"));
   } else if (settings.green && found && *settings.green != *found) {
     warnings.push_back(
@@ -511,8 +512,9 @@ DetectedEncoding detect_encoding(const std::string& path, const RawImage& image,
   if (channel_count == 1 && settings.two_channel.value_or(false))
     throw Error(
         ErrorCode::kInput,
-        fmt::format("{}: found {}: 1 colour channel, expected red and green, which hold x and y of a two-channel map",
-                    path, image.info().format));
+        fmt::format(
+            "{}: found {} with 1 colour channel, expected red and green, which hold x and y of a two-channel map", path,
+            image.info().format));
   if (channel_count == 1) {
     if (settings.bump_format == BumpFormat::kNormal)
       throw Error(ErrorCode::kInput,

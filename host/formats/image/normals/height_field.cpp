@@ -78,7 +78,7 @@ void warn_of_doubts(NormalMapReport& report, const HeightSurface& surface, doubl
         std::atan(slope_rms) * 180.0 / std::numbers::pi, slope_rms, kSlopeMin, kSlopeMax);
   else if (is_odd(slope_rms))
     text +=
-        fmt::format("its rms slope {:.3g} is too {}, expected {:g} to {:g}: a height scale of {:g} may be wrong",
+        fmt::format("its rms slope of {:.3g} is too {}, expected {:g} to {:g}, so a height scale of {:g} may be wrong",
                     slope_rms, slope_rms < kSlopeMin ? "flat" : "steep", kSlopeMin, kSlopeMax, settings.height_scale);
   const std::string suggestion = suggested_scale(surface, slope_rms, is_odd(slope_rms), settings);
   if (text.empty() && !suggestion.empty())
@@ -178,7 +178,7 @@ void warn_of_steps(NormalMapReport& report, const HeightSteps& steps, const Heig
     report.warnings.push_back("this setting has no effect on heights without steps" + names_as_advice({"dequantize"}));
   if (settings.dequantize || !steps.are_terraces(scale)) return;
   report.warnings.push_back(
-      fmt::format("its heights have steps of {}: at a height scale of {:g}, one step tilts a texel by {:.1f} degrees, "
+      fmt::format("its heights have steps of {}. At a height scale of {:g}, one step tilts a texel by {:.1f} degrees, "
                   "so smooth slopes become terraces. Heights with more bits avoid this{}",
                   step_text(steps, surface), settings.height_scale, steps.degrees(scale),
                   advice("; <dequantize> smooths them within half a step")));

@@ -147,10 +147,10 @@ std::string step_text(const HeightSteps& steps, const HeightSurface& surface) {
   constexpr double kByte = 1.0 / 255.0;
   if (std::abs(steps.step - kByte) < 0.005 * kByte) {
     const bool is_byte = surface.info().base_type == number_type::kUint8;
-    return is_byte ? "1/255 (8 bits)" : "1/255 (8 bits stored in more)";
+    return is_byte ? "1/255 (8 bits)" : "1/255 (8-bit values in a wider format)";
   }
   return fmt::format("{:.4g}{}", steps.step * value_unit(surface.info(), surface.reading()),
-                     is_float_type(surface.info().sample_type) ? "" : " in the file's own numbers");
+                     is_float_type(surface.info().sample_type) ? "" : " in the units of the file");
 }
 
 }  // namespace multum

@@ -150,13 +150,13 @@ void check_unused_share(const std::string& path, NormalMapRows& map, const Norma
   const auto texel_count = static_cast<double>(map.normals.width()) * map.normals.height();
   const double share = static_cast<double>(map.report.unused_texels) / texel_count;
   if (share <= kUnusedShareNoted) return;
-  const std::string found = fmt::format("{} of {:.0f} texels ({:.1f} %) are {}, which is not a normal",
+  const std::string found = fmt::format("{} of {:.0f} texels ({:.1f} %) are {}, which is not a valid normal",
                                         map.report.unused_texels, texel_count, 100.0 * share, empty);
   if (share > kUnusedShareMax && settings.bump_format != BumpFormat::kNormal)
     throw Error(ErrorCode::kInput,
                 fmt::format("{}: {}; expected at most {:.0f} %{}", path, found, 100.0 * kUnusedShareMax,
                             advice(" (if it is a normal map, use <bumpformat normal>)")));
-  map.report.warnings.push_back(found + "; they count as unused, and are read as flat");
+  map.report.warnings.push_back(found + "; they count as unused and are read as flat");
 }
 
 }  // namespace

@@ -48,8 +48,8 @@ void check_finite(const std::string& path, const ImageSurvey& survey, int width,
 
 std::string step_text(const SeamStep& step) {
   return fmt::format(
-      "the step across its border has an rms of {:.3g}, but steps inside the map have a median of {:.3g} and a maximum "
-      "of {:.3g}",
+      "the step across its border has an rms value of {:.3g}, but steps inside the map have a median of {:.3g} and a "
+      "maximum of {:.3g}",
       step.border, step.median, step.largest);
 }
 
@@ -78,7 +78,7 @@ WrapMode resolved_wrap(WrapMode said, const Direction& direction, DetectedEncodi
 // Warns about one or both directions in one warning.
 void warn_of_seams(const std::vector<Direction>& doubtful, DetectedEncoding& found) {
   if (doubtful.empty()) return;
-  std::string text = "it is assumed to repeat, but probably does not:";
+  std::string text = "it is assumed to repeat, but it probably does not:";
   for (const Direction& one : doubtful)
     text += fmt::format("{} along {} {}", &one == &doubtful.front() ? "" : ";", one.name, step_text(one.step));
   text += advice(fmt::format(

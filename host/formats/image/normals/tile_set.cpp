@@ -109,7 +109,7 @@ TileBorders read_borders(const std::string& path, const TileSet::BorderReading& 
   TileBorders borders{info.width, info.height, info.base_type, "", {}, {}};
   const int channel_count = reading.coding == HeightCoding::kPacked16 ? 2 : 3;
   if (reading.coding == HeightCoding::kGrey ? !is_grey_image(info, survey) : info.channel_count < channel_count)
-    borders.failure = fmt::format("does not hold heights of this kind ({})", info.format);
+    borders.failure = fmt::format("does not contain heights of this kind ({})", info.format);
   if (!borders.failure.empty()) return borders;
   const HeightSurface surface(image, {reading.coding, survey.no_data()}, survey.nonfinite_count() == 0,
                               reading.fix_nan);
@@ -284,7 +284,7 @@ TileSurroundings tile_surroundings(TileSet& set, const std::string& tile, const 
     sides[name] = {word, other};
     if (beside.kind == Kind::kGap)
       around.warnings.push_back(fmt::format(
-          "its set has tiles beyond the missing tile {} ({}); the surface ends at that border", beside.tile, name));
+          "its set has tiles beyond the missing tile {} ({}), so the surface ends at that border", beside.tile, name));
     if (word != kNeighbourWord && !(is_horizontal(side) ? repeats.s : repeats.t)) {
       sides[name] = {kUnaskedWord, ""};
       continue;
@@ -296,7 +296,7 @@ TileSurroundings tile_surroundings(TileSet& set, const std::string& tile, const 
     }
     const TileBorders& borders = set.borders(other, reading, spill);
     if (const std::string why = difference(borders, info); !why.empty()) {
-      around.warnings.push_back(fmt::format("tile {} ({}) {}; the surface ends at that border", other, name, why));
+      around.warnings.push_back(fmt::format("tile {} ({}) {}, so the surface ends at that border", other, name, why));
       sides[name] = {kUnlikeWord, other, set.file_hash(other)};
       continue;
     }

@@ -195,7 +195,7 @@ void ExrChunks::read_table(std::size_t index, std::int64_t& position) {
     if (place < static_cast<std::uint64_t>(tables_end_) ||
         place > static_cast<std::uint64_t>(file_.size() - head_bytes))
       refuse(index, chunk,
-             fmt::format("the table of chunks gives byte {} as its start, expected {} to {}", place, tables_end_,
+             fmt::format("the chunk table states that it starts at byte {}, expected {} to {}", place, tables_end_,
                          file_.size() - head_bytes));
     const auto begin = static_cast<std::int64_t>(place);
     const std::string head = file_.bytes(begin, head_bytes, kHead);

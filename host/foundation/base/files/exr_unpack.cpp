@@ -70,7 +70,7 @@ const char* unroll(const unsigned char* packed, std::size_t packed_size, unsigne
     const int count = static_cast<signed char>(packed[i++]);
     const auto length = static_cast<std::size_t>(count < 0 ? -count : count + 1);
     if (length > size - at) return "its runs unpack to too many bytes";
-    if ((count < 0 ? length : 1) > packed_size - i) return "its runs are cut";
+    if ((count < 0 ? length : 1) > packed_size - i) return "its last run is incomplete";
     if (count < 0) std::memcpy(out + at, packed + i, length);
     else std::memset(out + at, packed[i], length);
     i += count < 0 ? length : 1;

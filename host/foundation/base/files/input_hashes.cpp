@@ -51,7 +51,8 @@ InputHashes::Known* InputHashes::noted(const std::string& path) {
 
 void InputHashes::check(const Known& known, const std::string& path) {
   if (stamp_of(path) != known.stamp)
-    throw Error(ErrorCode::kInput, path + ": changed while it was read, expected a file that no program writes to");
+    throw Error(ErrorCode::kInput,
+                path + ": changed while it was being read, expected a file that no program is writing");
 }
 
 void InputHashes::note(const std::string& path) {

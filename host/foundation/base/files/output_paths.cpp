@@ -25,8 +25,8 @@ bool same_file(const std::string& a, const std::string& b) {
 // Names are written to file lists, logs and terminals, where a control character could have an effect.
 void check_name(const fs::path& name, const std::string& path) {
   if (holds_control(name.string()))
-    throw Error(ErrorCode::kUsage,
-                fmt::format("{}: its name holds a control character, expected a name without one", shown_text(path)));
+    throw Error(ErrorCode::kUsage, fmt::format("{}: its name contains a control character, expected a name without one",
+                                               shown_text(path)));
 }
 
 // The folders that were created. Each folder comes after the folders that contain it.

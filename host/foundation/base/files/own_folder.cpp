@@ -28,8 +28,8 @@ constexpr mode_t kOthersWrite = S_IWGRP | S_IWOTH;
 
 [[noreturn]] void refuse(const std::string& path, const std::string& what) {
   throw Error(ErrorCode::kEnvironment,
-              fmt::format("{}: {}; expected a new folder, or one that only this user may write to. It was left "
-                          "unchanged: remove it, or write to another folder",
+              fmt::format("{}: {}; expected a new folder, or one to which only this user can write. It was left "
+                          "unchanged. Remove it, or write to another folder",
                           path, what));
 }
 
@@ -155,7 +155,7 @@ OpenFile open_own_folder(const OpenFile& above, const std::string& name, const s
     const bool is_made = ::mkdirat(above.descriptor(), name.c_str(), kOwnMode) == 0;
     if (!is_made && errno == ENAMETOOLONG)
       throw Error(ErrorCode::kUsage, path + ": the name is too long for the file system; choose a shorter one");
-    if (!is_made && errno != EEXIST) fail_by_errno(path, "cannot be made");
+    if (!is_made && errno != EEXIST) fail_by_errno(path, "cannot be created");
     try {
       if (OpenFile folder = open_if_own(above, name, path); folder.is_open()) return folder;
     } catch (...) {

@@ -238,7 +238,7 @@ TEST_F(BakeManifestTest, SettingsMayBeChosenForATarget) {
     expect_error(ErrorCode::kInput, parts, [&] { of_map("", map); });
   };
   refused("target_error = 0.1\nsh_order = 3\nndf = \"sh\"", "7",
-          {"map.sh_order", "exclude each other", "target_error"});
+          {"map.sh_order", "are mutually exclusive", "target_error"});
   refused("target_error = 0.1\nbudget_ms = 5", "7", {"map.budget_ms", "together with", "target_error"});
   refused("target_error = 0", "6", {"map.target_error", "0"});
   refused("brdf = \"lambert\"", "6", {"map.brdf", "target_error", "budget_ms", "neither"});

@@ -139,7 +139,7 @@ TEST_F(SceneTest, WhatIsWrongIsRefusedWithItsLine) {
       {"[[material]]",
        "[[map]]\nname = \"other\"\nnormal = \"wall.exr\"\n[[material]]",
        11,
-       {"map.name", "\"other\"", "no [[object]]"}},
+       {"map.name", "\"other\"", "not used by any [[object]]"}},
       {"green = \"up\"", "green = \"left\"", 9, {"map.green", "\"left\"", "up, down"}},
       {"brdf = \"blinn-phong\"", "brdf = \"phong\"", 12, {"material.brdf", "\"phong\"", "lambert, blinn-phong"}},
       {"exponent = [20, 100]", "exponent = [100, 20]", 13, {"material.exponent is [100, 20]", "lower", "first"}},
@@ -523,7 +523,7 @@ TEST_F(SceneTest, WhatTrialsChooseIsARange) {
     // long they take.
     const std::string in_all = text.substr(text.rfind("in total: "));
     for (const std::string& part : {text, in_all})
-      expect_says(part, {"plus the trials (up to 24 per map, a few seconds in total)"});
+      expect_says(part, {"plus the trials (up to 24 per map, which take a few seconds in total)"});
     EXPECT_GE(map.stated_difference, std::stod(target))
         << "the chosen settings need not have a lower error than the target";
   }

@@ -156,7 +156,7 @@ TEST(OpenJdLimits, WhatIsWithinIsTakenAndOneMoreIsRefused) {
          job["steps"].push_back(job["steps"][0]);
          if (more == 0) job["steps"][1]["name"] = "Other";
        },
-       "is there twice"},
+       "occurs twice"},
       {"dependency",
        [](FarmJson& job, std::size_t more) {
          job["steps"].push_back(job["steps"][0]);

@@ -188,7 +188,7 @@ TEST(FieldDescription, PosesThatAreSharedAreBounded) {
   ByteWriter writer;
   writer.number(text.size());
   writer.bytes(std::span(packed).first(length));
-  testing::expect_error(ErrorCode::kInput, {"moves too many objects"}, [&] { decode_description(writer.written()); });
+  testing::expect_error(ErrorCode::kInput, {"than a field can store"}, [&] { decode_description(writer.written()); });
 }
 
 }  // namespace

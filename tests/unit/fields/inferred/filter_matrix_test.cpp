@@ -236,17 +236,17 @@ TEST_F(FilterMatrixRefusalTest, FilesCutShort) {
     SCOPED_TRACE(size);
     const char* words = size < whole_.first_line.size() ? "not a filter matrix"
                         : size + 1 < lists              ? "header is damaged"
-                                                        : "cut short";
+                                                        : "incomplete";
     refuse_bytes(bytes.substr(0, size), {words});
   }
-  refuse_bytes(bytes + "x", {"cut short", "81 bytes", "80", "3 rows", "5 entries"});
+  refuse_bytes(bytes + "x", {"incomplete", "81 bytes", "80", "3 rows", "5 entries"});
   refuse_header("rows", 4, {"92", "4 rows", "5 entries"});
   refuse_header("entries", 4, {"72", "3 rows", "4 entries"});
   // These sizes would overflow or take all memory.
   for (const char* key : {"rows", "entries"})
     for (const std::uint64_t count : {std::uint64_t{1} << 31, (std::uint64_t{1} << 31) + 1, std::uint64_t{1} << 62,
                                       std::numeric_limits<std::uint64_t>::max()})
-      refuse_header(key, count, {"cut short"});
+      refuse_header(key, count, {"incomplete"});
 }
 
 TEST_F(FilterMatrixRefusalTest, AFlippedBitInAnyByteOfTheLists) {

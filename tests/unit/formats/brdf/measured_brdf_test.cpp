@@ -159,7 +159,7 @@ TEST_F(MeasuredFileTest, RadianceRows) {
   refusal("-Y 4 +X 8", packed + flat + packed, {"cut"});
   refusal("-Y 4 +X 9", packed, {"9", "4", "wide"});
   refusal("+Y 4 +X 8", packed, {"+Y", "-Y", "+X"});
-  refusal("-Y 4 +X 8", std::string("\2\2\0\x8\x89\x80", 6), {"run goes beyond", "row"});
+  refusal("-Y 4 +X 8", std::string("\2\2\0\x8\x89\x80", 6), {"run extends beyond", "row"});
   refusal("-Y 999999 +X 1999998", packed, {"1999998", "999999", "wide"});
   expect_refusal(read_environment_map, write("xyz.hdr", "#?RADIANCE\nFORMAT=32-bit_rle_xyze\n\n-Y 4 +X 8\n"), {"xyze"});
   expect_refusal(read_environment_map, write("none.hdr", "#?"), {"header"});

@@ -306,7 +306,7 @@ TEST_F(ForeignCryptomatte, MetadataWithoutANameAreMatchedByTheirKey) {
   set_rank(part_, 0, 2, 0x11223344u, 0.125f);
   warnings = expect_read("CryptoObject");
   ASSERT_EQ(warnings.size(), 3u);
-  expect_says(warnings[0], {"have no name", "\"CryptoObject\"", "hash"});
+  expect_says(warnings[0], {"do not contain its name", "\"CryptoObject\"", "hash"});
   EXPECT_EQ(read_cryptomatte_coverage(folder_ / "crypto.exr", "CryptoObject", {"other"})[0][0], 0.125f);
   part_.attributes.clear();
   EXPECT_EQ(expect_read("CryptoObject").size(), 1u);

@@ -308,7 +308,7 @@ TEST(HeightField, TerracesAreKnownInWiderNumbers) {
   for (const double unit : {257.0 / 65535.0, 256.0 / 65535.0}) {
     const std::vector<std::string> found = read_codes(shifted(unit), false).report.warnings;
     ASSERT_EQ(found.size(), 1u);
-    testing::expect_says(found[0], {"1/255", "stored in more", "--dequantize"});
+    testing::expect_says(found[0], {"1/255", "in a wider format", "--dequantize"});
     EXPECT_LT(errors(read_codes(shifted(unit), true), ramp).second, 0.6);
   }
   for (const TypeDesc::BASETYPE type : {TypeDesc::HALF, TypeDesc::FLOAT}) {

@@ -376,8 +376,8 @@ TEST(NormalMapReading, ColoursAreRefusedWithTheReason) {
   std::mt19937 generator(seed);
   std::uniform_real_distribution<double> uniform(-1.0, 1.0);
   const RefusalCase cases[] = {{"bricks", 0.6, 0.3, 0.2, 0.2, "below the surface"},
-                               {"sky", 0.53, 0.81, 0.92, 0.03, "leans to one side"},
-                               {"white", 0.95, 0.93, 0.9, 0.05, "leans to one side"},
+                               {"sky", 0.53, 0.81, 0.92, 0.03, "tilted to one side"},
+                               {"white", 0.95, 0.93, 0.9, 0.05, "tilted to one side"},
                                {"lavender", 0.6, 0.5, 0.75, 0.05, "too few vectors"}};
   for (const RefusalCase& test : cases) {
     TestImage image;

@@ -136,7 +136,7 @@ TEST_F(TileSetTest, MissingAndUnlikeTilesEndTheSurface) {
   std::filesystem::remove(folder_ / "h_1003.png");
   TestImage broken = normal_image(kSide, kSide);
   write_test_image(folder_ / "h_1002.png", broken);
-  EXPECT_TRUE(has_warning(read_tile("1001"), {"tile 1002", "not hold heights of this kind"}));
+  EXPECT_TRUE(has_warning(read_tile("1001"), {"tile 1002", "not contain heights of this kind"}));
 }
 
 TEST_F(TileSetTest, DequantizedTilesMeet) {

@@ -234,9 +234,9 @@ TEST_F(UseOfBlue, AFlatMapHasNothingToGain) {
     for (const float value : {127.0f / 255.0f + step, 127.0f / 255.0f, 1.0f}) flat.values.push_back(value);
   }
   write_test_image(folder_ / "a.png", flat);
-  EXPECT_TRUE(contains(all_warnings(read_map(folder_ / "a.png")), "gain nothing"));
+  EXPECT_TRUE(contains(all_warnings(read_map(folder_ / "a.png")), "bring no benefit"));
   write_test_image(folder_ / "b.png", normal_image(32, 32));
-  EXPECT_FALSE(contains(all_warnings(read_map(folder_ / "b.png")), "gain nothing"));
+  EXPECT_FALSE(contains(all_warnings(read_map(folder_ / "b.png")), "bring no benefit"));
 }
 
 }  // namespace

@@ -17,7 +17,7 @@ class InputHashesTest : public ::testing::Test {
     return folder_ / "a";
   }
   void expect_changed(const std::function<void()>& call) const {
-    testing::expect_error(ErrorCode::kInput, {folder_ / "a", "changed while it was read"}, call);
+    testing::expect_error(ErrorCode::kInput, {folder_ / "a", "changed while it was being read"}, call);
   }
 
   const testing::TemporaryFolder folder_;

@@ -149,8 +149,7 @@ TEST(MeshMessagesTest, AnswersAreChecked) {
   take_arrays(asked, memory.data(), triangle);
   const auto refused = [&](const TriangleMesh& wrong) {
     TriangleMesh mesh = wrong;
-    expect_error(ErrorCode::kInput, {"a.obj: damaged", "no valid mesh"},
-                 [&] { take_arrays(asked, memory.data(), mesh); });
+    expect_error(ErrorCode::kInput, {"a.obj: damaged", "valid mesh"}, [&] { take_arrays(asked, memory.data(), mesh); });
   };
   TriangleMesh wrong = triangle;
   wrong.parts = {{"", 0, 2, 0xffffffff}};
