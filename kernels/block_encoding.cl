@@ -5,12 +5,12 @@
 // BC4 stores two endpoints of 8 bits, and one index of 3 bits per texel. An index selects one of eight values from
 // endpoint to endpoint, or one of six such values and the constants 0 and 1. The search begins with the best of several
 // pairs of endpoints, and moves these endpoints by ever smaller steps until no neighbouring pair has a lower error. In
-// BC7, every block has its own mode. Mode 6, one line through the colours with 16 steps, is tried first. The search
-// stops if the error of mode 6 is at most the error of rounding to 8 bits. Otherwise it also tries a separate channel
-// (modes 4 and 5, by rotation) and two lines (mode 1). A line is first placed along the texels' principal axis, and
-// then fitted by least squares to the indices of the texels. Finally, the codes of the best line are improved one by
-// one. Modes with three lines are not used. Alpha is 255. If the third channel is stored as alpha, blue is 255, and
-// modes 4, 5 and 6 swap blue and alpha.
+// BC7, every block has its own mode. Mode 6, which has one line through the colours with 16 steps, is tried first. The
+// search stops if the error of mode 6 is at most the error of rounding to 8 bits. Otherwise the kernel also tries a
+// separate channel (modes 4 and 5, by rotation) and two lines (mode 1). A line is first placed along the texels'
+// principal axis, and then fitted by least squares to the indices of the texels. Finally, the codes of the best line
+// are improved one by one. Modes with three lines are not used. Alpha is 255. If the third channel is stored as alpha,
+// blue is 255, and modes 4, 5 and 6 swap blue and alpha.
 //
 // Values range from 0 to 255 and are not rounded. On every device, the texels of a block are the lanes of a vector.
 
@@ -22,7 +22,7 @@
                                             // inlined
 #endif
 
-// The expected sum of squared differences if the 48 values of a block are rounded to 8 bits: 48 / 12.
+// The expected sum of squared differences if the 48 values of a block are rounded to 8 bits. This is 48 / 12.
 #define ROUNDING_ERROR 4.0f
 
 static inline float sum_of(float16 v) {
@@ -54,13 +54,13 @@ static inline void put_bits(BlockBits* bits, uint value, int count) {
 
 // ------------------------------------------------------------------------------------------------------------ BC4
 
-// Two endpoints, whole numbers from 0 to 255, with low <= high. If `has_limits`, there are six values from low to high,
-// plus 0 and 255.
+// Two endpoints, which are whole numbers from 0 to 255, with low <= high. If `has_limits`, there are six values from
+// low to high, plus 0 and 255.
 typedef struct ScalarEnds {
   float low, high, error;
 } ScalarEnds;
 
-// Returns the nearest step from low to high for each value: 0 to 5, or 0 to 7.
+// Returns the number of the nearest step from low to high for each value. There are steps 0 to 5, or 0 to 7.
 static inline float16 scalar_steps(float16 v, float low, float high, float step_count) {
   const float scale = high > low ? step_count / (high - low) : 0.0f;
   return rint(clamp((v - low) * scale, 0.0f, step_count));
@@ -89,7 +89,7 @@ static inline void try_ends(float16 v, float low, float high, int has_limits, Sc
   }
 }
 
-// Fits the endpoints by least squares to the texels' current steps. Only texels with weight 1 count; the others have
+// Fits the endpoints by least squares to the texels' current steps. Only texels with weight 1 count. All others have
 // weight 0.
 static inline void fit_ends(float16 v, float16 weight, float* low, float* high, float step_count) {
   const float16 u = scalar_steps(v, *low, *high, step_count) / step_count;
@@ -103,7 +103,7 @@ static inline void fit_ends(float16 v, float16 weight, float* low, float* high, 
   *high = *low + slope;
 }
 
-// Moves one endpoint, or both, by `step` as long as the error falls.
+// Moves one endpoint, or both, by `step` as long as the error decreases.
 static inline void climb(float16 v, float step, int has_limits, ScalarEnds* best) {
   for (int turn = 0; turn < 32; ++turn) {
     const ScalarEnds from = *best;
@@ -139,10 +139,10 @@ static inline ScalarEnds scalar_ends(float16 v, int has_limits) {
   return best;
 }
 
-// One work-item = one block.
+// One work-item handles one block.
 //   values [block][16]   0 to 255
 //   blocks [block]       written
-// Compute bound: evaluates a block's error some 200 times.
+// The kernel is compute bound. It evaluates a block's error some 200 times.
 __kernel void encode_scalar_blocks(__global const float* values, __global uint2* blocks, int block_count) {
   const int item = (int)get_global_id(0);
   if (item >= block_count) return;
@@ -162,8 +162,8 @@ __kernel void encode_scalar_blocks(__global const float* values, __global uint2*
   vstore16(d * d, 0, squares);
   vstore16(v, 0, texels);
   BlockBits bits = {{0, 0, 0, 0}, 0};
-  // With eight values, the first endpoint is the higher one. With six, it is the lower one. Indices count from the
-  // first endpoint.
+  // With eight values, the first endpoint is the higher one. With six values, it is the lower one. Indices count from
+  // the first endpoint.
   put_bits(&bits, (uint)(has_limits ? ends.low : ends.high), 8);
   put_bits(&bits, (uint)(has_limits ? ends.high : ends.low), 8);
   for (int i = 0; i < MULTUM_BLOCK_TEXELS; ++i) {
@@ -180,9 +180,9 @@ __kernel void encode_scalar_blocks(__global const float* values, __global uint2*
 
 // ------------------------------------------------------------------------------------------------------------ BC7
 
-// The texels of a block: the address of their channel values, a mask of the texels that count (one bit each), and the
-// channel that is replaced by 255 (-1 if none). Values are read again at each use, which leaves registers for other
-// data.
+// The texels of a block, given by the address of their channel values, a mask of the texels that count (one bit each),
+// and the channel that is replaced by 255 (-1 if there is none). Values are read again at each use, so that registers
+// stay free for other data.
 typedef struct Colours {
   __global const float* values;
   uint mask;
@@ -199,19 +199,20 @@ static inline float16 subset_weight(uint mask) {
   return convert_float16(((int16)((int)mask) >> lanes) & 1);
 }
 
-// The storage of an end's channels: `bits` per channel and, if has_p, one more low bit p that all three channels share.
+// The storage of an endpoint's channels. It has `bits` per channel and, if has_p, one more low bit p that all three
+// channels share.
 typedef struct EndPrecision {
   int bits, has_p;
 } EndPrecision;
 
-// A line: the codes of both endpoints per channel, without the p bits, and the error that these codes give.
+// A line, given by the codes of both endpoints per channel, without the p bits, and the error that these codes give.
 typedef struct CodedLine {
   int codes[2][3];
   int p[2];
   float error;
 } CodedLine;
 
-// Expands a code to 8 bits: its own bits, followed by a copy of its highest bits.
+// Expands a code to 8 bits, which are its own bits, followed by a copy of its highest bits.
 static inline float decoded(int code, int p, EndPrecision precision) {
   const int total = precision.bits + precision.has_p, value = precision.has_p ? code << 1 | p : code;
   return (float)(value << (8 - total) | value >> (2 * total - 8));
@@ -259,7 +260,7 @@ static inline float line_error(Colours c, const CodedLine* line, EndPrecision pr
   return sum_of(subset_weight(c.mask) * square);
 }
 
-// Sums of the channels, and sums of products for the upper triangle of the covariance: xx, xy, xz, yy, yz, zz.
+// The sums of the channels, and the sums of products for the upper triangle of the covariance: xx, xy, xz, yy, yz, zz.
 typedef struct ColourSums {
   float count, x, y, z, xx, xy, xz, yy, yz, zz;
 } ColourSums;
@@ -297,7 +298,8 @@ static inline ColourSums centred(ColourSums s) {
   return s;
 }
 
-// Returns the axis of the largest spread, a unit vector, by power iteration from the largest column.
+// Returns the axis of the largest spread as a unit vector. Power iteration computes it, starting with the largest
+// column.
 static inline float4 principal_axis(ColourSums s) {
   float4 axis = s.xx >= s.yy && s.xx >= s.zz ? (float4)(s.xx, s.xy, s.xz, 0.0f)
                 : s.yy >= s.zz               ? (float4)(s.xy, s.yy, s.yz, 0.0f)
@@ -314,7 +316,7 @@ static inline float4 principal_axis(ColourSums s) {
   return length < 1e-6f ? (float4)(0.577350269f, 0.577350269f, 0.577350269f, 0.0f) : axis / length;
 }
 
-// Estimates the least sum of squared distances from a line: the total spread minus its largest eigenvalue.
+// Estimates the least sum of squared distances from a line. This is the total spread minus its largest eigenvalue.
 static inline float line_residual(ColourSums s) {
   s = centred(s);
   const float4 axis = principal_axis(s);
@@ -384,7 +386,7 @@ static inline CodedLine climbed_line(Colours c, EndPrecision precision, float la
   return best;
 }
 
-// A separate channel: the codes of both endpoints, and the error that these codes give.
+// A separate channel, given by the codes of both endpoints and the error that these codes give.
 typedef struct CodedScalar {
   int codes[2];
   float error;
@@ -458,8 +460,8 @@ static inline void put_indices(BlockBits* bits, const int* indices, int bit_coun
     put_bits(bits, (uint)indices[i], i == 0 || i == other_anchor ? bit_count - 1 : bit_count);
 }
 
-// Mode 6: ends of 7 bits and p = 1, so that the unused channel is 255 (alpha, or blue if the third channel is alpha);
-// 16 steps.
+// Writes mode 6, with endpoints of 7 bits and 16 steps. The bit p is 1, so that the unused channel is 255. The unused
+// channel is alpha, or blue if the third channel is alpha.
 static inline BlockBits mode_6_block(Colours c, CodedLine line, int third_is_alpha) {
   const EndPrecision precision = {7, 1};
   int indices[16];
@@ -477,8 +479,8 @@ static inline BlockBits mode_6_block(Colours c, CodedLine line, int third_is_alp
   return bits;
 }
 
-// Modes 4 and 5. Channel `alone` has its own endpoints and indices. It is stored as alpha, and alpha is stored in its
-// place.
+// Modes 4 and 5. The channel `alone` has its own endpoints and indices. It is stored as alpha, and alpha is stored in
+// its place.
 typedef struct SeparateMode {
   int mode, colour_bits, scalar_bits;
   int colour_last, scalar_last;  // last step: 3 or 7
@@ -495,7 +497,7 @@ static inline Colours without(Colours c, int alone) {
 }
 
 // A decoder swaps alpha with the channel that the rotation names. If the third channel is alpha, it is therefore stored
-// in the place of `alone`. The line has the constant 255 in that place; this constant is stored as blue.
+// in the place of `alone`. The line has the constant 255 in that place. This constant is stored as blue.
 static inline BlockBits separate_block(Colours c, int alone, SeparateMode m, SeparateFit fit, int third_is_alpha) {
   const EndPrecision precision = {m.colour_bits, 0};
   int colour[16], scalar[16];
@@ -577,7 +579,7 @@ static inline int2 best_partitions(Colours c) {
   return found;
 }
 
-// Mode 1: two lines, ends of 6 bits, one p per line, 8 steps.
+// Fits mode 1, which has two lines, endpoints of 6 bits, one p per line, and 8 steps.
 static inline BlockBits mode_1_block(Colours c, int partition, CodedLine* lines) {
   const EndPrecision precision = {6, 1};
   const int anchor = kAnchors[partition];
@@ -614,8 +616,9 @@ static inline Colours subset_of(Colours c, int partition, int line) {
   return c;
 }
 
-// Modes 4 and 5 with their bits and steps: mode, colour bits, scalar bits, colour steps, scalar steps. separate_fit()
-// returns the best fit before codes are improved one by one; `choice` is its index in this table.
+// Modes 4 and 5 with their bits and steps. Each row has the mode, colour bits, scalar bits, colour steps and scalar
+// steps. separate_fit() returns the best fit before codes are improved one by one. `choice` is the index of this fit in
+// the table.
 __constant SeparateMode kSeparateModes[3] = {{5, 7, 8, 3, 3}, {4, 5, 6, 3, 7}, {4, 5, 6, 7, 3}};
 
 static inline SeparateFit separate_fit(Colours c, int alone, int* choice) {
@@ -635,21 +638,21 @@ static inline SeparateFit separate_fit(Colours c, int alone, int* choice) {
   return best;
 }
 
-// Returns the error that mode 6 cannot avoid: its p is 1, so it stores 0 as 1. A channel that is 0 everywhere, such as
-// metalness, always has this error, so this error is no reason to continue the search.
+// Returns the error that mode 6 cannot avoid. The bit p of mode 6 is 1, so it stores 0 as 1. A channel that is 0
+// everywhere, such as metalness, always has this error, so the search does not continue because of it.
 static inline float unreachable_error(Colours c) {
   float error = 0.0f;
   for (int channel = 0; channel < 3; ++channel) error += most_of(channel_of(c, channel)) == 0.0f ? 16.0f : 0.0f;
   return error;
 }
 
-// One work-item = one block.
+// One work-item handles one block.
 //   values [block][channel][16]   red, green, and blue or alpha, 0 to 255
 //   blocks [block]                written
-// If third_is_alpha, the third channel is alpha, and blue is 255. This is an argument and not a second kernel, because
-// the compiler does not inline functions that two kernels call. Without inlining, BC7 takes 1.5 times as long (PoCL
-// 3.1, AVX2). Compute bound: evaluates a block's error some 50 times if mode 6 is good enough, otherwise some 200
-// times.
+// If third_is_alpha, the third channel is alpha, and blue is 255. third_is_alpha is an argument, because a second
+// kernel would be slower: the compiler does not inline functions that two kernels call. Without inlining, BC7 takes 1.5
+// times as long (PoCL 3.1, AVX2). The kernel is compute bound. It evaluates a block's error some 50 times if mode 6 is
+// good enough, and otherwise some 200 times.
 __kernel void encode_colour_blocks(__global const float* values, __global uint4* blocks, int block_count,
                                    int third_is_alpha) {
   const int item = (int)get_global_id(0);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Vector operations of the preconditioned conjugate gradient method on three colours at once. Each colour has its own
-// scalars. Each work-item sums one fixed range, and the host adds these parts in double precision, so the result does
-// not depend on the number of threads.
+// Does the vector operations of the preconditioned conjugate gradient method on three colours at once. Each colour has
+// its own scalars. Each work-item sums one fixed range, and the host adds these parts in double precision, so the
+// result does not depend on the number of threads.
 //
 // All kernels are memory bound. An iteration therefore passes over its vectors only three times: to compute alpha, to
 // compute beta, and to make the update that needs both. The preconditioned residual is computed twice instead of being
@@ -10,9 +10,9 @@
 // The range of texels that a work-item sums over.
 int part_begin(int texel_count, int part, int part_count) { return (int)(((long)texel_count * part) / part_count); }
 
-// Computes parts[part] = sum of p q over the part's range. With is_bounded, first sets q = is_free (q + diagonal p).
-// The formula adds the diagonal of range regularisation, and sets q to 0 for texels that are fixed at a bound. One
-// work-item = one part; global size part_count.
+// Computes parts[part], which is the sum of p q over the part's range. If is_bounded, first sets q = is_free (q +
+// diagonal p). This formula adds the diagonal of range regularisation, and sets q to 0 for texels that are fixed at a
+// bound. One work-item handles one part. The global size is part_count.
 __kernel void curvature_product(__global const float4* p, __global float4* q, __global const float4* diagonal,
                                 __global const float4* is_free, __global float4* parts, int is_bounded, int texel_count,
                                 int part_count) {
@@ -34,7 +34,7 @@ __kernel void curvature_product(__global const float4* p, __global float4* q, __
 
 // Computes r -= alpha q. Over the part's range, parts[part] = sum of r inverse_diagonal r, and
 // parts[part_count + part] = sum of r r.
-// One work-item = one part; global size part_count.
+// One work-item handles one part. The global size is part_count.
 __kernel void advance_residual(__global float4* r, __global const float4* q, __global const float4* inverse_diagonal,
                                __global float4* parts, float4 alpha, int texel_count, int part_count) {
   const int part = (int)get_global_id(0);
@@ -52,7 +52,8 @@ __kernel void advance_residual(__global float4* r, __global const float4* q, __g
   parts[part_count + part] = norm;
 }
 
-// Computes step += alpha p and p = inverse_diagonal r + beta p. One work-item = one texel; global size texel_count.
+// Computes step += alpha p and p = inverse_diagonal r + beta p. One work-item handles one texel. The global size is
+// texel_count.
 __kernel void advance_direction(__global float4* step, __global float4* p, __global const float4* r,
                                 __global const float4* inverse_diagonal, float4 alpha, float4 beta, int texel_count) {
   const int i = (int)get_global_id(0);

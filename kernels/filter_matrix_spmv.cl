@@ -2,16 +2,16 @@
 // Multiplies the filter matrix A, its stored transpose or A^T A by a list of colours (Hakura et al. 2000, section 3.2,
 // eqs. 2 and 3). Handles three colours at once, because they share the matrix.
 //
-// Rows are stored in blocks of 8 entries; the last block is padded with weight 0. A trilinear row is one block, so a
-// matrix with only such rows has the ELL format. Rows that are averages over sub-pixels have more blocks.
+// Rows are stored in blocks of 8 entries, and the last block is padded with weights of 0. A trilinear row is one block,
+// so a matrix with only such rows has the ELL format. Rows that are averages over sub-pixels have more blocks.
 
-// One work-item = one row; global size row_count.
+// One work-item handles one row. The global size is row_count.
 //   block_begin [row_count + 1]   first block of each row
 //   columns     [8 * blocks]      indices below the length of x
 //   weights     [8 * blocks]
 //   x           [columns]         three colours and 0
 //   y           [row_count]       written
-// Memory bound.
+// The kernel is memory bound.
 __kernel void filter_matrix_spmv(__global const uint* block_begin, __global const int* columns,
                                  __global const float* weights, __global const float4* x, __global float4* y,
                                  int row_count) {

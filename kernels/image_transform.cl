@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Forward transforms of the animation codec (Hakura et al. 2000, section 4, "Encoding"), for all textures of a chunk in
-// one launch. Converts colours to three planes. Then applies block cosines (DCT-II, orthonormal) or one level of the
-// biorthogonal 9/7 wavelets (Cohen, Daubechies and Feauveau 1992) by lifting (Daubechies and Sweldens 1998).
-// host/fields/codec/decoder/block_dct.h and wavelet_transform.h define these transforms; the decoder has the inverses.
+// Does the forward transforms of the animation codec (Hakura et al. 2000, section 4, "Encoding") for all textures of a
+// chunk in one launch. Converts colours to three planes. Then applies block cosines (DCT-II, orthonormal) or one level
+// of the biorthogonal 9/7 wavelets (Cohen, Daubechies and Feauveau 1992) by lifting (Daubechies and Sweldens 1998).
+// host/fields/codec/decoder/block_dct.h and wavelet_transform.h define these transforms. The decoder has the inverse
+// transforms.
 //
 // One work-item sums each coefficient in a fixed order, with explicit fma. Therefore the result is the same on every
 // device with IEEE rounding, for any number of textures in a launch.
@@ -16,11 +17,11 @@
 #define MULTUM_DCT_SIDE_MAX 32
 
 // Computes planes[p] = row p of the rotation times the colour - offset p.
-// One work-item = one texel of one texture; global size texture_count * texel_count.
+// One work-item handles one texel of one texture. The global size is texture_count * texel_count.
 //   textures [texture][texel][3]
 //   axes     [3][4]                    a row of the rotation, then its plane's offset
 //   planes   [texture][3][texel]       written
-// Memory bound.
+// The kernel is memory bound.
 __kernel void colour_planes(__global const float* textures, __global const float* axes, __global float* planes,
                             int texture_count, int texel_count) {
   const int item = (int)get_global_id(0);
@@ -33,19 +34,19 @@ __kernel void colour_planes(__global const float* textures, __global const float
         fma(axes[4 * p], red, fma(axes[4 * p + 1], green, fma(axes[4 * p + 2], blue, -axes[4 * p + 3])));
 }
 
-// An image's blocks are stored row by row. Blocks at the right and lower borders extend beyond the image and repeat its
-// outermost texels:
+// The blocks of an image are stored row by row. Blocks at the right and lower borders extend beyond the image and
+// repeat its outermost texels:
 //
 //     +----+----+--+ . .      side = 4, columns = 3
 //     |  0 |  1 | 2|   .
 //     +----+----+--+ . .
 
 // Transforms rows: half[y][u] = sum over x of cosines[u][x] samples[y][x].
-// One work-item = one row of one block; global size image_count * columns * rows * side.
+// One work-item handles one row of one block. The global size is image_count * columns * rows * side.
 //   planes  [image][height][width]
 //   cosines [side][side]                   row k: frequency k
 //   half    [image][block][side][side]     written
-// Memory bound.
+// The kernel is memory bound.
 __kernel void dct_rows(__global const float* planes, __global const float* cosines, __global float* half_way,
                        int image_count, int width, int height, int side) {
   const int item = (int)get_global_id(0);
@@ -65,10 +66,10 @@ __kernel void dct_rows(__global const float* planes, __global const float* cosin
 }
 
 // Transforms columns: coefficients[v][u] = sum over y of cosines[v][y] half[y][u].
-// One work-item = one row of coefficients of one block; global size block_count * side.
+// One work-item handles one row of coefficients of one block. The global size is block_count * side.
 //   half         [block][side][side]
 //   coefficients [block][side][side]   written
-// Memory bound.
+// The kernel is memory bound.
 __kernel void dct_columns(__global const float* half_way, __global const float* cosines, __global float* coefficients,
                           int block_count, int side) {
   const int item = (int)get_global_id(0);
@@ -85,7 +86,7 @@ __kernel void dct_columns(__global const float* half_way, __global const float* 
   for (int u = 0; u < side; ++u) out[u] = sums[u];
 }
 
-// Maps an index to a sample of a line of n >= 2 samples. The line is mirrored repeatedly at its outermost samples.
+// Converts an index to a sample of a line of n >= 2 samples. The line is mirrored repeatedly at its outermost samples.
 static int mirrored(int i, int n) {
   const int period = 2 * (n - 1);
   i = i % period;
@@ -103,13 +104,13 @@ static int mirrored(int i, int n) {
 //     predict        .   .   .   o   .   o   .   .   .     odd  +=  0.883 (...)
 //     update         .   .   .   .   o   .   .   .   .     even +=  0.444 (...)
 //
-// Lines are rows or columns of a rectangle at each image's corner. A line has `length` samples, at least 2, `stride`
-// apart; lines are `step` apart. One work-item = one pair of one line of one image: low coefficient 2k and high
-// coefficient 2k + 1; the last pair of an odd length has no high coefficient. Global size image_count * line_count *
-// ceil(length / 2). If lines are columns, neighbouring items are neighbouring columns.
+// Lines are rows or columns of a rectangle at each image's corner. A line has `length` samples, at least 2, which
+// are `stride` apart. Lines are `step` apart. One work-item handles one pair of one line of one image, which is low
+// coefficient 2k and high coefficient 2k + 1. The last pair of an odd length has no high coefficient. The global size
+// is image_count * line_count * ceil(length / 2). If lines are columns, neighbouring items are neighbouring columns.
 //   samples      [image][image_texels]
 //   coefficients [image][image_texels]   written, only inside the rectangle; must be another buffer
-// Memory bound.
+// The kernel is memory bound.
 __kernel void wavelet_lift(__global const float* samples, __global float* coefficients, int image_count,
                            int image_texels, int line_count, int step, int length, int stride) {
   const int item = (int)get_global_id(0), pairs = (length + 1) / 2;

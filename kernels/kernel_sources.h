@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Returns the OpenCL sources that are compiled into the program. The map goes from the name of a .cl file to its
-// source, with its #includes expanded.
+// Returns the OpenCL sources that are compiled into the program. The keys of the map are the names of .cl files, and
+// the values are their sources with #includes expanded.
 #pragma once
 
 #include <map>

@@ -20,21 +20,21 @@
 #endif
 
 // Copies the texels of planes to nodes.
-// One work-item = one texel of a plane of the band; global size plane_count * row_count * map_width.
+// One work-item handles one texel of a plane of the band. The global size is plane_count * row_count * map_width.
 //   planes [plane][row][map_width]
 //   nodes  [plane][row][row_length]   written: the texels
-// Memory bound.
+// The kernel is memory bound.
 __kernel void mip_texels(__global const float* planes, __global float* nodes, MultumBoxBand band) {
   const int item = (int)get_global_id(0);
   if (item >= band.plane_count * band.row_count * band.map_width) return;
   nodes[(size_t)(item / band.map_width) * band.row_length + item % band.map_width] = planes[item];
 }
 
-// Copies three features to consecutive planes. One work-item = one texel of the band; global size
-// row_count * map_width.
+// Copies three features to consecutive planes. One work-item handles one texel of the band. The global
+// size is row_count * map_width.
 //   value_x, value_y, value_z [row][map_width]
 //   nodes [plane][row][row_length]   written: the texels of planes first_plane to first_plane + 2
-// Memory bound.
+// The kernel is memory bound.
 __kernel void mip_features(__global const float* value_x, __global const float* value_y, __global const float* value_z,
                            __global float* nodes, MultumBoxBand band, int first_plane) {
   const int item = (int)get_global_id(0);
@@ -47,10 +47,10 @@ __kernel void mip_features(__global const float* value_x, __global const float* 
   out[2 * plane_size] = value_z[item];
 }
 
-// Sums pairs of blocks. The kernel is launched for blocks of 2 texels, of 4 texels, and so on. One work-item = one
-// block; global size plane_count * row_count * block_count.
+// Sums pairs of blocks. The kernel is launched for blocks of 2 texels, of 4 texels, and so on. One work-item
+// handles one block. The global size is plane_count * row_count * block_count.
 //   nodes   in place: block i, at first_block + i, is the sum of the two blocks at first_half + 2 i
-// Memory bound.
+// The kernel is memory bound.
 __kernel void mip_blocks(__global float* nodes, MultumBoxBand band, int first_half, int first_block, int block_count) {
   const int item = (int)get_global_id(0);
   if (item >= band.plane_count * band.row_count * block_count) return;
@@ -59,7 +59,7 @@ __kernel void mip_blocks(__global float* nodes, MultumBoxBand band, int first_ha
   row[first_block + block] = row[first_half + 2 * block] + row[first_half + 2 * block + 1];
 }
 
-// Returns the level of a column; columns are counted over all levels.
+// Returns the level of a column. Columns are counted over all levels.
 static MultumBoxLevel level_of_column(__global const MultumBoxLevel* levels, int level_count, int column) {
   int l = level_count - 1;
   while (levels[l].first_column > column) --l;
@@ -67,13 +67,13 @@ static MultumBoxLevel level_of_column(__global const MultumBoxLevel* levels, int
 }
 
 // Adds the rows of a band to the sums of all levels, and writes the averages of finished rows.
-// One work-item = one column of a level in one plane, down the rows of the band; global size plane_count *
-// column_count.
+// One work-item handles one column of a level in one plane, down the rows of the band. The global size is
+// plane_count * column_count.
 //   nodes      [plane][row][row_length]
 //   tap_begin  [column_count + 1], taps: the nodes of each column
 //   sums       [plane][column_count][2]   a sum and its rounding error, passed from band to band; initially zeros
 //   averages   [level][plane][row][column]   written: rows that the band finishes
-// Memory bound.
+// The kernel is memory bound.
 __kernel void mip_levels(__global const float* nodes, __global const MultumBoxLevel* levels,
                          __global const int* tap_begin, __global const MultumBoxTap* taps, __global float* sums,
                          __global float* averages, MultumBoxBand band) {
@@ -90,8 +90,8 @@ __kernel void mip_levels(__global const float* nodes, __global const MultumBoxLe
     __global const float* in = nodes + ((size_t)plane * band.row_count + i) * band.row_length;
     float value = 0.0f;
     for (int tap = first_tap; tap < end_tap; ++tap) value = fma(taps[tap].weight, in[taps[tap].node], value);
-    // Positions are in units of 1/height of a finest row: this row is [begin, end), and the level's row ends at
-    // `border`. Sides are at most 32768, so products fit an int.
+    // Positions are in units of 1/height of a finest row. This row is [begin, end), and the level's row ends at
+    // `border`. Sides are at most 32768, so the products are in the range of int.
     const int begin = (band.first_row + i) * level.height, end = begin + level.height;
     const int border = (row + 1) * band.map_height;
     if (end < border) {

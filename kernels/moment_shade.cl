@@ -9,14 +9,14 @@
 #error "moment_shade has only a scalar variant"
 #endif
 
-// Returns the cosine that multiplies the highlight of half vector h: the cosine of the averaged normal, or 1 if h.w
-// requests no cosine.
+// Returns the cosine that multiplies the highlight of half vector h. This is the cosine of the averaged normal, or 1 if
+// h.w requests no cosine.
 static inline float cosine_of_half(float4 mean, float4 h, __global const float4* lights) {
   if (h.w == 0.0f) return 1.0f;
   return max(1.0f - one_minus_cosine(mean, lights[(int)h.w - 1].xyz), 0.0f);
 }
 
-// One work-item = one sample point; global size sample_count.
+// One work-item handles one sample point. The global size is sample_count.
 //   moments    [sample]                       already filtered
 //   half_vectors [half_count]   unit vectors; w: 1 + the index of the light whose cosine multiplies the
 //                               highlights, or 0 for no cosine
@@ -24,7 +24,7 @@ static inline float cosine_of_half(float4 mean, float4 h, __global const float4*
 //   exponents  [exponent_count]               Blinn-Phong s
 //   values     [sample][exponent_count * half_count + light_count]   written: Blinn-Phong, then Lambert
 // `shading` is MULTUM_SHADE_...; levels that come from the normal map always use Toksvig's rule.
-// Compute bound.
+// The kernel is compute bound.
 __kernel void moment_shade(__global const MultumFilteredMoments* moments, __global const float4* half_vectors,
                            __global const float4* lights, __global const float* exponents, __global float* values,
                            int sample_count, int half_count, int light_count, int exponent_count, int shading) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Computes the planes of a normal map that mix linearly: slope moments (LEAN: Olano and Baker 2010, section 3) and the
-// normal (Toksvig 2005). Nothing is fitted; kernels/mip_box.cl averages these planes.
+// Computes the planes of a normal map that mix linearly. These are slope moments (LEAN: Olano and Baker 2010, section
+// 3) and the normal (Toksvig 2005). Nothing is fitted. kernels/mip_box.cl averages these planes.
 
 #include "device/numerics.clh"
 #include "shared/mip_box.h"
@@ -10,11 +10,11 @@
 #error "moments has only a scalar variant"
 #endif
 
-// One work-item = one texel of the band; global size row_count * map_width.
+// One work-item handles one texel of the band. The global size is row_count * map_width.
 //   normal_x, normal_y, normal_z [row][map_width]
 //   nodes [plane][row][row_length]                 written: the texels of MULTUM_MOMENT_PLANES planes
 // If normals are shortened to length c by a BRDF's width (`shortened`), the slopes of its microfacets have the variance
-// 1 - c about the normal's slope (host/formats/image/material_maps.h). Memory bound.
+// 1 - c about the normal's slope (host/formats/image/material_maps.h). The kernel is memory bound.
 __kernel void moment_finest(__global const float* normal_x, __global const float* normal_y,
                             __global const float* normal_z, __global float* nodes, MultumBoxBand band,
                             float slope_z_min, int shortened) {
@@ -23,9 +23,9 @@ __kernel void moment_finest(__global const float* normal_x, __global const float
   const size_t plane_size = (size_t)band.row_count * band.row_length;
   __global float* out = nodes + (size_t)(item / band.map_width) * band.row_length + item % band.map_width;
   const float x = normal_x[item], y = normal_y[item], z = normal_z[item];
-  // Computes -x/z by division, as maketx does, because the results must be equal to the last bit.
+  // Computes -x/z by a division, as maketx does, because the results must be equal bit by bit.
   const float length = shortened ? sqrt(fma(x, x, fma(y, y, z * z))) : 1.0f;
-  // A normal of length 0 gets the slope 0, not 0 / 0.
+  // The slope of a normal of length 0 is 0 instead of 0 / 0.
   const float z_min = slope_z_min * MAX_V(length, 1e-6f), variance = MAX_V(1.0f - length, 0.0f);
   const float limited = z > z_min ? z : z_min;
   const float s = -x / limited, t = -y / limited;

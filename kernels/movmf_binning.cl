@@ -1,32 +1,32 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bins the normals of a coarse texel: sorts them into the cells of a grid over directions. Each cell becomes one EM
-// sample, whose weight is the number of the cell's normals and whose normal is their mean vector. Cells are much
-// smaller than lobes, so EM gives the same result with some thousand cells as with all normals. First moments stay
-// exact (docs/contributing/ALGORITHMS.md, "Binned normals").
+// Bins the normals of a coarse texel, which means that it sorts them into the cells of a grid over directions. Each
+// cell becomes one EM sample, whose weight is the number of the cell's normals and whose normal is their mean vector.
+// Cells are much smaller than lobes, so EM gives the same result with some thousand cells as with all normals. First
+// moments stay exact (docs/contributing/ALGORITHMS.md, "Binned normals").
 //
-// Directions are mapped to p = (x, y) / sqrt(1 + z), Lambert's equal-area disc. Each axis of p has its own map to
-// cells: three quarters of the cells follow the density of the normals, and one quarter follow their extent. Without
+// Directions are mapped to p = (x, y) / sqrt(1 + z), which is Lambert's equal-area disc. Each axis of p has its own map
+// to cells. Three quarters of the cells follow the density of the normals, and one quarter follow their extent. Without
 // the density, a few steep edges would make the cells of a flat texel too coarse. Normals outside the range of an axis
 // belong to its outermost cells.
 //
 // If normals were shortened to include a BRDF's width (MovmfFit::shortened), each class of lengths has its own grid of
-// directions. Lobes can then distinguish sharp and wide BRDFs under one texel. The classes are separated at kappa 1250,
-// 133 and 22, which correspond to perceptual roughnesses of 0.2, 0.35 and 0.55. The kappas of a class thus differ by a
-// factor of 9 at most, except in the sharpest class, whose widths are hardly visible.
+// directions. Lobes can then distinguish sharp and wide BRDFs under one texel. The classes are separated at kappas of
+// 1250, 133 and 22, which correspond to perceptual roughnesses of 0.2, 0.35 and 0.55. The kappas of a class thus differ
+// by a factor of 9 at most, except in the sharpest class, whose widths are hardly visible.
 //
 // The map is read in bands of rows. Sums are integers in units of 2^-30, so they do not depend on the order of bands,
 // chunks or threads. These units are small enough to keep the differences between thousands of nearly equal normals.
-// 2^28 normals add up to 2^58 at most. A launch handles the texels of one row of a level.
+// The sum of 2^28 normals is at most 2^58. A launch handles the texels of one row of a level.
 //
 // This file has only a scalar variant. movmf_binning_team.cl has variants for devices with atomic additions and teams
-// of work-items; these variants write the same bytes as this file.
+// of work-items. These variants write the same bytes as this file.
 
 #include "device/binned_cells.clh"
 
 #define CELL_BLOCK 64
 
-// Returns a random place in part `index` of `count` parts of a range of `size`. Regular places could coincide with a
-// regular pattern of the map.
+// Returns a random place in part `index` of `count` parts of a range of `size`. The place is random, because regular
+// places could coincide with a regular pattern of the map.
 static int place_in_part(int index, int count, int size, uint seed) {
   const int first = (int)((long)index * size / count), last = (int)((long)(index + 1) * size / count);
   uint state = seed * 1664525u + 1013904223u;
@@ -36,7 +36,8 @@ static int place_in_part(int index, int count, int size, uint seed) {
 }
 
 // Probes one normal in each of MULTUM_PROBE_SIDE blocks across and down (fewer if there are fewer normals), in the rows
-// that the window holds. One work-item = one row of blocks of one texel; global size width * MULTUM_PROBE_SIDE.
+// that the window holds. One work-item handles one row of blocks of one texel. The global size is
+// width * MULTUM_PROBE_SIDE.
 //   normal_x, normal_y, normal_z [map_window_rows * map_width]
 //   probes [texel][MULTUM_PROBE_COUNT][2]   written: p
 // Bound by memory latency: 32 scattered reads per item.
@@ -61,7 +62,8 @@ __kernel void movmf_bin_probe(__global const float* normal_x, __global const flo
   }
 }
 
-// Computes the axes of one texel's grid from its probes. One work-item = one axis of one texel; global size 2 * width.
+// Computes the axes of one texel's grid from its probes. One work-item handles one axis of one texel. The global
+// size is 2 * width.
 //   axes [texel][2][MULTUM_AXIS_FLOATS]  written: the low end, bins per unit of p, and the cell at each bin's edge
 __kernel void movmf_bin_axes(__global const float* probes, __global float* axes, MultumMovmfFit fit, int texel_row) {
   const int item = (int)get_global_id(0);
@@ -93,8 +95,8 @@ __kernel void movmf_bin_axes(__global const float* probes, __global float* axes,
   }
 }
 
-// Adds the values of normals to their cells. One work-item = one of chunk_count chunks of columns of one texel; global
-// size width * chunk_count.
+// Adds the values of normals to their cells. One work-item handles one of chunk_count chunks of columns of one
+// texel. The global size is width * chunk_count.
 //   normal_x, normal_y, normal_z [map_window_rows * map_width]  choose the cell
 //   value_x, value_y, value_z                                   summed: the normals again, or colours
 //   cells [texel][chunk][fit.sample_capacity][MULTUM_CELL_SUMS]   added to
@@ -123,7 +125,7 @@ __kernel void movmf_bin_cells(__global const float* restrict normal_x, __global 
 #endif
     for (int block = first_column; block < last_column; block += CELL_BLOCK) {
       const int count = min(CELL_BLOCK, last_column - block);
-      // Finds all cells of a block first, and then adds to their sums one after another.
+      // Finds all cells of a block first, and then adds to the sums of these cells one after another.
       int cells_of[CELL_BLOCK];
       for (int i = 0; i < count; ++i) {
         const size_t source = row_start + block + i;
@@ -142,11 +144,12 @@ __kernel void movmf_bin_cells(__global const float* restrict normal_x, __global 
   }
 }
 
-// Adds the chunks of cells, and packs the cells that are not empty. One work-item = one texel; global size texel_count.
+// Adds the chunks of cells, and packs the cells that are not empty. One work-item handles one texel. The global
+// size is texel_count.
 //   cells [texel][chunk][cell_count][MULTUM_CELL_SUMS]
 //   samples [texel][cell_count][MULTUM_CONDENSED_SAMPLE]  written: mean values and weight
 //   sample_counts [texel]                                        written
-// `are_normals` is as above; the samples then have the form that planar_family.clh expects. Memory bound.
+// `are_normals` is as above; the samples then have the form that planar_family.clh expects. The kernel is memory bound.
 __kernel void movmf_bin_means(__global const long* cells, __global float* samples, __global int* sample_counts,
                               int texel_count, int chunk_count, int cell_count, int are_normals) {
   const int texel = (int)get_global_id(0);

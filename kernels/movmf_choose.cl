@@ -33,12 +33,13 @@
 // Counts the four bits, because not every compiler's library has popcount().
 static int normals_in(int set) { return (set & 1) + ((set >> 1) & 1) + ((set >> 2) & 1) + ((set >> 3) & 1); }
 
-// Returns the window index of the first finest texel that a texel covers in its first row, or (`below`) second row.
+// Returns the window index of the first finest texel that a texel covers in its first row, or in its second row if
+// `below` is set.
 static size_t covered_pair(int column, int row, int below, const MultumMovmfFit* fit) {
   return map_row_start(2 * row + below, fit) + 2 * column;
 }
 
-// Loads the normals of texels; sample i is in column i % 2 and row i / 2.
+// Loads the normals of texels. Sample i is in column i % 2 and row i / 2.
 static void gather_normals(__global const float* normal_x, __global const float* normal_y,
                            __global const float* normal_z, const Places* places, const MultumMovmfFit* fit,
                            LobeLanes* samples) {
@@ -60,8 +61,8 @@ static void gather_normals(__global const float* normal_x, __global const float*
   }
 }
 
-// The parents that a texture's filter mixes at the middle of a texel, weighted 3/4 and 1/4 along each side. The texel's
-// own parent is first.
+// The parents that a texture filter mixes at the middle of a texel, with weights of 3/4 and 1/4 along each side. The
+// texel's own parent is first.
 typedef struct Parents {
   int place[PARENTS][MULTUM_VECTOR_WIDTH];
 } Parents;
@@ -88,8 +89,8 @@ static void find_parents(const Places* places, const MultumMovmfFit* fit, Parent
   }
 }
 
-// Sums the lobes that have one index over the surroundings of each texel. `parent` and `level` are the planes of that
-// lobe.
+// Sums the lobes that have the same index over the surroundings of each texel. `parent` and `level` are the planes of
+// that lobe.
 static LobeLanes sums_around(__global const float* parent, __global const float* level, const Places* places,
                              const Parents* parents) {
   float x[MULTUM_VECTOR_WIDTH], y[MULTUM_VECTOR_WIDTH], z[MULTUM_VECTOR_WIDTH], weight[MULTUM_VECTOR_WIDTH];
@@ -149,10 +150,10 @@ static void costs_of_sets(const LobeLanes* samples, const real_v* scatters, cons
   }
 }
 
-// Spreads the four bits of a set to four nibbles, one per normal. A nibble holds the normal's lobe.
+// Spreads the four bits of a set to four nibbles, one per normal. Each nibble contains the number of the normal's lobe.
 static int nibbles(int set) { return (set & 1) | (set & 2) << 3 | (set & 4) << 6 | (set & 8) << 9; }
 
-// One work-item = MULTUM_VECTOR_WIDTH slots; global size slot_count / MULTUM_VECTOR_WIDTH.
+// One work-item handles MULTUM_VECTOR_WIDTH slots. The global size is slot_count / MULTUM_VECTOR_WIDTH.
 //   normal_x, normal_y, normal_z [map_window_rows * map_width]
 //   parent     [lobe][parent_window_rows * parent_width]
 //   level      [lobe][window_rows * width]   done neighbours read; the texels' lobes written
@@ -191,8 +192,8 @@ __kernel void movmf_choose(__global const float* normal_x, __global const float*
       for (int set = 0; set < SUBSETS; ++set) least[set] = costs[set];
       continue;
     }
-    // Starts with the largest set, because a set's cost depends on smaller sets, which must not have changed yet. The
-    // last lobe needs only the set of all normals.
+    // Starts with the largest set, because a set's cost depends on smaller sets, whose costs must not have changed yet.
+    // The last lobe needs only the set of all normals.
     const int smallest = j == MULTUM_LOBES - 1 ? SUBSETS - 1 : 0;
     for (int set = SUBSETS - 1; set >= smallest; --set) {
       real_v best = least[set] + costs[0];
@@ -242,7 +243,7 @@ __kernel void movmf_choose(__global const float* normal_x, __global const float*
     for (int lane = 0; lane < MULTUM_VECTOR_WIDTH; ++lane) {
       if (texel_list[slot + lane] < 0) continue;
       float4 own = (float4)(x[lane], y[lane], z[lane], count[lane] / NORMALS);
-      // A lobe without normals takes the direction and spread of the parent's lobe.
+      // A lobe without normals gets the direction and spread of the parent's lobe.
       if (count[lane] == 0.0f)
         own.xyz = vload4(j * parent_size + parents.place[0][lane], (__global const float*)parent).xyz;
       vstore4(own, j * level_size + places.own[lane], (__global float*)level);
@@ -251,11 +252,11 @@ __kernel void movmf_choose(__global const float* normal_x, __global const float*
 }
 
 // Computes three features of each lobe: a_j y_j = 1/4 sum of its normals' y.
-// One work-item = one slot.
+// One work-item handles one slot.
 //   value_x, value_y, value_z [map_window_rows * map_width]
 //   chosen   [slot]                            from movmf_choose
 //   features [plane][window_rows * width][3]   planes first_plane + lobe written: premultiplied by the amplitude
-// Memory bound.
+// The kernel is memory bound.
 __kernel void movmf_feature_chosen(__global const float* value_x, __global const float* value_y,
                                    __global const float* value_z, __global const int* texel_list,
                                    __global const int* chosen, __global float* features, MultumMovmfFit fit,

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Runs EM on coarse levels. A texel covers so many normals that one work-item sums only a chunk of them (some rows of
-// its rectangle). A second kernel adds the chunks and does the M-step. Each iteration is one pair of launches. Han et
-// al. 2007, section 7, Algorithm 1. Normals are read in place, 16 columns at a time:
+// Runs EM on coarse levels (Han et al. 2007, section 7, Algorithm 1). A texel covers so many normals that one work-item
+// sums only a chunk of them (some rows of its rectangle). A second kernel adds the chunks and does the M-step. Each
+// iteration is one pair of launches. Normals are read in place, 16 columns at a time:
 //
 //   texel rectangle    lane  0 1 2 ... 15 | 0 1 2 ... 15 | ...      columns, from the texel's first
 //   chunk 0            rows  0 .. chunk_rows - 1
@@ -22,7 +22,7 @@
 
 #define PARTIAL_SUMS 5  // the sums S, X, Y, Z and D of a lobe
 
-// Returns the coverage of the finest columns of a block, one per lane. Columns outside the texel weigh 0.
+// Returns the coverage of the finest columns of a block, one per lane. Columns outside the texel have weight 0.
 static real_v column_weights(int first, int x, int map_size, int level_size) {
 #if MULTUM_VECTOR_WIDTH == 1
   return coverage(first, x, map_size, level_size);
@@ -34,8 +34,9 @@ static real_v column_weights(int first, int x, int map_size, int level_size) {
 #endif
 }
 
-// One work-item = one chunk (vector variant) or one lane of one chunk (scalar variant, local size MULTUM_GROUP).
-// Global size chunk_count * slot_count, times MULTUM_GROUP in the scalar variant; slot_count counts whole groups.
+// One work-item handles one chunk (vector variant) or one lane of one chunk (scalar variant, local size MULTUM_GROUP).
+// The global size is chunk_count * slot_count, times MULTUM_GROUP in the scalar variant. slot_count counts whole
+// groups.
 //   normal_x, normal_y, normal_z [rows * map_width + MULTUM_GROUP]  the window's rows and the further rows of chunks
 //                                                                   that begin in it; the last MULTUM_GROUP are finite
 //   start   [group][lobe][MULTUM_START_PLANES][MULTUM_GROUP]
@@ -60,8 +61,8 @@ __kernel void movmf_em_partial(__global const float* restrict normal_x, __global
   const int top_row = first_covered(y, fit.map_height, fit.height);
   const int first_row = top_row + chunk * fit.chunk_rows;
   const int last_row = min(min(first_row + fit.chunk_rows, top_row + fit.sample_rows), fit.map_height);
-  // A chunk is summed when the window in which it begins is loaded. If a smaller texel lacks this chunk, the chunk's
-  // sums are set to 0 once.
+  // A chunk is summed when the window in which it begins is loaded. If a smaller texel does not have this chunk, the
+  // chunk's sums are set to 0 once.
   if (!in_map_window(min(first_row, fit.map_height - 1), &fit)) return;
   const int used_slot = min(slot, fit.slot_count - 1);
 
@@ -82,7 +83,7 @@ __kernel void movmf_em_partial(__global const float* restrict normal_x, __global
   for (int block = 0; block < fit.sample_columns; block += MULTUM_GROUP) {
     const int column = first_covered(x, fit.map_width, fit.width) + block + lane;
     const real_v column_weight = column_weights(column, x, fit.map_width, fit.width);
-    // Columns beyond the map weigh 0; they read the next row, or the zeros after the last row.
+    // Columns beyond the map have weight 0. Their values come from the next row, or are the zeros after the last row.
     const int readable = min(column, fit.map_width);
     for (int first = first_row; first < last_row; first += SAMPLE_BLOCK) {
       const int count = min(SAMPLE_BLOCK, last_row - first);

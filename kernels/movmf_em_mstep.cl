@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Does the second half of an EM iteration on coarse levels: adds the partial sums of movmf_em_partial and does the
-// M-step. Han et al. 2007, section 7, equation 16. Both variants are scalar, because the work is small.
+// Does the second half of an EM iteration on coarse levels (Han et al. 2007, section 7, equation 16). It adds the
+// partial sums of movmf_em_partial and does the M-step. Both variants are scalar, because there is little work.
 
 #include "device/level_window.clh"
 #include "device/movmf_em.clh"
@@ -24,8 +24,9 @@ static void sum_chunks(__global const float* chunks, int lobe, int chunk_count, 
 }
 
 #if MULTUM_PLANAR
-// movmf_em_cap: computes the caps of texels' kappas after the first E-step. Runs before any M-step, because the caps
-// need the means of all lobes. One work-item = one slot; global size slot_count. Memory bound.
+// movmf_em_cap computes the caps of texels' kappas after the first E-step. It runs before any M-step, because the caps
+// need the means of all lobes. One work-item handles one slot. The global size is slot_count. The kernel is
+// memory bound.
 __kernel void movmf_em_cap(__global const float* restrict partial, __global float* restrict start,
                            __global const int* restrict texel_list, MultumMovmfFit fit) {
   const int slot = (int)get_global_id(0);
@@ -59,7 +60,7 @@ static float cap_of_chunks(__global const float* chunks, const MultumMovmfFit* f
 }
 #endif
 
-// One work-item = one lobe of one slot; global size MULTUM_LOBES * slot_count.
+// One work-item handles one lobe of one slot. The global size is MULTUM_LOBES * slot_count.
 //   partial [slot][chunk][lobe][PARTIAL_SUMS]
 //   start   [group][lobe][MULTUM_START_PLANES][MULTUM_GROUP]  in: parameters of this E-step; out: of the next E-step
 //   level   [lobe][window_rows * width]                       written in the last iteration, which keeps `start`

@@ -2,7 +2,8 @@
 // Runs EM on fine levels: one work-item runs all iterations of a texel. Han et al. 2007, section 7, Algorithm 1; with
 // MULTUM_PLANAR, Tan et al. 2005, section 4.1.
 //
-// One work-item = MULTUM_VECTOR_WIDTH texels (16 lanes of one group, or one of them); local size 1 or 2 on a CPU.
+// One work-item handles MULTUM_VECTOR_WIDTH texels (16 lanes of one group, or one of them). The local size is 1 or 2 on
+// a CPU.
 //   samples [group][sample][3, or 4 with the weight][MULTUM_GROUP]     from movmf_pack or movmf_binned_pack
 //   sample_counts [group]                                              at most fit.sample_capacity
 //   start   [group][lobe][MULTUM_START_PLANES][MULTUM_GROUP]           from movmf_start; on return the parameters of
@@ -21,7 +22,7 @@
 #ifndef MULTUM_WEIGHTED
 #define MULTUM_WEIGHTED 0
 #endif
-// Lobes below this amplitude are invisible; they do not delay convergence.
+// Lobes below this amplitude are invisible, so they do not delay convergence.
 #define UNSEEN_SHARE 1e-3f
 #define SAMPLE_STRIDE ((3 + MULTUM_WEIGHTED) * MULTUM_GROUP)
 #define START(j, plane) (lobe_start + ((j)*MULTUM_START_PLANES + (plane)) * MULTUM_GROUP)
@@ -102,8 +103,8 @@ __kernel void movmf_em_texels(__global const float* restrict samples, __global c
       const real_v prior_z = LOAD_V(START(j, MULTUM_START_PRIOR + 2));
       real_v next_x, next_y, next_z, next_sharpness = sharpness[j], next_log;
       M_STEP(m, prior_x, prior_y, prior_z, cap, fit.extra_copies, next_x, next_y, next_z, next_sharpness, next_log)
-      // Computes the squares of three changes: the change of the mean in units of the lobe's width, and the relative
-      // changes of kappa and of the weight.
+      // Computes the squares of three changes. These are the change of the mean in units of the lobe's width, and the
+      // relative changes of kappa and of the weight.
       const real_v dx = next_x - mu_x[j], dy = next_y - mu_y[j], dz = next_z - mu_z[j];
       const real_v turn = fma(dx, dx, fma(dy, dy, dz * dz)) * next_sharpness;
       const real_v dl = next_log - log_weight[j], dk = 1.0f - sharpness[j] / next_sharpness;
@@ -145,8 +146,8 @@ __kernel void movmf_em_texels(__global const float* restrict samples, __global c
 // each sum, which takes four clocks per sample. A single work-item would need about a hundred clocks per sample.
 #define TEAM_ROW (MULTUM_TEAM + 1)  // puts lobes into different memory banks
 
-// For member 5 j + k, returns the factors by which responsibilities are multiplied in sum k of lobe j: 1, x, y, z or
-// the gap u.
+// For member 5 j + k, returns the factors by which responsibilities are multiplied in sum k of lobe j. The factor is 1,
+// x, y, z or the gap u.
 static __local const float* factors_of_sum(__local const float* one, __local const float* directions,
                                            __local const float* gaps, int lobe, int sum) {
   return sum == 0 ? one : sum < 4 ? directions + (sum - 1) * TEAM_ROW : gaps + lobe * TEAM_ROW;
@@ -228,8 +229,8 @@ __attribute__((reqd_work_group_size(MULTUM_TEAM, 1, 1))) __kernel void movmf_em_
     }
     if (iteration == 0) KAPPA_CAP_OF_TEXEL(cap, fit.total_weight_inverse, fit.kappa_cap, fit.kappa_cap_slope)
     if (iteration < last && member < MULTUM_LOBES) {
-      // Each of the first members handles one lobe. The lobe is read from local memory, because registers cannot be
-      // indexed.
+      // Each of the first members of the team handles one lobe. The lobe is read from local memory, because registers
+      // cannot be indexed.
       __local float* own = lobe_state + member * 5;
       __local const float* added = sums + member * 5;
       const float old_x = own[0], old_y = own[1], old_z = own[2], old_sharpness = own[3], old_log = own[4];

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Computes per-lobe colours, weights of basis BRDFs and other linear material features: a_j y_j = sum_i z_ij y_i / N.
+// Computes per-lobe colours, weights of basis BRDFs and other linear material features as a_j y_j = sum_i z_ij y_i / N.
 // The responsibilities come from the E-step that gave the stored amplitudes, so the sum over lobes is exactly the
-// texel's mean (Han et al. 2007, section 7.3). Handles three channels at a time: a colour, or three of the weights.
+// texel's mean (Han et al. 2007, section 7.3). The kernel handles three channels at a time, which are a colour or three
+// of the weights.
 
 #include "device/level_window.clh"
 #include "device/movmf_em.clh"
@@ -12,7 +13,7 @@
 #define MULTUM_LOBES 4
 #endif
 
-// Computes the responsibilities z_ij of one normal or mean of normals; `lobes` is the `start` of one slot in
+// Computes the responsibilities z_ij of one normal or of one mean of normals. `lobes` is the `start` of one slot in
 // movmf_em_texels.
 static void responsibilities(float nx, float ny, float nz, __global const float* lobes, float* z) {
 #define PARAMETER(j, plane) lobes[((j)*MULTUM_START_PLANES + (plane)) * MULTUM_GROUP]
@@ -35,11 +36,11 @@ static __global const float* lobes_of_slot(__global const float* start, int slot
          slot % MULTUM_GROUP;
 }
 
-// One work-item = one chunk of rows of one slot; global size chunk_count * slot_count.
+// One work-item handles one chunk of rows of one slot. The global size is chunk_count * slot_count.
 //   normal_x, normal_y, normal_z, value_x, value_y, value_z [rows * map_width]  as in movmf_em_partial
 //   start   [group][lobe][MULTUM_START_PLANES][MULTUM_GROUP]  output of the EM kernels
 //   partial [slot][chunk][lobe][3]                            written
-// Compute bound: one exponential per lobe and sample.
+// The kernel is compute bound: one exponential per lobe and sample.
 __kernel void movmf_feature_partial(__global const float* normal_x, __global const float* normal_y,
                                     __global const float* normal_z, __global const float* value_x,
                                     __global const float* value_y, __global const float* value_z,
@@ -84,7 +85,7 @@ __kernel void movmf_feature_partial(__global const float* normal_x, __global con
 }
 
 // Adds the chunks.
-// One work-item = one lobe of one slot; global size MULTUM_LOBES * slot_count.
+// One work-item handles one lobe of one slot. The global size is MULTUM_LOBES * slot_count.
 //   partial [slot][chunk][lobe][3]
 //   features [plane][window_rows * width][3]   planes first_plane + lobe written: premultiplied by the amplitude
 __kernel void movmf_feature_sum(__global const float* partial, __global const int* texel_list, __global float* features,
@@ -103,7 +104,7 @@ __kernel void movmf_feature_sum(__global const float* partial, __global const in
   for (int c = 0; c < 3; ++c) out[c] = (sum[c] + carry[c]) * fit.total_weight_inverse;
 }
 
-// Computes the features of binned texels. One work-item = one slot.
+// Computes the features of binned texels. One work-item handles one slot.
 //   samples, value_samples [group][sample][4][MULTUM_GROUP] normals and features, whose cells have the same order
 //   sample_counts [group]; start and features as above
 __kernel void movmf_feature_binned(__global const float* samples, __global const float* value_samples,

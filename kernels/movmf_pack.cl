@@ -1,20 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
-// Packs the samples of 16 texels next to each other before an EM launch, from the map or from binned normals. The
-// kernels do not depend on the number of lobes. This file has only a scalar variant.
+// Packs the samples of 16 texels next to each other before an EM launch. The samples come from the map or from binned
+// normals. The kernels do not depend on the number of lobes. This file has only a scalar variant.
 
 #include "device/level_window.clh"
 #include "device/movmf_em.clh"
 #include "device/texel_coverage.clh"
 #include "shared/movmf_fit.h"
 
-// The value is 1 if finest texels that are only partly inside a texel get fractional weights (maps whose sides are not
-// powers of two).
+// The value is 1 if finest texels that are only partly inside a texel get fractional weights. This is the case for maps
+// whose sides are not powers of two.
 #ifndef MULTUM_WEIGHTED
 #define MULTUM_WEIGHTED 0
 #endif
 
 // Packs the normals of 16 texels next to each other, so that EM streams them once per iteration.
-// One work-item = one row of samples of one group; global size sample_rows * slot_count / MULTUM_GROUP.
+// One work-item handles one row of samples of one group. The global size is sample_rows * slot_count / MULTUM_GROUP.
 //   normal_x, normal_y, normal_z [map_window_rows * map_width]
 //   samples [group][sample][3, or 4 with the weight][MULTUM_GROUP]
 //   sample_counts [group]
@@ -55,13 +55,13 @@ __kernel void movmf_pack(__global const float* normal_x, __global const float* n
   }
 }
 
-// Packs binned normals in the same way. One work-item = one of part_count parts of the samples of one group of slots,
-// every part_count-th sample; global size slot_count / MULTUM_GROUP * part_count.
+// Packs binned normals in the same way. One work-item handles one of part_count parts of the samples of one group of
+// slots, which is every part_count-th sample. The global size is slot_count / MULTUM_GROUP * part_count.
 //   binned [texel of the window][fit.sample_capacity][MULTUM_CONDENSED_SAMPLE]
 //   binned_counts [texel of the window]
 //   samples [group][sample][4][MULTUM_GROUP]   written
 //   sample_counts [group]                      written: the largest count of the texels; missing samples weigh 0
-// Memory bound.
+// The kernel is memory bound.
 __kernel void movmf_binned_pack(__global const float* binned, __global const int* binned_counts,
                                 __global const int* texel_list, __global float* samples, __global int* sample_counts,
                                 MultumMovmfFit fit, int part_count) {

@@ -24,7 +24,8 @@
 // highlights are compared at the end. EM's lobes are kept if their relative L1 error over some half vectors is clearly
 // lower than the error of the refined lobes.
 //
-// One work-item = MULTUM_VECTOR_WIDTH texels, local size 1 or 2 on a CPU; global size slot_count / MULTUM_VECTOR_WIDTH.
+// One work-item handles MULTUM_VECTOR_WIDTH texels. The local size is 1 or 2 on a CPU, and the global size is
+// slot_count / MULTUM_VECTOR_WIDTH.
 //   samples, sample_counts, texel_list   as in movmf_em_texels.cl
 //   level     [lobe][window_rows * width]  output of EM: r and amplitude, of the texels and of their neighbours
 //   refined   [lobe][window_rows * width]  written for the texels of the list
@@ -54,7 +55,8 @@ __constant float brdf_exponents[MULTUM_REFINE_BRDFS] = MULTUM_REFINE_EXPONENTS;
 __constant float look_xy[MULTUM_REFINE_LOOKS][2] = MULTUM_REFINE_LOOK_XY;
 __constant float brdf_spreads[MULTUM_REFINE_BRDFS] = MULTUM_REFINE_SPREADS;
 
-// Keeps loops over lobes and parameters rolled. Unrolled, they would take compilers half a minute.
+// Prevents the compiler from unrolling loops over lobes and parameters. If they were unrolled, compiling would take
+// half a minute.
 #define ROLLED _Pragma("nounroll")
 
 typedef struct RefinedLobe {
@@ -63,7 +65,8 @@ typedef struct RefinedLobe {
   real_v widening;                    // derivative of the spread with respect to the fourth parameter
 } RefinedLobe;
 
-// A vMF with mean cosine A, `peak * exp(-kappa * u)` without the common 1/(2 pi), and the terms of its derivatives.
+// A vMF with mean cosine A, which is `peak * exp(-kappa * u)` without the common 1/(2 pi), and the terms of its
+// derivatives.
 typedef struct Blurred {
   real_v kappa, peak;
   real_v peak_slope;   // d log(peak) / d kappa
@@ -90,7 +93,7 @@ static inline real_v gap_of(real_v ax, real_v ay, real_v az, real_v bx, real_v b
   return fma(-ax, bx, fma(-ay, by, fma(-az, bz, (real_v)(1.0f))));
 }
 
-// Computes tangents without a branch or a root (Duff et al. 2017, "Building an Orthonormal Basis, Revisited").
+// Computes tangents without a branch or a square root (Duff et al. 2017, "Building an Orthonormal Basis, Revisited").
 static inline void set_tangents(RefinedLobe* lobe) {
   const real_v sign = lobe->z >= 0.0f ? (real_v)(1.0f) : (real_v)(-1.0f);
   const real_v p = -1.0f / (sign + lobe->z), b = lobe->x * lobe->y * p;
@@ -102,7 +105,7 @@ static inline void set_tangents(RefinedLobe* lobe) {
   lobe->fz = -lobe->y;
 }
 
-// Sets a lobe from r and an amplitude, with the derivatives for a step's parameters.
+// Sets a lobe from r and an amplitude, with the derivatives with respect to the parameters of a step.
 static void set_lobe(RefinedLobe* lobe, real_v rx, real_v ry, real_v rz, real_v amplitude) {
   const real_v length = length_of(rx, ry, rz);
   const int_v directed = length > 1e-6f;
@@ -177,8 +180,8 @@ static real_v subtract_samples(const RefinedLobe* lobe, __global const float* sa
   return -2.0f * lobe->amplitude * sum;
 }
 
-// Computes the products of the derivatives of two lobes, or of one lobe with itself, indexed [parameter of
-// one][parameter of the other]. Adds their part of the gradient. Returns their part of the energy.
+// Computes the products of the derivatives of two lobes, or of one lobe with itself. The products are indexed
+// [parameter of one][parameter of the other]. Adds their part of the gradient. Returns their part of the energy.
 static real_v pair_products(const RefinedLobe* one, const RefinedLobe* other, bool same, real_v* block,
                             real_v* gradient, real_v* gradient_other) {
   const real_v gap =
@@ -316,8 +319,8 @@ static void pool(const RefinedLobe* one, const RefinedLobe* other, RefinedLobe* 
   }
 }
 
-// Adds the terms midway to an adjacent texel. `start` and `beside` are the EM lobes of the two texels. Returns the
-// energy.
+// Adds the terms for the point midway to an adjacent texel. `start` and `beside` are the EM lobes of the two texels.
+// Returns the energy.
 static real_v add_midway(const RefinedLobe* lobes, const RefinedLobe* start, const RefinedLobe* beside, real_v weight,
                          real_v* matrix, real_v* gradient) {
   RefinedLobe mixed[MULTUM_LOBES];
@@ -367,7 +370,7 @@ static void set_moment_rows(const RefinedLobe* lobe, real_v* rows) {
   for (int i = 0; i < 16; ++i) rows[i] = values[i];
 }
 
-// Adds the term for the moments. This term is added after the diagonal is raised; otherwise the damping would grow with
+// Adds the term for the moments. This term is added after the diagonal is raised. Otherwise the damping would grow with
 // this term and keep lobes from moving. Returns the energy.
 static real_v add_moments(const RefinedLobe* lobes, const real_v* mean, real_v* matrix, real_v* gradient) {
   real_v rows[PARAMETERS * 4], off[4];
@@ -473,7 +476,7 @@ static void store_lobes(const RefinedLobe* lobes, __global MultumVmfLobe* refine
   }
 }
 
-// Computes the brightness of a Blinn-Phong highlight of each exponent over the samples, without the common 1/(2 pi).
+// Computes the brightness of the Blinn-Phong highlight of each exponent over the samples, without the common 1/(2 pi).
 static void see_samples(__global const float* samples, int sample_count, float weight_inverse, const float* h,
                         real_v* seen) {
   for (int s = 0; s < MULTUM_REFINE_BRDFS; ++s) seen[s] = (real_v)(0.0f);
@@ -534,7 +537,7 @@ static int_v looks_as_good(const RefinedLobe* best, const RefinedLobe* start, fl
   return total > 0.0f;
 }
 
-// Finds the adjacent texel of each lane on one side: left, right, above, below. `weight` is 0 if there is none.
+// Finds the adjacent texel of each lane on one side (left, right, above or below). `weight` is 0 if there is none.
 static void find_beside(__global const int* texels, const MultumMovmfFit* fit, int side, int* beside, float* weight) {
   for (int lane = 0; lane < MULTUM_VECTOR_WIDTH; ++lane) {
     const int texel = max(texels[lane], 0), dx = side == 0 ? -1 : side == 1, dy = side == 2 ? -1 : side == 3;
@@ -547,7 +550,7 @@ static void find_beside(__global const int* texels, const MultumMovmfFit* fit, i
   }
 }
 
-// Copies the lobes of the lanes in `better` to `best`.
+// Copies the lobes of those lanes that are set in `better` to `best`.
 static void keep_better(const RefinedLobe* lobes, int_v better, RefinedLobe* best) {
   ROLLED for (int j = 0; j < MULTUM_LOBES; ++j) {
     best[j].amplitude = better ? lobes[j].amplitude : best[j].amplitude;

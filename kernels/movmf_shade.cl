@@ -41,14 +41,14 @@ static inline float lit_cosine(float4 lobe, float3 h, float4 light, float facet_
 #define MULTUM_LOBES 4
 #endif
 
-// One work-item = one sample point; global size sample_count.
+// One work-item handles one sample point. The global size is sample_count.
 //   lobes      [sample][lobe]   (a r_x, a r_y, a r_z, a), already filtered; with MULTUM_PLANAR as in gmm_shading.clh
 //   half_vectors [half_count]   unit vectors; w: 1 + the index of the light whose cosine multiplies the
 //                               highlights, or 0 for no cosine
 //   lights     [light_count]    unit vectors; w: the mean cosine for without_roughness(), unused with MULTUM_PLANAR
 //   highlights [highlight_count]              with MULTUM_PLANAR only the exponent and the total are used
 //   values     [sample][highlight_count * half_count + light_count]   written: highlights, then Lambert
-// Compute bound.
+// The kernel is compute bound.
 __kernel void movmf_shade(__global const float4* lobes, __global const float4* half_vectors,
                           __global const float4* lights, __global const MultumHighlight* highlights,
                           __global float* values, int sample_count, int half_count, int light_count,

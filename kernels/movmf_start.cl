@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Initialises the lobes of each texel before an EM launch, and sums the alignment vectors of its neighbours. The
-// alignment is that of Han et al. 2007, section 7.2, in the order of docs/contributing/ALGORITHMS.md, "Order".
+// Initialises the lobes of each texel before an EM launch, and sums the alignment vectors of the texel's neighbours.
+// The alignment is that of Han et al. 2007, section 7.2, in the order of docs/contributing/ALGORITHMS.md, "Order".
 
 #include "device/done_neighbours.clh"
 #include "device/level_window.clh"
@@ -34,7 +34,8 @@ static LobeLanes alignment_sum(__global const float* alignment_vectors, const Pl
   return result;
 }
 
-// movmf_start: one work-item = MULTUM_VECTOR_WIDTH slots, every lobe; global size slot_count / MULTUM_VECTOR_WIDTH.
+// In movmf_start, one work-item handles every lobe of MULTUM_VECTOR_WIDTH slots. The global size is
+// slot_count / MULTUM_VECTOR_WIDTH.
 //   parent  [lobe][parent_window_rows * parent_width]   not read when parent_width == 0
 //   level   [lobe][window_rows * width]                 done neighbours; the texel's own lobes when there is no parent
 //   alignment_vectors [lobe][window_rows * width][4]    a_k mu_k of done neighbours

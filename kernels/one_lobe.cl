@@ -21,13 +21,14 @@
 #include "shared/one_lobe.h"
 
 #define SPREAD_FACTOR 1.75f
-// The least cosine between a facet and the mean normal, which limits slopes to 20. The limit has little effect, because
-// `w x x'` hardly depends on the size of a large slope x.
+// The least cosine between a facet and the mean normal. It limits slopes to 20. The limit has little effect, because `w
+// x x'` hardly depends on the size of a large slope x.
 #define FACET_COSINE_MIN 0.05f
 #define SCALE_MIN 1e-8f  // least diagonal of S: sqrt(2 S) is 1.4e-4
 
 // A frame about the unit normal n. The frame's x axis is the map's x axis, turned into the tangent plane by
-// Gram-Schmidt, as in renderers.  x = (y^2 + z^2, -x y, -x z) / l, y = (0, z, -y) / l, l^2 = y^2 + z^2.
+// Gram-Schmidt, as in renderers. The axes are x = (y^2 + z^2, -x y, -x z) / l and y = (0, z, -y) / l, with l^2 = y^2 +
+// z^2.
 typedef struct LobeFrame {
   real_v xx, xy, xz;  // the frame's x axis
   real_v yy, yz;      // the y axis; its x component is 0
@@ -56,10 +57,10 @@ static inline void make_usable(real_v* x, real_v* y, real_v* z) {
 }
 
 #if MULTUM_VECTOR_WIDTH == 1
-// One work-item = one texel of the band; global size row_count * map_width.
+// One work-item handles one texel of the band. The global size is row_count * map_width.
 //   normal_x, normal_y, normal_z [row][map_width]
 //   nodes [plane][row][row_length]   written: the texels of MULTUM_ONE_LOBE_PLANES planes
-// Memory bound.
+// The kernel is memory bound.
 __kernel void one_lobe_finest(__global const float* normal_x, __global const float* normal_y,
                               __global const float* normal_z, __global float* nodes, MultumBoxBand band) {
   const int item = (int)get_global_id(0);
@@ -99,12 +100,12 @@ static inline size_t slopes_of(int texel, MultumOneLobePiece piece) {
   return texel / MULTUM_ONE_LOBE_BLOCK * block_size + texel % MULTUM_ONE_LOBE_BLOCK;
 }
 
-// The finest texel of one sample per lane, as it is in memory.
+// The finest texel of one sample per lane, in the order of the memory.
 typedef struct SampledTexels {
   float x[MULTUM_VECTOR_WIDTH], y[MULTUM_VECTOR_WIDTH], z[MULTUM_VECTOR_WIDTH], base[MULTUM_VECTOR_WIDTH];
 } SampledTexels;
 
-// One work-item = a row of samples of MULTUM_VECTOR_WIDTH texels, one texel per lane; global size
+// One work-item handles a row of samples of MULTUM_VECTOR_WIDTH texels, one texel per lane. The global size is
 // grid * stride / MULTUM_VECTOR_WIDTH. Lanes after the last texel repeat the last texel.
 //   normal_x, normal_y, normal_z [slot][map_width]   rows of the finest level
 //   base       [slot][map_width]         alpha^2 of the same texels, if piece.has_base_map
@@ -169,7 +170,7 @@ __kernel void one_lobe_samples(__global const float* normal_x, __global const fl
   }
 }
 
-// The scale matrix S: symmetric and positive.
+// The scale matrix S, which is symmetric and positive.
 typedef struct LobeScale {
   real_v xx, xy, yy;
 } LobeScale;
@@ -179,7 +180,7 @@ static inline LobeScale closed_form(__global const float* averages, int stride, 
   const real_v xx = LOAD_V(averages + MULTUM_ONE_LOBE_XX * stride), yy = LOAD_V(averages + MULTUM_ONE_LOBE_YY * stride);
   const real_v xy = LOAD_V(averages + MULTUM_ONE_LOBE_XY * stride), xz = LOAD_V(averages + MULTUM_ONE_LOBE_XZ * stride);
   const real_v yz = LOAD_V(averages + MULTUM_ONE_LOBE_YZ * stride), zz = MAX_V(1.0f - xx - yy, (real_v)(0.0f));
-  // E[n n'] times the axes of the frame, and the scalar products of the results with the axes.
+  // The products of E[n n'] and the axes of the frame, and the scalar products of the results with the axes.
   const real_v ax = fma(xx, f.xx, fma(xy, f.xy, xz * f.xz)), ay = fma(xy, f.xx, fma(yy, f.xy, yz * f.xz));
   const real_v az = fma(xz, f.xx, fma(yz, f.xy, zz * f.xz));
   const real_v by = fma(yy, f.yy, yz * f.yz), bz = fma(yz, f.yy, zz * f.yz);
@@ -191,8 +192,8 @@ static inline LobeScale closed_form(__global const float* averages, int stride, 
   return s;
 }
 
-// Makes S invertible: limits its diagonal from below, and keeps its correlation below 1. If S must be isotropic, it
-// becomes its mean over all directions.
+// Makes S invertible by limiting its diagonal from below and keeping its correlation below 1. If S must be isotropic,
+// it is replaced by its mean over all directions.
 static inline LobeScale bounded(LobeScale s, int is_anisotropic) {
   s.xx = MAX_V(s.xx, (real_v)(SCALE_MIN));
   s.yy = MAX_V(s.yy, (real_v)(SCALE_MIN));
@@ -201,7 +202,7 @@ static inline LobeScale bounded(LobeScale s, int is_anisotropic) {
     s.xy = (real_v)(0.0f);
     return s;
   }
-  // Allows ratios of up to about 500 between the variances, and 22 between the alphas.
+  // Allows ratios of up to about 500 between the variances, and of up to about 22 between the alphas.
   const real_v most = 0.996f * sqrt(s.xx * s.yy);
   s.xy = MIN_V(MAX_V(s.xy, -most), most);
   return s;
@@ -226,7 +227,7 @@ static inline LobeScale em_step(__global const float* slopes, MultumOneLobePiece
     sum_xy = fma(wx, y, sum_xy);
     sum_yy = fma(wy, y, sum_yy);
   }
-  // Moments about the new mean, from sums about the old one.
+  // The moments about the new mean are computed from sums about the old mean.
   const real_v share = 1.0f / sum, dx = sum_x * share, dy = sum_y * share;
   s.xx = fma(-sum_x, dx, sum_xx) * share;
   s.xy = fma(-sum_x, dy, sum_xy) * share;
@@ -236,11 +237,11 @@ static inline LobeScale em_step(__global const float* slopes, MultumOneLobePiece
   return bounded(s, piece.is_anisotropic);
 }
 
-// One work-item = MULTUM_VECTOR_WIDTH texels, one per lane; global size stride / MULTUM_VECTOR_WIDTH.
+// One work-item handles MULTUM_VECTOR_WIDTH texels, one per lane. The global size is stride / MULTUM_VECTOR_WIDTH.
 //   averages [plane][stride]       MULTUM_ONE_LOBE_AVERAGES planes
 //   slopes   [texel / block][sample][2][block]   from one_lobe_samples; not read if there are no samples
 //   fitted   [plane][stride]       written: MULTUM_ONE_LOBE_FITTED planes
-// Compute bound: iteration_count * grid^2 weights per texel.
+// The kernel is compute bound: iteration_count * grid^2 weights per texel.
 __kernel void one_lobe_fit(__global const float* averages, __global const float* slopes, __global float* fitted,
                            MultumOneLobePiece piece) {
   const int first = (int)get_global_id(0) * MULTUM_VECTOR_WIDTH, stride = piece.stride;
@@ -267,8 +268,8 @@ __kernel void one_lobe_fit(__global const float* averages, __global const float*
   STORE_V(y, fitted + stride);
   STORE_V(z, fitted + 2 * stride);
 
-  // S = middle + [half, xy; xy, -half]: its eigenvalues are middle +- radius. The axis of the larger eigenvalue is at
-  // half the angle of (half, xy). Of two formulas for this axis, the one without a subtraction is used.
+  // S is middle + [half, xy; xy, -half], whose eigenvalues are middle +- radius. The axis of the larger eigenvalue is
+  // at half the angle of (half, xy). Of two formulas for this axis, the one without a subtraction is used.
   const real_v middle = 0.5f * (s.xx + s.yy), half_difference = 0.5f * (s.xx - s.yy);
   const real_v radius = sqrt(fma(half_difference, half_difference, s.xy * s.xy));
   const int_v along_x = half_difference >= 0.0f;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Probes the arithmetic of a device and its driver, for tests and for users who suspect the driver of errors.
+// Probes the arithmetic of a device and its driver, for tests and for users who suspect an error in the driver.
 
 #include "device/vmf_shading.clh"
 #include "shared/filtered_sh.h"
@@ -37,19 +37,19 @@ static float probed(float x, int function) {
   }
 }
 
-// One work-item = one input; global size count. values[i] = function(inputs[i]).
+// One work-item handles one input. The global size is count. values[i] = function(inputs[i]).
 __kernel void probe_functions(__global const float* inputs, __global float* values, int count, int function) {
   const int i = (int)get_global_id(0);
   if (i >= count) return;
   values[i] = probed(inputs[i], function);
 }
 
-// One work-item = one highlight; global size count.
+// One work-item handles one highlight. The global size is count.
 //   lobes [count]         (a r, a)
 //   half_vectors [count]  unit; w: the kappa of the facets
 //   lights [count]        unit, towards the light
 //   values [count]        written: highlight_cosine()
-// Compute bound.
+// The kernel is compute bound.
 __kernel void probe_highlight_cosine(__global const float4* lobes, __global const float4* half_vectors,
                                      __global const float4* lights, __global float* values, int count) {
   const int i = (int)get_global_id(0);
@@ -57,7 +57,7 @@ __kernel void probe_highlight_cosine(__global const float4* lobes, __global cons
   values[i] = highlight_cosine(lobes[i], half_vectors[i].xyz, lights[i].xyz, half_vectors[i].w);
 }
 
-// Writes the device's sizes of the structs that it shares with the host. One work-item in total.
+// Writes the sizes that the device gives to the structs that it shares with the host. There is only one work-item.
 __kernel void probe_layout(__global int* sizes, int count) {
   if (get_global_id(0) != 0) return;
   MultumMovmfFit fit;

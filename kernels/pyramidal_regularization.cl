@@ -6,11 +6,11 @@
 
 #include "shared/mip_pyramid.h"
 
-// One work-item = one strip of texels; global size strip_count.
+// One work-item handles one strip of texels. The global size is strip_count.
 //   levels, taps, strips   tables
 //   x        [texels]      three colours and 0
 //   residual [texels]      written: R x; 0 in the coarsest level
-// Memory bound.
+// The kernel is memory bound.
 __kernel void pyramid_residual(__global const MultumMipLevel* levels, __global const MultumTap* taps,
                                __global const MultumStrip* strips, __global const float4* x, __global float4* residual,
                                int strip_count, int level_count) {
@@ -36,11 +36,11 @@ __kernel void pyramid_residual(__global const MultumMipLevel* levels, __global c
 }
 
 // Adds weight * R^T residual to `sum`.
-// One work-item = one strip of texels; global size strip_count.
+// One work-item handles one strip of texels. The global size is strip_count.
 //   levels, gathers, entries, strips   tables
 //   residual [texels]   R x
 //   sum      [texels]   read and written
-// Memory bound.
+// The kernel is memory bound.
 __kernel void pyramid_gradient(__global const MultumMipLevel* levels, __global const MultumGather* gathers,
                                __global const MultumGatherEntry* entries, __global const MultumStrip* strips,
                                __global const float4* residual, __global float4* sum, int strip_count, float weight) {

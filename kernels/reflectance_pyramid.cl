@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// Computes the finest level of a reflectance map (Williams 1983, section 4). The map holds the light that a surface
-// sends to a distant viewer under distant lights, for each normal. kernels/mip_box.cl builds the pyramid from it.
+// Computes the finest level of a reflectance map (Williams 1983, section 4). For each normal, the map holds the light
+// that a surface under distant lights sends to a distant viewer. kernels/mip_box.cl builds the pyramid from it.
 //
 //   radiance(n) = sum over lights E ( k_d / pi + k_s (s + 1) / (2 pi) max(n.h, 0)^s ) max(n.l, 0)
 //
-// runtime_gl/shaders/scene.frag has the same formula. Williams paints the reflected lights of his map by hand; here
-// they are computed with Blinn-Phong. A texel is the mean over sample_side^2 normals, which are evenly spread over it
-// in the map's equal-area projection (host/formats/asset/pyramid/reflectance_mapping.h). A highlight narrower than a
-// texel thus keeps its energy.
+// runtime_gl/shaders/scene.frag has the same formula. Williams paints the reflected lights of his map by hand. Here
+// they are computed with Blinn-Phong. A texel is the mean over sample_side^2 normals, which are evenly spread over the
+// texel in the map's equal-area projection (host/formats/asset/pyramid/reflectance_mapping.h). A highlight narrower
+// than a texel thus keeps its energy.
 
 #include "device/vmf_shading.clh"
 #include "shared/mip_box.h"
@@ -20,17 +20,18 @@
 #define INVERSE_PI 0.318309886f
 #define MAP_SIDE 2.82842712f  // side of the square, in the projection's units
 
-// Returns the unit normal at p of Lambert's azimuthal equal-area projection about +z; beyond the corners, the antipode.
+// Returns the unit normal at p of Lambert's azimuthal equal-area projection about +z. Beyond the corners, returns the
+// antipode.
 static float3 normal_at(float px, float py) {
   const float square = min(fma(px, px, py * py), 4.0f);
   const float flat = sqrt(fma(-0.25f, square, 1.0f));
   return (float3)(px * flat, py * flat, fma(-0.5f, square, 1.0f));
 }
 
-// One work-item = one texel of a band of rows; global size row_count * map_width.
+// One work-item handles one texel of a band of rows. The global size is row_count * map_width.
 //   lights [light_count]
 //   nodes  [plane][row][row_length]   written: red, green, blue of the texels
-// Compute bound: light_count * sample_side^2 evaluations per texel.
+// The kernel is compute bound: light_count * sample_side^2 evaluations per texel.
 __kernel void reflectance_texels(__global const MultumReflectanceLight* lights, __global float* nodes,
                                  MultumReflectanceMap map, MultumBoxBand band) {
   const int item = (int)get_global_id(0);

@@ -2,8 +2,8 @@
 // Projects the normal distribution of a finest texel to spherical harmonics (Han et al. 2007, section 5). The
 // coefficients are the basis functions at its normal, g_lm = Y_lm(n). mip_box.cl averages the coefficients, which is
 // exact because they are linear in the distribution. If normals include a BRDF's width, a normal n is shortened to c n,
-// and represents facets about n. Then g_lm = a_l Y_lm(n), where a_l are the zonal coefficients of the vMF with mean
-// cosine c.
+// and represents facets about n. Its coefficients are then g_lm = a_l Y_lm(n), where a_l are the zonal coefficients of
+// the vMF with mean cosine c.
 
 #include "device/vmf_zonal.clh"
 #include "shared/mip_box.h"
@@ -12,12 +12,12 @@
 #error "sh_project has only a scalar variant"
 #endif
 
-// One work-item = one texel of the band; global size row_count * map_width.
+// One work-item handles one texel of the band. The global size is row_count * map_width.
 //   normal_x, normal_y, normal_z [row][map_width]
 //   steps [(order + 1) (order + 2) / 2]            the recurrence's constants
 //   nodes [plane][row][row_length]                 written: the coefficients from l = 1
 //   shortened                                      if not 0, the lengths of normals hold a BRDF's width
-// Memory bound.
+// The kernel is memory bound.
 __kernel void sh_project(__global const float* normal_x, __global const float* normal_y, __global const float* normal_z,
                          __global const float2* steps, __global float* nodes, MultumBoxBand band, int shortened) {
   const int item = (int)get_global_id(0);

@@ -12,7 +12,8 @@
 #error "sh_shade has only a scalar variant"
 #endif
 
-// Returns the weighted sum, clamped at 0, because a truncated series rings below 0 and light is never negative.
+// Returns the weighted sum, clamped at 0. A truncated series can be below 0 because of ringing, but light is never
+// negative.
 static float weighted_bands(const float* bands, __global const float* zonal) {
   float sum = 0.0f;
   for (int l = 0; l <= MULTUM_SH_ORDER; ++l) sum = fma(zonal[l], bands[l], sum);
@@ -29,8 +30,8 @@ static float shade_map(float4 lobe, __global const MultumHighlight* f, float4 h,
 
 #define SH_LINEAR_CONSTANT 0.488602512f  // the constant of Y_1m
 
-// Returns the cosine that multiplies the highlight of half vector h: the cosine of the mean normal, which is shorter
-// than 1, or 1 if h.w requests no cosine. The coefficients (1, -1), (1, 0), (1, 1) are y, z, x.
+// Returns the cosine that multiplies the highlight of half vector h. This is the cosine of the mean normal, which is
+// shorter than 1, or 1 if h.w requests no cosine. The coefficients (1, -1), (1, 0), (1, 1) are y, z, x.
 static float cosine_of_half(__global const float* g, float share, float4 h, __global const float4* lights) {
   if (h.w == 0.0f) return 1.0f;
   const float4 light = lights[(int)h.w - 1];
@@ -38,7 +39,7 @@ static float cosine_of_half(__global const float* g, float share, float4 h, __gl
   return max(sum / (SH_LINEAR_CONSTANT * max(share, AMPLITUDE_SHADED_MIN)), 0.0f);
 }
 
-// One work-item = one sample point; global size sample_count.
+// One work-item handles one sample point. The global size is sample_count.
 //   coefficients [sample][order (order + 2)]   already filtered
 //   points     [sample]
 //   steps      the recurrence's constants
@@ -48,7 +49,7 @@ static float cosine_of_half(__global const float* g, float share, float4 h, __gl
 //   lights     [light_count]    unit vectors; w: the mean cosine for without_roughness()
 //   highlights [highlight_count]
 //   values     [sample][highlight_count * half_count + light_count]   written: highlights, then Lambert
-// Levels that come from the normal map are shaded in the same way as lobes. Compute bound.
+// Levels that come from the normal map are shaded in the same way as lobes. The kernel is compute bound.
 __kernel void sh_shade(__global const float* coefficients, __global const MultumFilteredSh* points,
                        __global const float2* steps, __global const float* zonal, __global const float4* half_vectors,
                        __global const float4* lights, __global const MultumHighlight* highlights,

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Finds shared code whose messages name an option literally. A command without that option would also print these
-messages.
+"""Finds shared code whose messages name an option literally. Commands that do not have this option would also print
+these messages.
 
 advice() and option_text() of host/foundation/base/messages/option_words.h name options of the command that runs.
 
@@ -18,7 +18,8 @@ import sys
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 SHARED = ("accuracy", "asset", "averages", "bake", "base", "brdf", "export", "gltf", "image", "light", "look",
           "manifest", "mesh", "movmf", "opencl", "pyramid", "sandbox", "scene", "target")
-# Sources that only one command uses, with the command whose options they name, and sources that run command lines.
+# The sources that only one command uses, each with the command whose options it names, and the sources that run command
+# lines.
 OF_ONE_COMMAND = {
     "host/bakes/bake/region_bake.cpp": "bake --region", "host/foundation/base/share_record.cpp": "those with --shard",
     "host/delivery/export/export_job.cpp": "export", "host/delivery/export/lobes/lobe_export.cpp": "export --lobes",

@@ -49,9 +49,8 @@ def check_text(file, text):
 
 
 def has_header_comment(file, lines):
-    """Returns whether a comment besides the licence line comes before the first line of code. A .cpp may leave the
-    comment
-    to its header."""
+    """Returns whether there is a comment other than the licence line before the first line of code. A .cpp file needs
+    no such comment if its header has one."""
     if file.suffix == ".cpp" and (file.with_suffix(".h").is_file() or file.with_suffix(".clh").is_file()):
         return True
     if file.name == "CMakeLists.txt":

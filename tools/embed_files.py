@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Writes a C++ file that holds the bytes of files, so that a program runs without these files.
+"""Writes a C++ file that contains the bytes of files, so that a program can run without these files.
 
 As a table, a function that returns std::map<std::string, std::string_view> by the files' names:
   embed_files.py OUTPUT.cpp --header HEADER --function web_files FOLDER FILE...
@@ -15,13 +15,13 @@ import pathlib
 import re
 
 INCLUDE = re.compile(r'^\s*#include\s+"([^"]+)"')
-# Compilers warn about "??=" and similar sequences, which were once trigraphs.
+# Compilers warn about "??=" and similar sequences, because they were trigraphs in earlier standards.
 ESCAPES = {ord("\n"): "\\n", ord('"'): '\\"', ord("\\"): "\\\\", ord("?"): "\\?"}
 
 
 def flatten(folder, name, seen):
-    """Returns the source of `name` with each include replaced with its file, once. #line makes error messages name the
-    original files."""
+    """Returns the source of `name`, in which the first include of each file is replaced with the file. Because of
+    #line, error messages name the original files."""
     if name in seen:
         return []
     seen.add(name)

@@ -8,7 +8,8 @@ import tokenize
 SLASHES = (".h", ".cpp", ".cl", ".clh", ".glsl", ".vert", ".frag", ".js", ".mjs")
 WORDS_MIN = 4  # shorter strings are names, keys and formats
 STRING = re.compile(r'"(?:[^"\\\n]|\\.)*"')
-# Parts of a document that are not prose: code, HTML comments and generated figures. Their line breaks are kept.
+# The parts of a document that are not prose, which are code, HTML comments and generated figures. Their line breaks are
+# kept.
 NO_PROSE = re.compile(r"```.*?^\s*```|<!--.*?-->|^(?:    |\t).*?$", re.DOTALL | re.MULTILINE)
 
 

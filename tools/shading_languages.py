@@ -5,8 +5,8 @@
     tools/shading_languages.py SHADERS OUT
 
 SHADERS is runtime_gl/shaders. OUT gets multum_lobes with four endings: .glsl (330, and ES 300 after `precision highp
-float;`), .hlsl (shader model 4 and later), .metal and .wgsl. The input is functions and constants of a small part of
-GLSL: floats, vectors, one texture lookup, `if`, `for` and `?:`. Anything else stops the translation.
+float;`), .hlsl (shader model 4 and later), .metal and .wgsl. The input consists of functions and constants in a small
+part of GLSL, which has floats, vectors, one texture lookup, `if`, `for` and `?:`. Anything else stops the translation.
 """
 import argparse
 import pathlib
@@ -111,7 +111,7 @@ def hlsl(text):
 
     def change(code):
         code = re.sub(r"\bconst float\b", "static const float", code)
-        # HLSL has no float3(x) constructor for a single number, so a cast is used instead.
+        # HLSL has no constructor float3(x) for a single number, so a cast is used instead.
         code = re.sub(r"\bvec([234])\(([^(),]+|\w+\([^()]*\))\)", r"((vec\1)(\2))", code)
         return renamed(names)(code)
     text = with_samplers(text, "Texture2D<float4> {texture}, SamplerState {texture}_sampler",

@@ -4,7 +4,7 @@
 
 The heights, int16 metres on a grid of 3 arc seconds, come with Debian's python-matplotlib-data as an .npz file, a ZIP
 of .npy arrays. The standard library is enough to read that file and to write PNG. Prints the matching --height-scale,
-which is the height in texels of a value difference of 1, times the chosen exaggeration.
+which is the height in texels that a value difference of 1 represents, times the chosen exaggeration.
 
   tools/terrain_height.py OUT.png [--exaggeration 4] [--every 1] [--input jacksboro_fault_dem.npz]
 """
@@ -18,7 +18,7 @@ import zipfile
 import zlib
 
 DEFAULT_INPUT = "/usr/share/matplotlib/mpl-data/sample_data/jacksboro_fault_dem.npz"
-METRES_PER_DEGREE = 111320.0  # metres per degree of latitude; for longitude, multiply by the cosine of the latitude
+METRES_PER_DEGREE = 111320.0  # for latitude; for longitude, the number is multiplied by the cosine of the latitude
 
 
 def read_npy(data):
@@ -78,7 +78,7 @@ def main():
     except (OSError, ValueError, KeyError, zipfile.BadZipFile) as error:
         sys.exit(f"{arguments.input}: {error}; expected the terrain of Debian's python-matplotlib-data")
     low, high = min(map(min, rows)), max(map(max, rows))
-    steps = 65535 // (high - low)  # a whole number of steps per metre, so nothing is rounded
+    steps = 65535 // (high - low)  # a whole number of steps per metre, so that no height is rounded
     pathlib.Path(arguments.output).write_bytes(encode_png16([[(h - low) * steps for h in row] for row in rows]))
     print(f"{65535 / steps / spacing * arguments.exaggeration:.2f}")
 

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Writes a torus as an OBJ file: a closed surface whose texture coordinates wrap, for pictures that show every angle.
+"""Writes a torus as an OBJ file. It is a closed surface whose texture coordinates wrap, for pictures that show every
+angle.
 
   tools/torus_mesh.py OUT.obj
 
@@ -16,7 +17,7 @@ RING_REPEATS, TUBE_REPEATS = 4, 2
 
 
 def torus_lines():
-    columns = TUBE_STEPS + 1  # the seam's vertices exist twice, with different texture coordinates
+    columns = TUBE_STEPS + 1  # the vertices of the seam exist twice, with different texture coordinates
     for i in range(RING_STEPS + 1):
         for j in range(columns):
             ring, tube = 2 * math.pi * i / RING_STEPS, 2 * math.pi * j / TUBE_STEPS
@@ -27,7 +28,7 @@ def torus_lines():
                    f"{math.sin(tube):.6f}")
     for i in range(RING_STEPS):
         for j in range(TUBE_STEPS):
-            first = i * columns + j + 1  # OBJ counts from 1
+            first = i * columns + j + 1  # indices in OBJ files begin with 1
             corners = (first, first + columns, first + columns + 1, first + 1)
             yield "f " + " ".join(f"{k}/{k}/{k}" for k in corners)
 

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Ray-traces a tiled floor and a glossy board: 4 views under 4 lights, as a folder that `multum animation` reads.
+"""Ray-traces a tiled floor and a glossy board in 4 views under 4 lights. The result is a folder that `multum animation`
+reads.
 
   tools/traced_room.py FOLDER
 
@@ -16,7 +17,8 @@ import zlib
 
 WIDTH, HEIGHT, VIEWS, LIGHTS = 96, 72, 4, 4
 SUB_PIXELS = 2  # number of sub-pixels along each side of a pixel
-# Objects in alphabetical order, as id_*.png numbers them: name, corner, edge along u, edge along v.
+# The objects in alphabetical order, which is the order of the numbers in id_*.png. Each has a name, a corner, and its
+# edges along u and v.
 QUADS = (("board", (-0.5, 0.4, 0.0), (0.9, 0.2, 0.0), (0.0, 0.0, 0.7)),
          ("floor", (-1.5, -1.0, 0.0), (3.0, 0.0, 0.0), (0.0, 3.0, 0.0)))
 BOARD = 0
@@ -72,7 +74,7 @@ def camera_of(view):
 
 
 def seen_from(view):
-    """Returns the object, u and v of each sub-pixel by rows, or None where no object is seen."""
+    """Returns the object, u and v of each sub-pixel, row by row, or None if no object is visible there."""
     eye, (right, up, back), (scale_x, scale_y) = camera_of(view)
     columns, rows = WIDTH * SUB_PIXELS, HEIGHT * SUB_PIXELS
     seen = []

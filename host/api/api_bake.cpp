@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bakes, exports and measurements of multum.h.
+// Implements the bakes, exports and measurements of multum.h.
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -62,8 +62,8 @@ int base_type_of(const multum_image& image, const std::string& name) {
 MemoryImage memory_image(const multum_image& image, const std::string& name) {
   constexpr int kSideMax = 1 << 20;
   if (image.size < sizeof(multum_image))
-    throw Error(ErrorCode::kUsage, name + ": size of the struct is " + std::to_string(image.size) +
-                                       ", expected MULTUM_IMAGE_INIT as the initial value");
+    throw Error(ErrorCode::kUsage, name + ": the field `size` is " + std::to_string(image.size) +
+                                       ", expected an image that MULTUM_IMAGE_INIT initialised");
   if (image.width < 1 || image.height < 1 || image.width > kSideMax || image.height > kSideMax)
     throw Error(ErrorCode::kUsage, fmt::format("{}: found {} x {} texels, expected 1 to {} per side", name, image.width,
                                                image.height, kSideMax));
@@ -85,19 +85,18 @@ MemoryImage memory_image(const multum_image& image, const std::string& name) {
   return result;
 }
 
-// Names of the maps of a job. Images in memory have names until the object ends.
+// The names of the maps of a job. Images in memory keep their names until the object ends.
 class JobMaps {
  public:
   JobMaps(const multum_maps* maps, const char* function) {
     require(maps, function, "maps", "the maps of a material");
     if (maps->size < sizeof(multum_maps))
-      throw Error(
-          ErrorCode::kUsage,
-          fmt::format("{}: size of maps is {}, expected MULTUM_MAPS_INIT as the initial value", function, maps->size));
+      throw Error(ErrorCode::kUsage,
+                  fmt::format("{}: the field `size` of maps is {}, expected maps that MULTUM_MAPS_INIT initialised",
+                              function, maps->size));
     if ((maps->input == nullptr) == (maps->normals == nullptr))
       throw Error(ErrorCode::kUsage,
-                  fmt::format("{}: found {}, expected either maps.input, a file, or maps.normals, an "
-                              "image in memory",
+                  fmt::format("{}: found {}, expected either a file (maps.input) or an image in memory (maps.normals)",
                               function, maps->input == nullptr ? "neither" : "both"));
     input_ = maps->input == nullptr ? add(*maps->normals, "normals") : maps->input;
     if (maps->albedo != nullptr) albedo_ = add(*maps->albedo, "albedo");
@@ -110,12 +109,13 @@ class JobMaps {
   const std::string& roughness() const { return roughness_; }
   const std::string& weights() const { return weights_; }
 
-  /// Replaces a file that the settings name by the image in memory, if there is one.
+  /// If there is an image in memory, uses it in place of the file that the settings name.
   static void choose(std::string& file, const std::string& image, const char* name) {
     if (image.empty()) return;
     if (!file.empty())
       throw Error(ErrorCode::kUsage,
-                  fmt::format("{} is both a setting ({}) and an image in memory, expected one of them", name, file));
+                  fmt::format("{} is given both as a setting ({}) and as an image in memory, expected only one of them",
+                              name, file));
     file = image;
   }
 
@@ -144,7 +144,7 @@ BakeJob bake_job(const JobMaps& maps, const ParameterValues& parameters, const m
   return job;
 }
 
-// Returns multum-view next to multum-decode, else from PATH.
+// Returns the multum-view next to multum-decode. If there is none there, searches PATH.
 std::string find_viewer() {
   const std::filesystem::path beside = std::filesystem::path(program_folder()) / "multum-view";
   std::error_code error;
@@ -204,9 +204,12 @@ multum_status multum_export(multum_device* device, const multum_maps* maps, cons
     const multum::JobMaps names(maps, "multum_export");
     const multum::ParameterValues parameters = multum::values_of(values, multum::export_parameters());
     if (parameters.flag("lobes") || !parameters.text("page").value_or("").empty())
-      throw Error(ErrorCode::kUsage, "lobes or page is set, expected neither: only the program writes them");
+      throw Error(ErrorCode::kUsage,
+                  "lobes or page is set, expected neither, because only the program can write these files");
     if (!names.albedo().empty() || !names.weights().empty())
-      throw Error(ErrorCode::kUsage, "found albedo or weights, expected only normals and roughness for an export");
+      throw Error(
+          ErrorCode::kUsage,
+          "found an albedo or weights, expected only normals and roughness, because an export stores nothing else");
     multum::check_exclusions(parameters);
     multum::ExportJob job;
     job.threads = multum::threads_of(values);

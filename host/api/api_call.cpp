@@ -13,7 +13,7 @@ ApiCall::ApiCall(const multum_callbacks* callbacks) : scope_({this, nullptr}) {
   if (callbacks == nullptr) return;
   if (callbacks->size < sizeof(size_t) + sizeof(void*))
     throw Error(ErrorCode::kUsage, "multum_callbacks: size is " + std::to_string(callbacks->size) +
-                                       ", expected MULTUM_CALLBACKS_INIT as the initial value");
+                                       ", expected callbacks that MULTUM_CALLBACKS_INIT initialised");
   std::memcpy(&callbacks_, callbacks, std::min(callbacks->size, sizeof(callbacks_)));
   if (callbacks_.progress == nullptr) return;
   progress_ = std::make_unique<Progress>([this](const ProgressEvent& event) {

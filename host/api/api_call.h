@@ -11,15 +11,15 @@
 
 namespace multum {
 
-/// Receives the log of the calling thread, and of the threads that work for it, during the object's life.
+/// While the object exists, receives the log of the calling thread and of the threads that work for it.
 class ApiCall : private LogListener {
  public:
-  /// `callbacks`: null for a call without callbacks. Throws Error(kUsage) for a struct of unknown size.
+  /// `callbacks` is null for a call without callbacks. Throws Error(kUsage) for a struct of unknown size.
   explicit ApiCall(const multum_callbacks* callbacks);
   ApiCall(const ApiCall&) = delete;
   ApiCall& operator=(const ApiCall&) = delete;
 
-  /// Progress for the work; null if nobody listens.
+  /// Returns the Progress for the work, or null if nobody listens.
   Progress* progress() { return progress_.get(); }
 
  private:

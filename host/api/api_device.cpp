@@ -14,7 +14,7 @@ namespace {
 
 const char* environment(const char* name) { return std::getenv(name); }
 
-// Compiled kernels are kept where `multum` keeps them.
+// Compiled kernels are stored in the same place where `multum` stores them.
 void use_kernel_caches() {
   static std::once_flag once;
   std::call_once(once, [] { set_kernel_caches(kernel_cache_folders(environment)); });

@@ -14,7 +14,7 @@
 namespace multum {
 namespace {
 
-// Made in advance, because no error can be made when memory has run out. multum_error_free() ignores it.
+// This error is made in advance, because no error can be made when memory has run out. multum_error_free() ignores it.
 multum_error& no_memory() {
   static multum_error error{MULTUM_OUT_OF_MEMORY, "out of memory", "", "", ""};
   return error;
@@ -108,7 +108,7 @@ multum_status report_exception(multum_error** error) noexcept {
     try {
       return store(error, MULTUM_BAD_ENVIRONMENT, caught_error("").what());
     } catch (...) {
-      return store(error, MULTUM_BAD_ENVIRONMENT, "a call of the system failed");
+      return store(error, MULTUM_BAD_ENVIRONMENT, "a system call failed");
     }
   } catch (const std::exception& caught) {
     return store(error, MULTUM_INTERNAL, caught.what());

@@ -19,11 +19,11 @@ struct multum_text {
 
 namespace multum {
 
-/// Returns the message for callers of the library: names of settings instead of options, plain names of images, and no
-/// marks of advice.
+/// Returns the message for callers of the library. It has names of settings instead of options, plain names of images,
+/// and no marks of advice.
 std::string api_message(const std::string& message);
 
-/// Stores the exception that is being handled in *error, unless `error` is null, and returns its status. Never throws.
+/// Stores the exception that is being handled in *error, unless `error` is null, and returns the status. Never throws.
 multum_status report_exception(multum_error** error) noexcept;
 
 /// Stores an error about a wrong argument or setting.
@@ -40,7 +40,8 @@ multum_status guarded(multum_error** error, const Body& body) noexcept {
   }
 }
 
-/// Throws Error(kUsage) if a pointer that a function needs is null: "multum_bake: device is NULL, expected a device".
+/// Throws Error(kUsage) if a pointer that a function needs is null, as in "multum_bake: device is NULL, expected a
+/// device".
 void require(const void* pointer, const char* function, const char* argument, const char* expected);
 
 }  // namespace multum

@@ -107,7 +107,7 @@ void check_part(multum_part part) {
     throw Error(ErrorCode::kUsage, fmt::format("part is {}, expected a value of multum_part", static_cast<int>(part)));
 }
 
-// Appends the bytes of a file to an open one. `shown`: name of the open file in messages.
+// Appends the bytes of a file to an open file. `shown` is the name of the open file in messages.
 void copy_bytes(const std::string& from, int to, const std::string& shown) {
   constexpr std::int64_t kBlock = std::int64_t{1} << 20;
   const ByteFile file(from);
@@ -306,9 +306,9 @@ multum_view checked_shape(const multum_map& map, int level, multum_part part) {
   map.check_level(level);
   const multum_view view = multum_map_shape(&map, level, part);
   if (view.layers == 0)
-    throw Error(ErrorCode::kUsage,
-                fmt::format("part is {}, which {} of representation {} does not hold, expected another part",
-                            kPartNames[part], map.path(), map.text("representation")));
+    throw Error(ErrorCode::kUsage, fmt::format("part is {}, but the file {} has the representation {}, which does not "
+                                               "contain this part; expected another part",
+                                               kPartNames[part], map.path(), map.text("representation")));
   return view;
 }
 

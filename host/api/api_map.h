@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The handle of a baked map in multum.h: reads levels of a file of any representation, and keeps those that callers
-// view.
+// The handle of a baked map in multum.h. It reads levels of a file of any representation, and keeps the levels that
+// callers view.
 #pragma once
 
 #include <array>
@@ -19,7 +19,8 @@ namespace multum {
 
 constexpr std::size_t kMapParts = MULTUM_HARMONICS + 1;
 
-/// Values of a level or of some of its rows: [part][layer][row][column][channel]. Empty for parts that the file lacks.
+/// The values of a level or of some of its rows: [part][layer][row][column][channel]. Empty for parts that the file
+/// lacks.
 using PartValues = std::array<std::vector<float>, kMapParts>;
 
 /// Reads rows of a file of one representation.
@@ -29,7 +30,7 @@ class MapRows {
   virtual PartValues read(int level, int first_row, int row_count) = 0;
 };
 
-/// Number of layers and channels of a part; both are 0 if the file lacks the part.
+/// The numbers of layers and channels of a part. Both are 0 if the file lacks the part.
 struct PartShape {
   int layers = 0, channels = 0;
 };
@@ -37,7 +38,7 @@ struct PartShape {
 }  // namespace multum
 
 struct multum_map {
-  /// Opens a file. `folder`: the temporary folder that holds it, or null. Throws Error(kInput).
+  /// Opens a file. `folder` is the temporary folder that holds the file, or null. Throws Error(kInput).
   multum_map(std::string path, std::unique_ptr<multum::WorkFolder> folder);
 
   const std::string& path() const { return path_; }

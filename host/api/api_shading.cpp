@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lookups and shading of multum.h.
+// Implements the lookups and the shading of multum.h.
 #include <algorithm>
 #include <cmath>
 #include <memory>

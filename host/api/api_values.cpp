@@ -18,7 +18,7 @@ namespace {
 constexpr std::array kCommands = {"bake", "export", "gltf", "infer", "pack"};
 constexpr char kThreads[] = "threads";
 constexpr int kThreadsMax = 1024;
-// Parameters of the command line that have another form in the library: positional arguments, and the device.
+// Command-line parameters that have another form in the library. These are positional arguments and the device.
 constexpr std::array kArguments = {"input", "output", "device", "scalar", "runstats"};
 
 bool is_argument(const std::string& name) {
@@ -140,7 +140,7 @@ struct ParameterTexts {
   std::string name, help, values;
 };
 
-// Texts of all settings, made at the first call and never changed, so that callers may keep the pointers.
+// The texts of all settings. They are made at the first call and never changed, so that callers may keep the pointers.
 const std::vector<ParameterTexts>& parameter_texts(const ParameterTable& table) {
   static std::mutex mutex;
   static std::map<const ParameterTable*, std::vector<ParameterTexts>> all;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The handle of settings in multum.h: values of a command's parameter table.
+// The handle of settings in multum.h. It holds values for the parameter table of a command.
 #pragma once
 
 #include <optional>
@@ -9,16 +9,16 @@
 
 struct multum_values {
   multum::ParameterValues values;
-  std::optional<int> threads;  // setting of every command, which no table has
+  std::optional<int> threads;  // a setting of every command that is not in any table
 };
 
 namespace multum {
 
-/// Returns the values, or no values for null. Throws Error(kUsage) if they are for another command, or if they choose a
-/// device, which the caller has already opened.
+/// Returns the values, or no values if the handle is null. Throws Error(kUsage) if the values are for another command,
+/// or if they choose a device. The caller has already opened the device.
 ParameterValues values_of(const multum_values* values, const ParameterTable& table);
 
-/// Returns the number of threads to work with: the setting, or one per core.
+/// Returns the number of threads to use. This is the value of the setting, or one per core.
 int threads_of(const multum_values* values);
 
 }  // namespace multum

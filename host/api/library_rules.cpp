@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Implements host/foundation/base/process_rules for libmultum, which changes nothing of its host's process.
+// Implements host/foundation/base/process_rules for libmultum, which changes nothing in the process that loads it.
 #include <dlfcn.h>
 
 #include <cstdlib>
@@ -22,8 +22,8 @@ void require_environment(const char* name, const std::string& value, const std::
 
 void show_log_line(const std::string&) {}
 
-// multum-decode is in PREFIX/libexec/multum for a library in PREFIX/lib or PREFIX/lib/ARCHITECTURE; next to the library
-// in a Python wheel; and in the folder bin next to the library's folder in a build folder.
+// For a library in PREFIX/lib or PREFIX/lib/ARCHITECTURE, multum-decode is in PREFIX/libexec/multum. In a Python wheel,
+// it is next to the library. In a build folder, it is in the folder bin next to the folder of the library.
 std::string program_folder() {
   Dl_info found = {};
   if (::dladdr(reinterpret_cast<const void*>(&multum_version), &found) == 0 || found.dli_fname == nullptr) return "";

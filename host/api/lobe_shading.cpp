@@ -16,7 +16,7 @@ namespace multum {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-constexpr double kAmplitudeMin = 1e-6;  // smaller amplitudes: no lobe
+constexpr double kAmplitudeMin = 1e-6;  // lobes with a smaller amplitude are ignored
 constexpr int kTermCount = 4;
 constexpr double kSpreadMin = 1e-7;  // kappa of at most 1e7, so that densities of single directions stay finite
 
@@ -37,7 +37,7 @@ Lobe lobe_of(const float (&stored)[4]) {
   return lobe;
 }
 
-// Returns kappa for a spread of 1 - A(kappa), as shading_kappa() of kernels/device/vmf_shading.clh does.
+// Returns kappa for a spread of 1 - A(kappa), like shading_kappa() of kernels/device/vmf_shading.clh.
 double kappa_of(double spread) {
   const double mean = 1.0 - spread, x = mean * mean;
   double p = 0.90242 * x - 1.04417;
@@ -57,8 +57,8 @@ double one_minus_cosine(const glm::dvec3& a, const glm::dvec3& b) {
   return 0.5 * glm::dot(difference, difference);
 }
 
-// Returns the mean of max(n . w, 0) over a vMF of this spread whose mean has the cosine t with w (vmf_mean_cosine() of
-// kernels/device/vmf_shading.clh).
+// Returns the mean of max(n . w, 0) over a vMF of this spread. t is the cosine of the angle between the mean direction
+// of the vMF and w (vmf_mean_cosine() of kernels/device/vmf_shading.clh).
 double mean_cosine(double spread, double t) {
   const double r = 1.0 - spread, m = r * t;
   const double v = spread * (r * (r * 0.15232 + 0.2343) + 0.25);
@@ -75,11 +75,11 @@ double highlight_cosine(const Lobe& lobe, const glm::dvec3& h, const glm::dvec3&
   return mean_cosine(lobe.spread > 0.0 ? vmf_spread(size) : 0.0, glm::dot(sum, w) / std::max(size, 1e-6));
 }
 
-// Spread of a term of f convolved with the lobe.
+// The spread of a term of f that is convolved with the lobe.
 double convolved(const Lobe& lobe, const VmfTerm& term) { return lobe.spread + (1.0 - lobe.spread) * term.spread; }
 
 struct Facets {
-  glm::dvec3 density{0.0}, with_light{0.0}, with_view{0.0};  // without a cosine, and with the cosine to l or v
+  glm::dvec3 density{0.0}, with_light{0.0}, with_view{0.0};  // without a cosine, and multiplied by the cosine to l or v
 };
 
 Facets facets_of(const Lobe& lobe, const multum_brdf& brdf, const glm::dvec3& h, const glm::dvec3& l,
@@ -100,7 +100,7 @@ Facets facets_of(const Lobe& lobe, const multum_brdf& brdf, const glm::dvec3& h,
 
 double total(const glm::dvec3& c) { return c.x + c.y + c.z; }
 
-// V at the mean cosines over the lobe's normals that reflect from l to v.
+// V at the mean cosines over the normals of the lobe that reflect light from l to v.
 double visibility(const Lobe& lobe, const multum_brdf& brdf, const Facets& facets, const glm::dvec3& h,
                   const glm::dvec3& v) {
   const BrdfFamily& family = family_of(brdf.brdf);
@@ -138,11 +138,11 @@ glm::dvec3 draw_vmf(const glm::dvec3& mean, double kappa, double u, double angle
   return around(mean, std::clamp(cosine, -1.0, 1.0), angle);
 }
 
-// A technique: one term of f convolved with one lobe, or the diffuse light of one lobe.
+// A sampling technique. It is one term of f convolved with one lobe, or the diffuse light of one lobe.
 struct Technique {
   double weight;  // probability
   glm::dvec3 axis;
-  double kappa;  // below 0: the cosine around the axis
+  double kappa;  // if negative, directions are distributed by the cosine around the axis
 };
 
 constexpr int kTechniquesMax = MULTUM_LOBES_MAX * (kBrdfTermCountMax + 1);
@@ -152,8 +152,8 @@ struct Techniques {
   int count = 0;
 };
 
-// Weights are estimates of the reflected light: k_s F times the term's weight, with F at the lobe's own reflection, and
-// the diffuse part.
+// The weights are estimates of the reflected light. For a highlight, this is k_s F times the weight of the term, with F
+// at the reflection by the lobe itself. The other weight is that of the diffuse part.
 Techniques techniques_of(const multum_lobes& lobes, const multum_brdf& brdf, const glm::dvec3& v) {
   Techniques found;
   double sum = 0.0;

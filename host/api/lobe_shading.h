@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// Shades and samples a mixture of von Mises-Fisher lobes on the processor, in double. The formulas are those of the GL
-// runtime (runtime_gl/shaders/common/movmf_shading.glsl, brdf/terms.glsl and surface/movmf.glsl): a BRDF's facets are a
-// sum of vMFs, and mean cosines multiply under convolution (Han et al. 2007, sections 4 and 7).
+// Shades and samples a mixture of von Mises-Fisher lobes on the processor, in double precision. The formulas are those
+// of
+// the GL runtime (runtime_gl/shaders/common/movmf_shading.glsl, brdf/terms.glsl and surface/movmf.glsl). The facets of
+// a
+// BRDF are a sum of vMFs, and mean cosines multiply under convolution (Han et al. 2007, sections 4 and 7).
 //
-// Sampling follows Walter et al. 2007, section 5.3: a half vector h is drawn from the convolved lobes, and the view
-// direction is reflected by it, so that the density of l is the density of h over 4 |v.h|. The diffuse part is sampled
-// by the cosine around each lobe's mean direction. All techniques are mixed in one density.
+// Sampling follows Walter et al. 2007, section 5.3. A half vector h is drawn from the convolved lobes, and the view
+// direction is reflected by it. The density of l is therefore the density of h over 4 |v.h|. The diffuse part is
+// sampled
+// by the cosine around the mean direction of each lobe. All techniques are mixed in one density.
 #pragma once
 
 #include <vector>
@@ -18,13 +21,13 @@
 
 struct multum_brdf {
   multum::Brdf brdf;
-  std::vector<multum::VmfTerm> terms;  // empty without a highlight
+  std::vector<multum::VmfTerm> terms;  // empty if there is no highlight
   double exponent = 0.0;               // Blinn-Phong exponent of about the same width, for the visibility term
 };
 
 namespace multum {
 
-/// Returns a BRDF with its terms. Throws Error(kUsage, kInput) as parse_brdf() does.
+/// Returns a BRDF with its terms. Throws Error(kUsage) and Error(kInput) like parse_brdf().
 multum_brdf shaded_brdf(const std::string& text);
 
 /// Implements multum_shade().

@@ -17,24 +17,25 @@
  *     multum_map_free(map);
  *     multum_device_free(device);
  *
- * OBJECTS. Every object is an opaque handle with a function ..._free(), which takes NULL too. Objects do not depend on
- * each other: a map stays valid when the device that baked it is freed.
+ * OBJECTS. Every object is an opaque handle. It is freed by a function ..._free(), which also accepts NULL. Objects do
+ * not depend on each other. For example, a map stays valid when the device that baked it is freed.
  *
- * ERRORS. A function that can fail returns a multum_status. On failure it also makes a multum_error, unless its last
- * argument is NULL; the caller frees the error. On success, and if the argument is NULL, no error is made. Functions
- * without a status cannot fail. No function throws an exception, ends the process, prints, installs a signal handler
- * or changes an environment variable. Messages name settings ("lobes is 9, expected an integer from 1 to 8").
+ * ERRORS. A function that can fail returns a multum_status. If it fails and its last argument is not NULL, it also
+ * makes a multum_error, which the caller must free. Otherwise it makes no error. Functions that do not return a status
+ * cannot fail. No function throws an exception, ends the process, prints, installs a signal handler or changes an
+ * environment variable. Messages name settings ("lobes is 9, expected an integer from 1 to 8").
  *
  * THREADS. Functions can be called from any thread. Two threads may use different objects at the same time. Two threads
- * may also use one map, one BRDF or one device: calls that would disturb each other wait for each other. Only
- * ..._free() and multum_values_set_...() need an object that no other thread uses.
+ * may also use the same map, BRDF or device, because calls that would disturb each other wait. The exceptions are
+ * ..._free() and multum_values_set_...(). Call them only when no other thread uses the object.
  *
- * STRUCTS that callers fill begin with their own size, which the ..._INIT macros set. A later library accepts the
- * structs of earlier headers.
+ * STRUCTS. A struct that callers fill in begins with its own size, which the ..._INIT macro sets. Later versions of the
+ * library accept the structs of earlier headers.
  *
- * DEVICES. Bakes, exports and measurements need OpenCL. Reading, filtering, shading and sampling do not: libOpenCL.so.1
- * is loaded by the first multum_device_open() or multum_list_devices(). With PoCL and LLVM 18, some processors need
- * POCL_WORK_GROUP_METHOD=cbs in the environment; multum_device_open() then returns an error that says so.
+ * DEVICES. Bakes, exports and measurements need OpenCL. Reading, filtering, shading and sampling do not need it,
+ * because libOpenCL.so.1 is loaded only by the first call of multum_device_open() or multum_list_devices(). With PoCL
+ * and LLVM 18, some processors need POCL_WORK_GROUP_METHOD=cbs in the environment. If this variable is missing,
+ * multum_device_open() returns an error that says so.
  *
  * COORDINATES. Directions are unit vectors in tangent space: +X right (u grows), +Y up (towards the first row of the
  * image), +Z out of the surface. Rows are stored from the top of the image to the bottom. Level 0 is the finest level.
@@ -70,13 +71,13 @@ typedef enum multum_status {
 
 typedef struct multum_error multum_error;
 
-/* Return parts of an error. The texts are valid until the error is freed, and never NULL. If the error is NULL, the
- * status is MULTUM_OK and the texts are empty. */
+/* Return the parts of an error. The texts are never NULL, and are valid until the error is freed. If `error` is NULL,
+ * the status is MULTUM_OK and the texts are empty. */
 MULTUM_API multum_status multum_error_status(const multum_error* error);
 MULTUM_API const char* multum_error_message(const multum_error* error);
-MULTUM_API const char* multum_error_file(const multum_error* error);     /* file that the message is about, or "" */
-MULTUM_API const char* multum_error_found(const multum_error* error);    /* value that was found, or "" */
-MULTUM_API const char* multum_error_expected(const multum_error* error); /* value that was expected, or "" */
+MULTUM_API const char* multum_error_file(const multum_error* error);     /* the file that the message is about, or "" */
+MULTUM_API const char* multum_error_found(const multum_error* error);    /* the value that was found, or "" */
+MULTUM_API const char* multum_error_expected(const multum_error* error); /* the value that was expected, or "" */
 MULTUM_API void multum_error_free(multum_error* error);
 
 /* Returns the version of the library, such as "0.1.0". */
@@ -91,14 +92,15 @@ MULTUM_API void multum_text_free(multum_text* text);
 
 typedef enum multum_log_kind { MULTUM_WARNING = 0, MULTUM_INFO = 1, MULTUM_VERBOSE = 2 } multum_log_kind;
 
-/* Functions of the caller; each may be NULL. A long call reports its progress from the thread that made the call, and
- * its log from any of its threads, one message at a time. A callback must not use an object of the running call. */
+/* Functions of the caller. Each of them may be NULL. A long call reports its progress from the thread that made the
+ * call. It passes its log from any of its threads, one message at a time. A callback must not use an object that the
+ * running call uses. */
 typedef struct multum_callbacks {
   size_t size;
   void* user; /* passed to the callbacks */
-  /* `stage`: the current work, such as "fit level 3". `share`: finished share of the work, 0 to 1; below 0 while it is
-   * unknown. Returns 0 to continue. With any other value the call ends with MULTUM_CANCELLED, leaves no file, and all
-   * objects remain usable. */
+  /* `stage` names the current work, such as "fit level 3". `share` is the finished share of the work, from 0 to 1. It
+   * is negative while the share is unknown. The function returns 0 to continue. If it returns any other value, the call
+   * ends with MULTUM_CANCELLED and leaves no file. All objects remain usable. */
   int (*progress)(void* user, const char* stage, double share);
   void (*log)(void* user, multum_log_kind kind, const char* message);
 } multum_callbacks;
@@ -107,15 +109,15 @@ typedef struct multum_callbacks {
 
 /* --------------------------------------------------------------------------------------------------- settings -- */
 
-/* Values for the settings of a command: "bake", "export", "gltf", "infer" or "pack". The names, ranges and defaults
- * are those of docs/reference/commands.md, with underscores instead of hyphens: "first_level". Settings that were not
- * set have their defaults. */
+/* Values for the settings of a command: "bake", "export", "gltf", "infer" or "pack". The names, ranges and defaults are
+ * those of docs/reference/commands.md, with underscores instead of hyphens: "first_level". Settings that are not set
+ * have their default values. */
 typedef struct multum_values multum_values;
 
 MULTUM_API multum_status multum_values_new(const char* command, multum_values** values, multum_error** error);
 MULTUM_API void multum_values_free(multum_values* values);
-/* Set one value. multum_values_set_text() takes every kind of value in the form of a command line: "4", "0.05",
- * "800M", "true". Return MULTUM_BAD_SETTING for an unknown name or an illegal value. */
+/* Set one value. multum_values_set_text() accepts every kind of value in the form used on command lines, such as "4",
+ * "0.05", "800M" or "true". All return MULTUM_BAD_SETTING for an unknown name or an illegal value. */
 MULTUM_API multum_status multum_values_set_text(multum_values* values, const char* name, const char* value,
                                                 multum_error** error);
 MULTUM_API multum_status multum_values_set_number(multum_values* values, const char* name, double value,
@@ -125,21 +127,22 @@ MULTUM_API multum_status multum_values_set_flag(multum_values* values, const cha
 
 typedef struct multum_parameter {
   const char* name;
-  const char* help;   /* the effect, verb first */
+  const char* help;   /* describes the effect, beginning with a verb */
   const char* values; /* the legal values and the default: "an integer from 1 to 8, default 4" */
 } multum_parameter;
-/* Returns the number of settings of a command; 0 for an unknown command. */
+/* Returns the number of settings of a command, or 0 if the command is unknown. */
 MULTUM_API int multum_parameter_count(const char* command);
-/* Describes setting `index` of a command. The texts are static. All are empty if there is no such setting. */
+/* Describes setting number `index` of a command, counted from 0. The texts are static. If there is no such setting, all
+ * texts are empty. */
 MULTUM_API multum_parameter multum_parameter_at(const char* command, int index);
 
 /* ---------------------------------------------------------------------------------------------------- devices -- */
 
 typedef struct multum_device multum_device;
 
-/* Opens an OpenCL device. `selector`: NULL or "" for the first GPU, or the first CPU if there is none; a number of
- * multum_list_devices(); or a part of the name of a device or platform. The first call in a process takes the time
- * that the driver needs to load, 0.1 to 1 s. */
+/* Opens an OpenCL device. If `selector` is NULL or "", opens the first GPU, or the first CPU if there is no GPU.
+ * Otherwise, `selector` is a number from multum_list_devices(), or a part of the name of a device or platform. The
+ * first call in a process takes 0.1 to 1 s, because the driver must be loaded. */
 MULTUM_API multum_status multum_device_open(const char* selector, multum_device** device, multum_error** error);
 MULTUM_API const char* multum_device_name(const multum_device* device);
 MULTUM_API void multum_device_free(multum_device* device);
@@ -158,24 +161,25 @@ typedef enum multum_type {
   MULTUM_SNORM16 = 4 /* int16_t, v / 32767; only for reading */
 } multum_type;
 
-/* An image in memory: rows from the top, channels interleaved. */
+/* An image in memory. Rows are stored from the top, and channels are interleaved. */
 typedef struct multum_image {
   size_t size;
   int width, height; /* texels, at least 1 */
   int channels;      /* 1 to 4: grey; grey, alpha; red, green, blue; red, green, blue, alpha */
   multum_type type;
-  ptrdiff_t row_bytes; /* from one row to the next; 0: rows follow each other */
-  const void* pixels;  /* the first row; the caller keeps the memory unchanged during the call */
+  ptrdiff_t row_bytes; /* distance from one row to the next; 0 if there are no gaps between rows */
+  const void* pixels;  /* the first row; must stay unchanged during the call */
 } multum_image;
 #define MULTUM_IMAGE_INIT \
   { sizeof(multum_image), 0, 0, 0, MULTUM_UINT8, 0, NULL }
 
-/* The maps of a material: files or images in memory, either of which may be absent except for the normals. Files of
- * other maps are settings: "albedo", "roughness", "weights". Files are decoded in a child process, so that a broken
- * file cannot crash the caller; images in memory need no child process. */
+/* The maps of a material, which are files or images in memory. Normals are required, and all other maps are optional.
+ * The normals can be the file `input` or an image. The files of the other maps are given by the settings "albedo",
+ * "roughness" and "weights". Files are decoded in a child process, so a broken file cannot crash the caller. Images in
+ * memory need no child process. */
 typedef struct multum_maps {
   size_t size;
-  const char* input; /* file with a normal map or a height field; NULL if `normals` is given */
+  const char* input; /* a normal map or a height field; NULL if `normals` is given */
   const multum_image *normals, *albedo, *roughness, *weights;
 } multum_maps;
 #define MULTUM_MAPS_INIT \
@@ -183,30 +187,30 @@ typedef struct multum_maps {
 
 typedef struct multum_map multum_map;
 
-/* Bakes a mipmap of distributions of normals, as `multum bake` does with the same settings: equal settings and pixels
- * give equal texels. `values`: of "bake", or NULL for the defaults. `output`: the file to write, which appears complete
- * or not at all; NULL to keep the result in a temporary file that multum_map_free() removes. `map` may be NULL if
- * there is an output. */
+/* Bakes a mipmap of distributions of normals. For equal settings and pixels, the texels equal those of `multum bake`.
+ * `values` holds settings of "bake"; NULL means the defaults. `output` is the file to write, which appears complete or
+ * not at all. If `output` is NULL, the result is kept in a temporary file that multum_map_free() removes. `map` may be
+ * NULL if `output` is given. */
 MULTUM_API multum_status multum_bake(multum_device* device, const multum_maps* maps, const multum_values* values,
                                      const char* output, const multum_callbacks* callbacks, multum_map** map,
                                      multum_error** error);
 
-/* Exports a map as a material of one lobe per texel, as `multum export` does. `output`: a folder, or NAME.ktx2 or
- * NAME.dds. `report`: receives JSON, the contents of `multum export --report`; may be NULL. */
+/* Exports a map as a material with one lobe per texel, like `multum export`. `output` is a folder, NAME.ktx2 or
+ * NAME.dds. `report` may be NULL. Otherwise it receives the JSON that `multum export --report` writes. */
 MULTUM_API multum_status multum_export(multum_device* device, const multum_maps* maps, const multum_values* values,
                                        const char* output, const multum_callbacks* callbacks, multum_text** report,
                                        multum_error** error);
 
-/* Writes a copy of a glTF model whose textures have fitted mips, as `multum gltf` does. `input`: *.glb, or *.gltf with
- * its files. `output`: *.glb. `values`: of "gltf", or NULL. `report`: receives the JSON of `multum gltf --report`; may
- * be NULL. */
+/* Writes a copy of a glTF model whose textures have fitted mips, like `multum gltf`. `input` is *.glb, or *.gltf with
+ * its files. `output` is *.glb. `values` holds settings of "gltf", or is NULL. `report` may be NULL. Otherwise it
+ * receives the JSON that `multum gltf --report` writes. */
 MULTUM_API multum_status multum_convert_model(multum_device* device, const char* input, const multum_values* values,
                                               const char* output, const multum_callbacks* callbacks,
                                               multum_text** report, multum_error** error);
 
-/* Measures the error of a baked file against the maps that it was baked from, as the bake did. `values`: those of the
- * bake. Returns MULTUM_NOT_VERIFIED if the file is damaged. `errors`: receives the JSON array of
- * multum_map_text(map, "measured_error"). */
+/* Measures the error of a baked file against the maps from which it was baked, in the same way as the bake did.
+ * `values` must be the settings of the bake. Returns MULTUM_NOT_VERIFIED if the file is damaged. `errors` receives a
+ * JSON array of the form of multum_map_text(map, "measured_error"). */
 MULTUM_API multum_status multum_measure(multum_device* device, const char* baked, const multum_maps* maps,
                                         const multum_values* values, const multum_callbacks* callbacks,
                                         multum_text** errors, multum_error** error);
@@ -214,40 +218,40 @@ MULTUM_API multum_status multum_measure(multum_device* device, const char* baked
 /* ------------------------------------------------------------------------------------------------ baked maps -- */
 
 typedef struct multum_info {
-  int width, height;        /* of level 0 */
-  int level_count;          /* down to 1 x 1 */
+  int width, height;        /* size of level 0 */
+  int level_count;          /* number of levels down to 1 x 1 */
   int first_level;          /* the finest stored level */
   int lobe_count;           /* 0 if texels are not lobes */
-  int sh_order;             /* of spherical harmonics; 0 for other maps */
+  int sh_order;             /* order of spherical harmonics; 0 for other maps */
   int has_colours;          /* 0 or 1 */
-  int weight_count;         /* weights of basis BRDFs, 0 to 4 */
-  int repeats_s, repeats_t; /* 1: the map repeats along u, v; 0: it ends at its border */
+  int weight_count;         /* number of weights of basis BRDFs, 0 to 4 */
+  int repeats_s, repeats_t; /* 1 if the map repeats along u or v; 0 if it ends at its border */
 } multum_info;
 
-/* Parts of a texel. Values of a level are float arrays [layer][row][column][channel]. */
+/* The parts of a texel. The values of a level are a float array [layer][row][column][channel]. */
 typedef enum multum_part {
-  MULTUM_LOBES = 0,        /* a layer per lobe: (a r_x, a r_y, a r_z, a); amplitude a, mean vector r, |r| <= 1 */
-  MULTUM_COLOURS = 1,      /* linear RGB; for lobes a layer per lobe, multiplied by a */
-  MULTUM_WEIGHTS = 2,      /* weights of basis BRDFs; for lobes a layer per lobe, multiplied by a */
+  MULTUM_LOBES = 0,        /* one layer per lobe: (a r_x, a r_y, a r_z, a); amplitude a, mean vector r, |r| <= 1 */
+  MULTUM_COLOURS = 1,      /* linear RGB; for lobes, one layer per lobe, multiplied by a */
+  MULTUM_WEIGHTS = 2,      /* weights of basis BRDFs; for lobes, one layer per lobe, multiplied by a */
   MULTUM_SLOPES = 3,       /* moments of slopes: height, E[s], E[t], E[s^2], E[t^2], E[s t] */
   MULTUM_MEAN_NORMALS = 4, /* mean normal, |n| <= 1; stored with the moments */
-  MULTUM_HARMONICS = 5     /* a layer per four coefficients of spherical harmonics */
+  MULTUM_HARMONICS = 5     /* one layer per four coefficients of spherical harmonics */
 } multum_part;
 
-/* Opens a baked file. Reads only its header. */
+/* Opens a baked file. This reads only the header. */
 MULTUM_API multum_status multum_map_open(const char* path, multum_map** map, multum_error** error);
 MULTUM_API void multum_map_free(multum_map* map);
 MULTUM_API multum_info multum_map_info(const multum_map* map);
-/* Returns a text of the header: "representation" (vmf, gmm, moments or sh), "encoding" (snorm16, half or float),
- * "content_hash", "source_name", "source_hash", "settings", "measured_error", "reading", "software"; or "report", the
- * JSON report of the bake that made this object. Returns "" for other keys and for texts that the file lacks. Valid
- * until the map is freed. */
+/* Returns a text of the header. The keys are "representation" (vmf, gmm, moments or sh), "encoding" (snorm16, half or
+ * float), "content_hash", "source_name", "source_hash", "settings", "measured_error", "reading" and "software". The key
+ * "report" gives the JSON report of the bake that made this object. Returns "" for other keys and for texts that the
+ * file lacks. The text is valid until the map is freed. */
 MULTUM_API const char* multum_map_text(multum_map* map, const char* key);
-/* Writes a copy of the file; the copy appears complete or not at all. */
+/* Writes a copy of the file. The copy appears complete or not at all. */
 MULTUM_API multum_status multum_map_save(multum_map* map, const char* path, multum_error** error);
 
-/* Values of one part of one level. They belong to the map, are read at the first call, and are valid until
- * multum_map_forget() or multum_map_free(). */
+/* The values of one part of one level. They belong to the map, and are read at the first call. They remain valid until
+ * multum_map_forget() or multum_map_free() is called. */
 typedef struct multum_view {
   const float* values; /* [layer][row][column][channel] */
   int layers, height, width, channels;
@@ -257,55 +261,60 @@ MULTUM_API multum_status multum_map_level(multum_map* map, int level, multum_par
 /* Frees the levels that the map keeps in memory. */
 MULTUM_API void multum_map_forget(multum_map* map);
 
-/* Copies a region of a level, without keeping it: columns x to x + width - 1 of rows y to y + height - 1. Reads only
- * the rows of tiles that hold the region. `type`: MULTUM_FLOAT, MULTUM_HALF, or MULTUM_SNORM16 for files of encoding
- * snorm16. `values`: room for layers * height * width * channels values; multum_map_shape() returns the counts. */
+/* Copies a region of a level, but does not keep it in memory. The region has the columns x to x + width - 1 of the rows
+ * y to y + height - 1. Reads only the rows of tiles that hold the region. `type` is MULTUM_FLOAT or MULTUM_HALF, or
+ * MULTUM_SNORM16 for files with encoding snorm16. `values` needs room for layers * height * width * channels values.
+ * multum_map_shape() returns the numbers of layers and channels. */
 typedef struct multum_region {
   int x, y, width, height;
 } multum_region;
 MULTUM_API multum_status multum_map_read(multum_map* map, int level, multum_part part, multum_region region,
                                          multum_type type, void* values, multum_error** error);
-/* Returns the shape of a part of a level, with values NULL; all counts are 0 if the map has no such part or level. */
+/* Returns the shape of a part of a level. The member `values` is NULL. All counts are 0 if the map has no such part or
+ * level. */
 MULTUM_API multum_view multum_map_shape(const multum_map* map, int level, multum_part part);
 
 /* --------------------------------------------------------------------------------------------------- shading -- */
 
 #define MULTUM_LOBES_MAX 8
 
-/* The lobes of one texel or of a filtered lookup. Only maps of representation vmf have such lobes. */
+/* The lobes of one texel, or of a filtered lookup. Only maps with representation vmf have such lobes. */
 typedef struct multum_lobes {
   int count;
   int has_colours;
   float lobes[MULTUM_LOBES_MAX][4];   /* (a r_x, a r_y, a r_z, a) */
-  float colours[MULTUM_LOBES_MAX][3]; /* a * linear RGB; only if has_colours */
+  float colours[MULTUM_LOBES_MAX][3]; /* a * linear RGB; set only if has_colours is 1 */
 } multum_lobes;
 
-/* Filters the lobes at texture coordinates (u, v) linearly in and between levels, as graphics hardware does. v = 0 is
- * the top of the image. `level`: level of detail, 0 is the finest; it is clamped to the stored levels. Loads the levels
- * that it needs and keeps them, so that later calls take less than a microsecond. */
+/* Filters the lobes at texture coordinates (u, v) linearly within levels and between levels, as graphics hardware does.
+ * v = 0 is the top of the image. `level` is the level of detail, where 0 is the finest level. It is clamped to the
+ * stored levels. The levels that are needed are loaded and kept, so later calls take less than a microsecond. */
 MULTUM_API multum_status multum_map_lookup(multum_map* map, double u, double v, double level, multum_lobes* lobes,
                                            multum_error** error);
 
 typedef struct multum_brdf multum_brdf;
 
-/* Makes a BRDF: "lambert", "blinn-phong:100", "ggx:0.4", "ggx:0.4,0.04" (roughness, F0), or another form of
- * docs/reference/commands.md; or the file of a measured BRDF. Fits its vMF terms, which takes milliseconds. */
+/* Makes a BRDF from a text such as "lambert", "blinn-phong:100", "ggx:0.4" or "ggx:0.4,0.04" (roughness, F0).
+ * docs/reference/commands.md lists all forms. The text can also be the file of a measured BRDF. Fits the vMF terms of
+ * the BRDF, which takes a few milliseconds. */
 MULTUM_API multum_status multum_brdf_new(const char* text, multum_brdf** brdf, multum_error** error);
 MULTUM_API void multum_brdf_free(multum_brdf* brdf);
 
-/* Computes the light that a texel reflects from a direction `light` towards `view`: the integral over the texel's
- * normals n of BRDF * max(n . light, 0), in linear RGB, for light of irradiance 1 perpendicular to its direction. Uses
- * the formulas of the GL runtime, in double. The colours of `lobes` multiply the diffuse part; without colours, the
- * albedo is the BRDF's own. The result is 0 if `light` or `view` points below the horizon. */
+/* Computes the light that a texel reflects from the direction `light` towards `view`, in linear RGB. This is the
+ * integral of BRDF * max(n . light, 0) over the normals n of the texel. The light has irradiance 1 on a surface
+ * perpendicular to its direction. The formulas are those of the GL runtime, in double precision. The colours of `lobes`
+ * multiply the diffuse part. Without colours, the BRDF's own albedo is used. The result is 0 if `light` or `view`
+ * points below the horizon. */
 MULTUM_API void multum_shade(const multum_lobes* lobes, const multum_brdf* brdf, const double light[3],
                              const double view[3], double rgb[3]);
 
-/* Returns the density of normals at `normal`, per steradian. It integrates to the sum of the amplitudes. */
+/* Returns the density of normals at `normal`, per steradian. The integral of the density is the sum of the
+ * amplitudes. */
 MULTUM_API double multum_density(const multum_lobes* lobes, const double normal[3]);
 
-/* Draws a light direction in proportion to an approximation of multum_shade() for this `view`. `random`: three numbers
- * in [0, 1). Stores the direction and returns its density per steradian; the direction may point below the horizon,
- * where multum_shade() is 0. Returns 0 if there is nothing to sample. */
+/* Draws a light direction with a density proportional to an approximation of multum_shade() for this `view`. `random`
+ * holds three numbers in [0, 1). Stores the direction in `light` and returns its density per steradian. The direction
+ * may point below the horizon, where multum_shade() is 0. Returns 0 if there is nothing to sample. */
 MULTUM_API double multum_sample(const multum_lobes* lobes, const multum_brdf* brdf, const double view[3],
                                 const double random[3], double light[3]);
 /* Returns the density with which multum_sample() draws `light`, per steradian. */

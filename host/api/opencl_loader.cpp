@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Loads libOpenCL.so.1 at the first call, so that libmultum can be loaded, and reads and shades maps, on machines
-// without OpenCL. Defines the functions of OpenCL 1.2 that host/formats/opencl calls. They are hidden symbols of
+// Loads libOpenCL.so.1 at the first call. On machines without OpenCL, libmultum can therefore be loaded, and it can
+// read and shade maps. Defines the functions of OpenCL 1.2 that host/formats/opencl calls. They are hidden symbols of
 // libmultum, and each one calls the function of the same name in the real library.
 #define CL_TARGET_OPENCL_VERSION 120
 #include <CL/cl.h>
@@ -16,7 +16,7 @@ void* find_function(const char* name) {
 
 constexpr cl_int kPlatformNotFound = -1001;  // CL_PLATFORM_NOT_FOUND_KHR
 
-// Without the library, a program calls only clGetPlatformIDs(): every other call needs a platform.
+// Without the library, a program calls only clGetPlatformIDs(), because every other call needs a platform.
 template <typename Result>
 Result missing() {
   return {};

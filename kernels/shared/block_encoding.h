@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lists the partitions of BC7, for kernels/block_encoding.cl and the decoder on the host. Valid OpenCL C and C++.
+// Lists the partitions of BC7, for kernels/block_encoding.cl and the decoder on the host. This file is valid OpenCL C
+// and C++.
 #ifndef MULTUM_KERNELS_SHARED_BLOCK_ENCODING_H
 #define MULTUM_KERNELS_SHARED_BLOCK_ENCODING_H
 
 #define MULTUM_BLOCK_TEXELS 16  // 4 x 4, row by row
 #define MULTUM_BC7_PARTITIONS 64
 
-// Partitions into two subsets (Khronos Data Format Specification 1.3, table 117): bit i is the subset of texel i.
+// The partitions into two subsets (Khronos Data Format Specification 1.3, table 117). Bit i is the subset of texel i.
 #define MULTUM_BC7_PARTITION_MASKS                                                                                  \
   {                                                                                                                 \
     0xcccc, 0x8888, 0xeeee, 0xecc8, 0xc880, 0xfeec, 0xfec8, 0xec80, 0xc800, 0xffec, 0xfe80, 0xe800, 0xffe8, 0xff00, \
@@ -16,7 +17,7 @@
         0x936c, 0x39c6, 0x639c, 0x9336, 0x9cc6, 0x817e, 0xe718, 0xccf0, 0x0fcc, 0x7744, 0xee22                      \
   }
 
-// The texel of subset 1 whose index has one bit less (same specification, table 119). In subset 0, it is texel 0.
+// The texel of subset 1 whose index has one bit less (same specification, table 119). In subset 0, this is texel 0.
 #define MULTUM_BC7_ANCHORS                                                                                            \
   {                                                                                                                   \
     15, 15, 15, 15, 15, 15, 15, 15, 15, 15, 15, 15, 15, 15, 15, 15, 15, 2, 8, 2, 2, 8, 8, 15, 2, 8, 2, 2, 8, 8, 2, 2, \

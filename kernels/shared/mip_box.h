@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Arguments of kernels/mip_box.cl. Valid OpenCL C and C++.
+// The arguments of kernels/mip_box.cl. This file is valid OpenCL C and C++.
 #ifndef MULTUM_KERNELS_SHARED_MIP_BOX_H
 #define MULTUM_KERNELS_SHARED_MIP_BOX_H
 
-// A band of rows of the map. A row of a plane has `row_length` nodes: its texels, then sums of 2 texels, of 4 texels,
-// and so on.
+// A band of rows of the map. A row of a plane has `row_length` nodes. These are its texels, then sums of 2 texels, of 4
+// texels, and so on.
 typedef struct MultumBoxBand {
   int map_width;
   int map_height;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Defines tables for a mip pyramid whose texels are in one list, in the order of host/formats/asset/mip_layout.h. The
-// tables describe the bilinear interpolation between neighbouring levels and its transpose;
-// host/fields/inference/solver/pyramid_tables.h computes them. Valid OpenCL C and C++.
+// tables describe the bilinear interpolation between neighbouring levels and its transpose.
+// host/fields/inference/solver/pyramid_tables.h computes them. This file is valid OpenCL C and C++.
 #ifndef MULTUM_KERNELS_SHARED_MIP_PYRAMID_H
 #define MULTUM_KERNELS_SHARED_MIP_PYRAMID_H
 
@@ -24,7 +24,8 @@ typedef struct MultumTap {
   int unused;
 } MultumTap;
 
-// The texels of the next finer level to whose interpolation a texel contributes, in one direction: a range of entries.
+// The texels of the next finer level to whose interpolation a texel contributes, in one direction. They are a range of
+// entries.
 typedef struct MultumGather {
   int begin;
   int count;
@@ -35,7 +36,8 @@ typedef struct MultumGatherEntry {
   float weight;
 } MultumGatherEntry;
 
-// Neighbouring texels of one row of a level, which one work-item computes: many texels on CPUs, one on GPUs.
+// Neighbouring texels of one row of a level, which one work-item computes. A strip has many texels on CPUs and one on
+// GPUs.
 typedef struct MultumStrip {
   int level;
   int y;

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Arguments of kernels/moments.cl and kernels/moment_shade.cl. Valid OpenCL C and C++.
+// The arguments of kernels/moments.cl and kernels/moment_shade.cl. This file is valid OpenCL C and C++.
 #ifndef MULTUM_KERNELS_SHARED_MOMENTS_H
 #define MULTUM_KERNELS_SHARED_MOMENTS_H
 
-// Averaged planes: the moments of slopes b = -(n_x, n_y) / n_z, then the normal, then features if there are any, three
-// planes at a time.
+// The averaged planes. The first planes are the moments of slopes b = -(n_x, n_y) / n_z, followed by the normal, and
+// then by features if there are any, three planes at a time.
 #define MULTUM_MOMENT_S 0
 #define MULTUM_MOMENT_T 1
 #define MULTUM_MOMENT_SS 2
@@ -22,7 +22,7 @@ typedef struct MultumFilteredMoments {
   float map_x, map_y, map_z, map_share;
 } MultumFilteredMoments;
 
-// Shading methods of moments (docs/contributing/ALGORITHMS.md, "Moments").
+// The shading methods of moments (docs/contributing/ALGORITHMS.md, "Moments").
 #define MULTUM_SHADE_TOKSVIG 0
 #define MULTUM_SHADE_LEAN 1
 #define MULTUM_SHADE_LEAN_JACOBIAN 2

@@ -1,19 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
-// Arguments of one launch of the EM kernels, which fits some texels ("slots") of one level. Valid OpenCL C and C++.
+// The arguments of one launch of the EM kernels, which fits some texels ("slots") of one level. This file is valid
+// OpenCL C and C++.
 #ifndef MULTUM_KERNELS_SHARED_MOVMF_FIT_H
 #define MULTUM_KERNELS_SHARED_MOVMF_FIT_H
 
-// Number of slots per group: the width of the vector variant, and the unit of the packed layouts.
+// The number of slots per group. This is the width of the vector variant, and the unit of the packed layouts.
 #define MULTUM_GROUP 16
-// Work-items that fit one texel together, on devices with enough of them (movmf_em_texels.cl, movmf_binning.cl).
+// The number of work-items that fit one texel together, on devices with enough of them (movmf_em_texels.cl,
+// movmf_binning.cl).
 #define MULTUM_TEAM 64
 
-// Values of MovmfFit::order, which determines the neighbours that are fitted before a texel ("done").
+// The values of MovmfFit::order, which determines the neighbours that are fitted before a texel ("done").
 #define MULTUM_ORDER_COLOUR 0    // four colours (x&1, y&1) in the order (0,0), (1,1), (1,0), (0,1)
 #define MULTUM_ORDER_AGAIN 2     // a further pass: all neighbours are done; EM starts from the texel's own lobes
 #define MULTUM_ORDER_SCANLINE 1  // rows from top to bottom, each from left to right: Han et al. 2007, section 7
 
-// Floats per lobe in the start buffer: one plane of MULTUM_GROUP lanes each.
+// The floats per lobe in the start buffer. Each is one plane of MULTUM_GROUP lanes.
 #define MULTUM_START_MU 0         // 3 planes: direction, unit length
 #define MULTUM_START_SHARPNESS 3  // kappa * log2(e)
 #define MULTUM_START_LOG 4        // log2(a kappa / (1 - exp(-2 kappa)))
@@ -21,8 +23,8 @@
 #define MULTUM_START_CAP 8        // the texel's cap of kappa, known after the first E-step
 #define MULTUM_START_PLANES 9
 
-// Sizes for the grid of a binned texel (movmf_binning.cl): probed normals along a side, bins per axis, and floats that
-// describe an axis.
+// The sizes for the grid of a binned texel (movmf_binning.cl). These are the probed normals along a side, the bins per
+// axis, and the floats that describe an axis.
 #define MULTUM_PROBE_SIDE 32
 #define MULTUM_PROBE_COUNT (MULTUM_PROBE_SIDE * MULTUM_PROBE_SIDE)
 #define MULTUM_AXIS_BINS 63

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Arguments of kernels/one_lobe.cl. Valid OpenCL C and C++.
+// The arguments of kernels/one_lobe.cl. This file is valid OpenCL C and C++.
 #ifndef MULTUM_KERNELS_SHARED_ONE_LOBE_H
 #define MULTUM_KERNELS_SHARED_ONE_LOBE_H
 
-// Planes of the finest texels whose averages start a fit: the normal, and the products of its components. The product z
-// z is 1 minus x x and y y.
+// The planes of the finest texels whose averages start a fit. These are the normal, and the products of its components.
+// The product z z is 1 minus x x and y y.
 #define MULTUM_ONE_LOBE_NORMAL 0  // x, y, z
 #define MULTUM_ONE_LOBE_XX 3
 #define MULTUM_ONE_LOBE_YY 4
@@ -12,11 +12,11 @@
 #define MULTUM_ONE_LOBE_XZ 6
 #define MULTUM_ONE_LOBE_YZ 7
 #define MULTUM_ONE_LOBE_PLANES 8
-// The plane after these in the fit's input: the average of alpha^2 of the base roughness.
+// The plane after these in the input of the fit, which has the average of alpha^2 of the base roughness.
 #define MULTUM_ONE_LOBE_BASE 8
 #define MULTUM_ONE_LOBE_AVERAGES 9
 
-// Planes of a fitted texel.
+// The planes of a fitted texel.
 #define MULTUM_ONE_LOBE_FITTED_NORMAL 0  // x, y, z, a unit vector
 #define MULTUM_ONE_LOBE_ALPHA_WIDE 3     // alpha along the axis
 #define MULTUM_ONE_LOBE_ALPHA_NARROW 4   // alpha across the axis
@@ -24,8 +24,8 @@
 #define MULTUM_ONE_LOBE_FITTED 7
 
 // The number of texels whose slopes are interleaved, sample after sample, so that a cache holds them during all steps
-// of a fit. Separate planes of slopes, a power of two apart, would evict one another. The number is a multiple of every
-// vector width.
+// of a fit. Separate planes of slopes would be a power of two apart and would evict one another from the cache. The
+// number is a multiple of every vector width.
 #define MULTUM_ONE_LOBE_BLOCK 16
 
 // Describes texels of a level that are fitted at once, and their samples. A texel has grid * grid samples, evenly

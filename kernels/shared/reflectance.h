@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Arguments of kernels/reflectance_pyramid.cl. Valid OpenCL C and C++.
+// The arguments of kernels/reflectance_pyramid.cl. This file is valid OpenCL C and C++.
 #ifndef MULTUM_KERNELS_SHARED_REFLECTANCE_H
 #define MULTUM_KERNELS_SHARED_REFLECTANCE_H
 
-// A distant light. The light and half vectors have unit length, in the map's frame (x right, y up, z towards the
-// viewer).
+// A distant light. The light vector and the half vector have unit length, in the map's frame (x right, y up, z towards
+// the viewer).
 typedef struct MultumReflectanceLight {
   float light_x, light_y, light_z, unused_light;
   float half_x, half_y, half_z, unused_half;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Defines one von Mises-Fisher lobe in the kernels' format. For planar Gaussians, mean_x and mean_y are the mean of
-// (n_x, n_y), and mean_z is sigma^2. Valid OpenCL C and C++.
+// (n_x, n_y), and mean_z is sigma^2. This file is valid OpenCL C and C++.
 #ifndef MULTUM_KERNELS_SHARED_VMF_LOBE_H
 #define MULTUM_KERNELS_SHARED_VMF_LOBE_H
 

@@ -14,7 +14,7 @@ constexpr std::size_t kTexelBytes = 8;  // size of four 16-bit floats
 constexpr std::size_t kUploadLeast = std::size_t{1} << 16;
 
 PlayerSettings with_kind(PlayerSettings settings) {
-  // A player that waits must draw the same frames at any speed.
+  // A player that waits must draw the same frames on machines of any speed.
   settings.playback.kind = !settings.waits      ? DecodedKind::kImagesAndSums
                            : settings.is_linear ? DecodedKind::kImages
                                                 : DecodedKind::kTextures;
@@ -71,7 +71,7 @@ FieldPlayer::Upload& FieldPlayer::begun_upload(ImageKey key, const DecodedImage&
   return images_.emplace(key, Upload{std::move(texture)}).first->second;
 }
 
-/// Uploads as many rows of a decoded image as fit into `bytes_max`, at least one.
+/// Uploads as many rows of a decoded image as fit into `bytes_max`, but at least one row.
 void FieldPlayer::upload(ImageKey key, std::size_t bytes_max) {
   const ScopedStopwatch stopwatch(report_.upload_seconds);
   const DecodedImage& decoded = playback_.decoded(key);
@@ -98,8 +98,8 @@ void FieldPlayer::upload(ImageKey key, std::size_t bytes_max) {
   playback_.uploaded(key);
 }
 
-/// Uploads coarse images first. If `all`, uploads all images. Otherwise uploads the whole first image of each layer,
-/// and other images within the frame's byte limit.
+/// Uploads coarse images first. If `all` is set, uploads all images. Otherwise uploads the whole first image of each
+/// layer, and other images within the frame's byte limit.
 void FieldPlayer::upload_for(const std::vector<LayerNeed>& needs, bool all) {
   std::size_t most = 0;
   for (const LayerNeed& need : needs) most = std::max(most, need.images.size());

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Plays a packed field. In each frame, a program asks for a point of the parameter space, and gets the textures of
-// every object at that point, made from the images decoded so far. Hakura et al. 2000, section 5: images are decoded
+// Plays a packed field (Hakura et al. 2000, section 5). In each frame, a program asks for a point of the parameter
+// space, and gets the textures of every object at that point, made from the images decoded so far. Images are decoded
 // when they are needed, cached (host/fields/playback), and summed by the GPU. If the player waits for all images of a
-// single sample, workers instead add up the sample's coefficients and cache whole textures. Then all images need only
-// one transform, and the GPU adds nothing. Textures are mapped on exact geometry, so the camera can be anywhere near
-// the field's samples; docs/contributing/ALGORITHMS.md gives the allowed distance.
+// single sample, workers instead add up the sample's coefficients and cache whole textures. Then all images together
+// need only one transform, and the GPU adds nothing. Textures are mapped on exact geometry, so the camera can be
+// anywhere near the field's samples. docs/contributing/ALGORITHMS.md gives the allowed distance.
 //
 //      player.prepare(point, ahead);                         // each frame
 //      for each object: draw its mesh of player.mapping(object) with player.layers(object)
@@ -50,9 +50,9 @@ class FieldPlayer {
 
   const FieldDescription& description() const { return playback_.description(); }
 
-  /// Makes the textures of a point (an index along each parameter, clamped to the grid). `ahead` lists the expected
-  /// points of the next frames, as far as they are known, in the order of the frames. Throws Error(kEnvironment) if the
-  /// images that the player waits for do not fit into memory.
+  /// Makes the textures of a point, which is an index along each parameter, clamped to the grid. `ahead` lists the
+  /// expected points of the next frames, as far as they are known, in the order of the frames. Throws
+  /// Error(kEnvironment) if the images that the player waits for do not fit into memory.
   const FrameReport& prepare(const std::vector<double>& point, const std::vector<std::vector<double>>& ahead);
 
   /// Forgets all decoded images, so that the next frame measures the cost of a jump to any point.

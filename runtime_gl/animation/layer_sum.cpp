@@ -9,7 +9,7 @@
 namespace multum::gl {
 namespace {
 
-// Images per pass. Every GL 4.5 has 16 texture units, and the sum uses one.
+// The number of images per pass. Every GL 4.5 has 16 texture units, and the sum of earlier passes uses one.
 constexpr std::size_t kImagesMax = 8;
 
 constexpr SamplerSettings kFetched = {WrapMode::kClamp, WrapMode::kClamp, false, 1.0f};
@@ -84,7 +84,7 @@ void LayerSum::add_up(const std::vector<WeighedTexture>& images, const std::arra
   mip.use();
   mip.set("u_finer", 0);
   for (int l = 1; l < shape.level_count; ++l) {
-    // Restricts sampling to the level that is read; otherwise the draw would read the texture that it writes.
+    // Restricts sampling to the level that is read. Otherwise the draw would read the texture that it writes.
     gl_.TextureParameteri(target.id(), GL_TEXTURE_BASE_LEVEL, l - 1);
     gl_.TextureParameteri(target.id(), GL_TEXTURE_MAX_LEVEL, l - 1);
     target.bind(0);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Sums decoded images of a packed field to the texture of a layer, on the GPU: a weighted sum of gamma-coded values,
-// clipped at 0 and converted to radiance. The texture has all mip levels and equals an unpacked texture.
+// Sums decoded images of a packed field to the texture of a layer, on the GPU. The sum is a weighted sum of gamma-coded
+// values, clipped at 0 and converted to radiance. The texture has all mip levels and equals an unpacked texture.
 #pragma once
 
 #include <array>
@@ -27,7 +27,8 @@ class LayerSum {
   LayerSum(const LayerSum&) = delete;
   LayerSum& operator=(const LayerSum&) = delete;
 
-  /// Writes all levels of `target`, which is RGBA16F with levels down to 1 x 1. Images have the size of `target`.
+  /// Writes all levels of `target`, which is RGBA16F with levels down to 1 x 1. The images must have the size of
+  /// `target`.
   void add_up(const std::vector<WeighedTexture>& images, const std::array<float, 3>& offset, const Texture& target);
 
   /// Returns the memory that a LayerSum for textures of this size needs.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Draws objects with their inferred textures: looks up radiance and computes no lighting. Draws supersampling^2
-// sub-pixels per pixel and averages them, like the measurement of the filter matrix.
+// Draws objects with their inferred textures, which give the radiance. No lighting is computed. Draws supersampling^2
+// sub-pixels per pixel and averages them, as in the measurement of the filter matrix.
 #pragma once
 
 #include <map>

@@ -29,7 +29,7 @@ const char* egl_error_name(EGLint error) {
   }
 }
 
-/// Matches whole words only, because one extension's name can be another's prefix.
+/// Matches whole words only, because the name of one extension can begin with the name of another.
 bool has_word(const char* list, const char* word) {
   if (list == nullptr) return false;
   const std::size_t length = std::strlen(word);
@@ -44,7 +44,7 @@ struct Candidate {
   bool is_software = false;
 };
 
-// Orders displays: GPUs first, then the display of the surfaceless platform, then software renderers.
+// Sorts displays. GPUs come first, then the display of the surfaceless platform, then software renderers.
 std::vector<Candidate> candidate_displays(const EglFunctions& egl) {
   std::vector<Candidate> candidates;
   const char* client = egl.QueryString(EGL_NO_DISPLAY, EGL_EXTENSIONS);
@@ -77,7 +77,7 @@ std::vector<Candidate> candidate_displays(const EglFunctions& egl) {
 
 class EglContext final : public HeadlessContext {
  public:
-  // Opens a context on the first display with a usable one, or only on the display with the given number.
+  // Opens a context on the first display that gives a usable one, or only on the display with the given number.
   EglContext(const EglFunctions& egl, DebugOutput debug, std::optional<std::size_t> only = std::nullopt) : egl_(egl) {
     std::string reasons;
     const std::vector<Candidate> candidates = candidate_displays(egl_);

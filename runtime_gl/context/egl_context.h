@@ -11,11 +11,11 @@
 
 namespace multum::gl {
 
-/// Creates a context on the first display that has OpenGL 4.5 with all functions. Throws Error(kEnvironment); the
+/// Creates a context on the first display that has OpenGL 4.5 with all functions. Throws Error(kEnvironment), whose
 /// message names what each tried display lacks.
 std::unique_ptr<HeadlessContext> make_egl_context(DebugOutput debug);
 
-/// A display that EGL offers; displays are listed in the order in which make_egl_context() tries them.
+/// A display that EGL offers. Displays are listed in the order in which make_egl_context() tries them.
 struct EglOffer {
   std::string display;      // such as "device 0" or "surfaceless"
   bool is_software;         // as reported by the device's driver

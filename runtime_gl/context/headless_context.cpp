@@ -14,7 +14,7 @@ namespace {
 
 void APIENTRY on_debug_message(GLenum /*source*/, GLenum type, GLuint /*id*/, GLenum /*severity*/, GLsizei /*length*/,
                                const GLchar* message, const void* /*user*/) {
-  // check_gl() throws an Error for each GL error; this log line adds the driver's message.
+  // check_gl() throws an Error for each GL error. This log line adds the driver's message.
   if (type == GL_DEBUG_TYPE_ERROR) log_warning("GL", message);
 }
 

@@ -10,7 +10,8 @@
 namespace multum::gl {
 namespace {
 
-// From GL/osmesa.h, which includes the compatibility GL/gl.h and so conflicts with GL/glcorearb.h.
+// These declarations are from GL/osmesa.h, which includes the compatibility GL/gl.h and so conflicts with
+// GL/glcorearb.h.
 constexpr int kOsmesaFormat = 0x22;
 constexpr int kOsmesaDepthBits = 0x30;
 constexpr int kOsmesaStencilBits = 0x31;

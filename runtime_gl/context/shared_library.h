@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Opens a library at run time and keeps its symbols separate from the program's symbols (RTLD_LOCAL). The library is
+// Opens a library at run time and keeps its symbols separate from those of the program (RTLD_LOCAL). The library is
 // never closed, because Mesa leaves threads and exit handlers that run its code.
 #pragma once
 

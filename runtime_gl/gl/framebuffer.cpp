@@ -78,7 +78,7 @@ FloatImage Framebuffer::read(int colour, const PixelRectangle& part) const {
   gl_->BindFramebuffer(GL_FRAMEBUFFER, framebuffer_);
   gl_->NamedFramebufferReadBuffer(framebuffer_, GL_COLOR_ATTACHMENT0 + static_cast<GLenum>(colour));
   gl_->PixelStorei(GL_PACK_ALIGNMENT, 1);
-  // GL's first row is the bottom one.
+  // The first row in OpenGL is the bottom row.
   gl_->ReadPixels(part.x, height_ - part.y - part.height, part.width, part.height, GL_RGBA, GL_FLOAT,
                   image.rgba.data());
   check_gl(*gl_, "reading the picture back");

@@ -15,7 +15,7 @@ struct FloatImage {
   std::vector<float> rgba;
 };
 
-/// A part of a picture whose row 0 is at the top.
+/// A part of a picture. Row 0 is at the top.
 struct PixelRectangle {
   int x = 0, y = 0;
   int width = 0, height = 0;
@@ -33,9 +33,9 @@ class Framebuffer {
   /// Directs later draws to the whole framebuffer.
   void bind() const { bind_rows(0, height_); }
   /// Directs later draws to a part of a taller picture. The framebuffer holds the picture's rows from `bottom_row` on,
-  /// counted from below. An even `bottom_row` keeps groups of 2 x 2 fragments together.
+  /// counted from below. If `bottom_row` is even, groups of 2 x 2 fragments stay together.
   void bind_rows(int bottom_row, int picture_height) const;
-  /// Sets every channel of every pixel of every colour buffer.
+  /// Sets every channel of every pixel in all colour buffers.
   void clear_colour(float value = 0.0f) const;
   void clear_depth() const;
   /// Binds the first colour buffer as a texture with nearest filtering.

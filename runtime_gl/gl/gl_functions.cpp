@@ -24,7 +24,7 @@ GlFunctions load_gl_functions(GetProcAddress get_proc_address) {
   GLint minor = 0;
   gl.GetIntegerv(GL_MAJOR_VERSION, &major);
   gl.GetIntegerv(GL_MINOR_VERSION, &minor);
-  // Version 4.5 has direct state access: there are no binding points to save and restore, so objects cannot disturb one
+  // Version 4.5 has direct state access. There are no binding points to save and restore, so objects cannot affect one
   // another.
   if (major * 10 + minor < 45)
     throw Error(ErrorCode::kEnvironment, "the GL context has version " + std::to_string(major) + "." +
@@ -65,7 +65,8 @@ const char* gl_error_name(GLenum error) {
 void check_gl(const GlFunctions& gl, const std::string& step) {
   const GLenum first = gl.GetError();
   if (first == GL_NO_ERROR) return;
-  // A context can hold several error flags. A lost context returns errors forever, so the loop is bounded.
+  // A context can hold several error flags. A lost context returns errors forever, so the number of iterations is
+  // limited.
   for (int i = 0; i < 16 && gl.GetError() != GL_NO_ERROR; ++i) {
   }
   throw Error(ErrorCode::kEnvironment, step + ": " + gl_error_name(first));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Lists exactly the OpenGL functions that this runtime calls. A back-end's GetProcAddress loads them. Loader libraries
-// were tested and do not work: libepoxy crashes under OSMesa 22.3.6, and GLEW does not find OSMesa's functions.
+// were tested and do not work. libepoxy crashes under OSMesa 22.3.6, and GLEW does not find OSMesa's functions.
 // GetProcAddress returns an address even for names that do not exist, so the version is checked first.
 #pragma once
 

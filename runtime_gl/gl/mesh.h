@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Defines a triangle mesh on the GPU. Callers pass MeshData; the runtime reads no mesh files.
+// Defines a triangle mesh on the GPU. Callers pass MeshData. The runtime reads no mesh files.
 #pragma once
 
 #include <cstdint>
@@ -50,7 +50,7 @@ class Mesh {
   Mesh(const Mesh&) = delete;
   Mesh& operator=(const Mesh&) = delete;
 
-  /// Draws with attributes 0 to 3: position, normal, tangent, uv.
+  /// Draws the mesh with attributes 0 to 3, which are position, normal, tangent and uv.
   void draw() const;
 
  private:

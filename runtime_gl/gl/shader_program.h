@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Defines a linked vertex and fragment shader. A variant is a set of flags; each becomes one #define between the
-// version line and the shared text. Only the requested variants are compiled.
+// Defines a linked vertex and fragment shader. A variant is a set of flags, each of which becomes one #define between
+// the version line and the shared text. Only the requested variants are compiled.
 #pragma once
 
 #include <string>
@@ -10,7 +10,7 @@
 
 namespace multum::gl {
 
-/// Source texts, concatenated in order, without version lines.
+/// The source texts, concatenated in order, without version lines.
 struct ShaderSources {
   std::string name;                // name in messages: "movmf"
   std::vector<std::string> flags;  // "MULTUM_LOBE_COUNT 4"

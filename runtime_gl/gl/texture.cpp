@@ -12,8 +12,8 @@
 namespace multum::gl {
 namespace {
 
-// Names of GL 4.6, with the same values as in ARB_ and EXT_texture_filter_anisotropic. An older GL/glcorearb.h may lack
-// them.
+// These names are from GL 4.6, and have the same values as in ARB_ and EXT_texture_filter_anisotropic. An older
+// GL/glcorearb.h may lack them.
 constexpr GLenum kTextureMaxAnisotropy = 0x84FE;
 constexpr GLenum kMaxTextureMaxAnisotropy = 0x84FF;
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Defines a two-dimensional texture, or an array of such textures. The levels of a texture are uploaded explicitly:
-// mips are data and never made by the driver.
+// Defines a two-dimensional texture, or an array of such textures. The levels of a texture are uploaded explicitly,
+// because mip levels are data. The driver never makes them.
 #pragma once
 
 #include <cstdint>
@@ -44,9 +44,9 @@ class Texture {
   Texture(const Texture&) = delete;
   Texture& operator=(const Texture&) = delete;
 
-  /// `rgba` has 4 floats per texel, row 0 first; row 0 is at texture coordinate t = 0. Rounds to the nearest value of
-  /// the format: multiples of 1/32767 clamped to [-1, 1], or 16-bit floats with ties to even. 32-bit floats are not
-  /// rounded.
+  /// `rgba` has 4 floats per texel and starts with row 0, which is at texture coordinate t = 0. Values are rounded to
+  /// the nearest value of the format. These are multiples of 1/32767 clamped to [-1, 1], or 16-bit floats with ties to
+  /// even. 32-bit floats are not rounded.
   void upload_level(int level, const float* rgba);
   /// Uploads whole rows of a level unchanged, from four 16-bit floats per texel. The format must be kRgba16f, and the
   /// texture must not be an array.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Makes textures of the normal map for the levels that a baked file does not store (docs/reference/file_format.md, "The
-// finest levels"): level 0 to the level before the first stored one.
+// Makes textures of the normal map for the levels that a baked file does not store, from level 0 to the level before
+// the first stored one (docs/reference/file_format.md, "The finest levels").
 #pragma once
 
 #include <optional>
@@ -13,7 +13,7 @@ namespace multum::gl {
 
 struct NormalImage;
 
-/// Levels of the baked map that the file does not store.
+/// The levels of the baked map that the file does not store.
 struct LeftOutLevels {
   int width, height;
   int first_level;  // the finest stored level
@@ -22,8 +22,8 @@ struct LeftOutLevels {
 
 class FinestLevels {
  public:
-  /// Call it only once. Does nothing if all levels are stored. Throws Error(kInput) if `source` is needed but null or
-  /// of another size.
+  /// Must be called only once. Does nothing if all levels are stored. Throws Error(kInput) if `source` is needed but is
+  /// null or has another size.
   void upload(const GlFunctions& gl, const LeftOutLevels& levels, const NormalImage* source,
               const SamplerSettings& sampler);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Defines a baked file of planar Gaussians on the GPU (Tan et al. 2005): textures of lobes, shaded by Tan's BRDF
-// (shaders/surface/gmm.glsl).
+// Defines a baked file of planar Gaussians on the GPU (Tan et al. 2005) as textures of lobes. Tan's BRDF shades these
+// lobes (shaders/surface/gmm.glsl).
 #pragma once
 
 #include <memory>

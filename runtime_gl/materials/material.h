@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Defines the material of a surface: the textures of one representation of its normals, and the GLSL that reads them.
-// shaders/common/reflection.glsl lists the functions that this GLSL must define. The renderer does not depend on any
-// representation.
+// Defines the material of a surface, which consists of the textures of one representation of its normals, and the GLSL
+// that reads them. shaders/common/reflection.glsl lists the functions that this GLSL must define. The renderer does not
+// depend on any representation.
 #pragma once
 
 #include <optional>
@@ -32,15 +32,15 @@ class Material {
   virtual int zonal_order() const { return -1; }
   /// Returns the number of the material's blend weights of basis BRDFs, 0 to 4.
   virtual int weight_count() const { return 0; }
-  /// From now on, draws only the basis BRDF with this number, times its weight. If unset, ignores the weights.
+  /// From now on, draws only the basis BRDF with this number, multiplied by its weight. If unset, ignores the weights.
   void set_basis(std::optional<int> number) { basis_ = number; }
   /// Returns the number of lobes among which a pixel's evaluations can be divided (shaders/common/evaluations.glsl), or
   /// 0 if they can only be divided among points.
   virtual int budgeted_lobes() const { return 0; }
   /// Returns whether each sample has one normal, around which an environment is sampled by brute force.
   virtual bool samples_light() const { return false; }
-  /// Returns whether each sample uses one texel, drawn at random from the texels that the texture's filter reads at the
-  /// pixel's middle. If so, samples are not shifted within the pixel.
+  /// Returns whether each sample uses one texel, drawn at random from the texels that the texture filter reads at the
+  /// middle of the pixel. If so, samples are not shifted within the pixel.
   virtual bool samples_footprint() const { return false; }
 
  protected:

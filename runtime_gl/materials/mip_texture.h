@@ -11,7 +11,7 @@
 
 namespace multum::gl {
 
-/// A plane of texels, row-major, row 0 first.
+/// A plane of texels in row-major order, starting with row 0.
 struct TexelPlane {
   int width;
   int height;
@@ -19,8 +19,8 @@ struct TexelPlane {
 };
 
 /// Uploads an RGBA32F texture with levels 0 to `level_count` - 1. Each level is made from the previous level by a box
-/// filter, as in usual mip generators. For sizes that are not powers of two, the result differs from an average of the
-/// finest texels.
+/// filter, as is usual for mip generators. For sizes that are not powers of two, the result differs from an average of
+/// the finest texels.
 Texture upload_mips(const GlFunctions& gl, const char* name, TexelPlane plane, int level_count,
                     const SamplerSettings& sampler);
 

@@ -30,7 +30,7 @@ void check_levels(const MomentMipmap& mipmap) {
   }
 }
 
-// Makes a texture from texel(level, i); its level 0 is the first stored level.
+// Makes a texture from texel(level, i). Its level 0 is the first stored level.
 template <typename TexelOf>
 Texture upload(const GlFunctions& gl, const char* name, const MomentMipmap& mipmap, const SamplerSettings& sampler,
                const TexelOf& texel) {

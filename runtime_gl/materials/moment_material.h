@@ -16,7 +16,7 @@ namespace multum::gl {
 
 struct NormalImage;
 
-/// Shading methods of moments (shaders/common/moment_shading.glsl).
+/// The shading methods of moments (shaders/common/moment_shading.glsl).
 enum class MomentShading { kToksvig, kLean, kLeanJacobian };
 
 /// Returns the flags of surface/normals.glsl.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Defines a baked file on the GPU: one texture (a r, a) per lobe, and one texture of premultiplied colours per lobe if
-// the file has colours. The textures have the levels of the file. Trilinear filtering of their values is exact
+// Defines a baked file on the GPU. There is one texture (a r, a) per lobe, and one texture of premultiplied colours per
+// lobe if the file has colours. The textures have the levels of the file. Trilinear filtering of their values is exact
 // (host/formats/asset/lobes/movmf_mipmap.h). Textures of the normal map replace levels that the file does not store
 // (movmf_shading.glsl, multum_normal_map_share).
 #pragma once
@@ -18,7 +18,7 @@ namespace multum::gl {
 
 struct NormalImage;
 
-/// Returns RGBA16_SNORM for snorm16, RGBA16F for half, RGBA32F for float.
+/// Returns RGBA16_SNORM for snorm16, RGBA16F for half, and RGBA32F for float.
 TexelFormat texel_format(StorageEncoding encoding);
 
 enum class LobeFormula {
@@ -34,29 +34,30 @@ enum class DrawnNoise {
 class MovmfMaterial : public Material {
  public:
   /// `source` is the baked map, which is used only if the mipmap's first level is not 0. Throws Error(kInput) if the
-  /// mipmap has no levels, their sizes do not halve correctly, or `source` is missing or of another size.
+  /// mipmap has no levels, if their sizes do not halve correctly, or if `source` is missing or has another size.
   MovmfMaterial(const GlFunctions& gl, const MovmfMipmap& mipmap, float anisotropy,
                 const NormalImage* source = nullptr);
 
-  /// Replaces the lobe textures by `texture`, the data in a GPU format from which `mipmap` was unpacked.
+  /// Replaces the lobe textures by `texture`, which has the data in a GPU format from which `mipmap` was unpacked.
   void set_layers(const GlFunctions& gl, const LobeTexture& texture, float anisotropy);
 
   void set_formula(LobeFormula formula) { formula_ = formula; }
-  /// Shades the lobes of each texel of a trilinear footprint and mixes the results, instead of mixing lobes. Use this
+  /// Shades the lobes of each texel of a trilinear footprint and mixes the results, instead of mixing lobes. This is
   /// for lobes that are not aligned. The file must begin at level 0.
   void set_shade_first(bool shade_first);
 
   /// Where level 0 is magnified, draws the surface of an interpolated normal map instead of mixing the light of the
-  /// surrounding texels. Only for files that begin at level 0, without roughness; not for planar Gaussians.
+  /// surrounding texels. This works only for files that begin at level 0, without roughness, and not for planar
+  /// Gaussians.
   void set_magnified(bool magnified);
 
-  /// Draws one random normal per pixel and frame, from a lobe that is chosen with its amplitude as probability, like a
-  /// renderer that stores one normal. Use it with Renderer::draw_reference(), one frame per sample. Do not use it with
-  /// environments or shade_first.
+  /// Draws one random normal per pixel and frame. Its lobe is chosen with the amplitude as probability. This is for
+  /// renderers that store one normal. Use it with Renderer::draw_reference(), with one frame per sample. Do not use it
+  /// with environments or shade_first.
   void set_drawn(const GlFunctions& gl, DrawnNoise noise);
 
-  /// Sets linear colours of the map's texels for mipmaps without colours. The colours are filtered as a plain texture,
-  /// and all lobes share them.
+  /// Sets linear colours of the map's texels for mipmaps without colours. The colours are filtered like a plain
+  /// texture, and all lobes share them.
   void set_mean_colours(Texture colours);
 
   const char* name() const override { return "movmf"; }

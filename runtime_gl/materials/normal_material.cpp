@@ -32,7 +32,7 @@ glm::vec3 finest_normal(const glm::vec3& mean, bool has_roughness) {
   return has_roughness ? mean / std::max(size, 1.0f) : mean / size;
 }
 
-// Solves c = 1 - alpha^2 / 2, alpha = roughness^2 (host/formats/image/material_maps.h), for the roughness.
+// Solves c = 1 - alpha^2 / 2 for the roughness, where alpha = roughness^2 (host/formats/image/material_maps.h).
 float roughness_of_length(float size) { return std::pow(2.0f * std::clamp(1.0f - size, 0.0f, 0.5f), 0.25f); }
 
 TexelPlane weight_plane(const NormalImage& image) {

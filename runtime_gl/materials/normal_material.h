@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Makes textures of the finest normals, for reference pictures and for the methods that users have today: averaged
-// normals (with Toksvig's rule) and slope moments (LEAN, Olano and Baker 2010). All textures are RGBA32F, so that a
-// baseline's errors come from its method and not from storage.
+// Makes textures of the finest normals, for reference pictures and for the methods that users have today. These methods
+// are averaged normals (with Toksvig's rule) and slope moments (LEAN, Olano and Baker 2010). All textures are RGBA32F,
+// so that a baseline's errors come from its method and not from storage.
 #pragma once
 
 #include <optional>
@@ -17,7 +17,7 @@
 
 namespace multum::gl {
 
-/// The finest level, as the caller provides it. The first row is at the image's top.
+/// The finest level, which the caller provides. The first row is at the image's top.
 struct NormalImage {
   int width = 0;
   int height = 0;
@@ -30,10 +30,10 @@ struct NormalImage {
   std::vector<float> weights = {};  // weight_count per texel
 };
 
-/// Returns level 0 of a baked file, which must be stored, as normals: the sums of the lobes, normalised unless
-/// roughness is included, and the sums of colours and weights.
+/// Returns level 0 of a baked file, which must be stored, as normals. The normals are the sums of the lobes, normalised
+/// unless roughness is included. Also returns the sums of colours and weights.
 NormalImage finest_normals(const MovmfMipmap& mipmap);
-/// Return level 0 of a file of moments, and of a file of spherical harmonics, in the same way.
+/// These functions return level 0 of a file of moments, and of a file of spherical harmonics, in the same way.
 NormalImage finest_normals(const MomentMipmap& mipmap);
 NormalImage finest_normals(const ShMipmap& mipmap);
 
@@ -45,12 +45,12 @@ class NormalMaterial : public Material {
   /// The references differ in the normal that a sample uses. kNearest uses the nearest texel of level 0. kBlended
   /// chooses one of the four surrounding texels at random, with their bilinear weights at level 0 as probabilities.
   /// kInterpolated uses the normal interpolated between the four texels. kFootprint chooses at random one of the texels
-  /// that the scene's TextureFilter averages (exact distributions, common/footprint.glsl). Baselines: kMipmapped uses
-  /// box-filtered mips.
+  /// that the scene's TextureFilter averages (exact distributions, common/footprint.glsl). For baselines, kMipmapped
+  /// uses box-filtered mips.
   enum class Sampling { kNearest, kBlended, kInterpolated, kFootprint, kMipmapped };
   NormalMaterial(const GlFunctions& gl, const NormalImage& image, Sampling sampling, float anisotropy);
 
-  /// Sets the method that shades mipmapped textures.
+  /// Sets the shading method for mipmapped textures.
   void set_baseline(Baseline baseline);
 
   const char* name() const override { return slopes_.has_value() ? "baseline" : "reference"; }
@@ -68,7 +68,7 @@ class NormalMaterial : public Material {
   int weight_count_ = 0;
   bool has_roughness_ = false;
   // Sets a texture of perceptual roughness, (roughness, 0, 0, 1), whose levels are averaged in the same way as an
-  // engine's roughness map. Used with unit normals, and only by kMipmapped.
+  // engine's roughness map. The texture is used with unit normals, and only by kMipmapped.
   std::optional<Texture> roughness_;
   Baseline baseline_ = Baseline::kMip;
   Sampling sampling_;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Defines a baked file of spherical harmonics on the GPU (docs/reference/file_format.md, "Spherical harmonics"): an
-// array of textures with four coefficients per layer. If the file has colours or weights of basis BRDFs, there are
+// Defines a baked file of spherical harmonics on the GPU (docs/reference/file_format.md, "Spherical harmonics"). It is
+// an array of textures with four coefficients per layer. If the file has colours or weights of basis BRDFs, there are
 // textures of these too. An array is needed because only 16 samplers per shader are guaranteed, and order 8 would need
 // 20. The textures have the levels of the file. Textures of the normal map replace levels that the file does not store.
 #pragma once
@@ -18,7 +18,7 @@ namespace multum::gl {
 
 struct NormalImage;
 
-/// Methods for the cosine that multiplies the highlight (shaders/surface/sh.glsl).
+/// The methods for the cosine that multiplies the highlight (shaders/surface/sh.glsl).
 enum class ShCosine { kMeanNormal, kMeanDirection, kIrradiance };
 
 /// Returns the flags that common/sh_shading.glsl needs.

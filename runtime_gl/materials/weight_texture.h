@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Makes a texture of the weights of basis BRDFs, one channel each, for baked files of any representation.
+// Makes a texture of the weights of basis BRDFs, with one channel per BRDF, for baked files of any representation.
 #pragma once
 
 #include <vector>
@@ -8,8 +8,8 @@
 
 namespace multum::gl {
 
-/// `levels` has the weights of each level, `weight_count` per texel. Uses RGBA16F, or RGBA32F for files that hold
-/// floats.
+/// `levels` has the weights of each level, with `weight_count` weights per texel. Uses RGBA16F, or RGBA32F for files
+/// that hold floats.
 Texture upload_weights(const GlFunctions& gl, const char* name, const TextureShape& shape,
                        const SamplerSettings& sampler, int weight_count,
                        const std::vector<const std::vector<float>*>& levels);

@@ -52,7 +52,7 @@ float witness_value(int texel, int channel) {
   return static_cast<float>(bits >> 40) * 0x1p-24f;
 }
 
-// Textures of one draw. For classes, textures 0 and 1 mark their texels, 2 and 3 hold the low digit of the texels'
+// The textures of one draw. For classes, textures 0 and 1 mark their texels, 2 and 3 hold the low digit of the texels'
 // numbers + 1, and 4 and 5 hold the high digit. For the random test texture ("witness"), texture 0 holds random values.
 class ProbeTextures {
  public:
@@ -116,7 +116,7 @@ PixelRectangle covered_part(const FloatImage& place) {
   return {left, top, right - left + 1, bottom - top + 1};
 }
 
-// Measurements of the covered part of a band, and the search for the texel of each entry.
+// The measurements of the covered part of a band, and the search for the texel of each entry.
 class BandDecoder {
  public:
   BandDecoder(const MipLayout& layout, int level_count, const TexelClasses& classes, const TextureMapping& mapping,
@@ -224,7 +224,7 @@ class BandDecoder {
   int span_;
 };
 
-// Sorts entries by texel and adds up the entries of one texel.
+// Sorts entries by texel, and adds up the entries of each texel.
 void merge(std::vector<Entry>& entries) {
   std::sort(entries.begin(), entries.end(), [](const Entry& a, const Entry& b) { return a.texel < b.texel; });
   std::size_t end = 0;
@@ -235,7 +235,7 @@ void merge(std::vector<Entry>& entries) {
   entries.resize(end);
 }
 
-// Rows of the matrix from one row of pixels.
+// The matrix rows for one row of pixels.
 struct PixelRows {
   std::vector<std::uint32_t> pixels, sizes;
   std::vector<float> coverage;
@@ -254,8 +254,8 @@ void append(FilterMatrix& matrix, const PixelRows& rows) {
   }
 }
 
-// Averages the rows of the sub-pixels that the object covers, for one row of pixels. The mean is the box filter over
-// the pixel divided by the coverage (section 3.2, "Inference with antialiasing"). `top` is the band's first row of
+// Averages the matrix rows of the sub-pixels that the object covers, for one row of pixels. The mean is the box filter
+// over the pixel divided by the coverage (section 3.2, "Inference with antialiasing"). `top` is the band's first row of
 // sub-pixels in the picture.
 PixelRows decode_pixel_row(const BandDecoder& band, int y, int top, int supersampling, int width) {
   PixelRows rows;
@@ -308,7 +308,7 @@ FilterProbe::FilterProbe(const GlFunctions& gl, int width, int height, int super
       probe_(gl, probe_sources({})),
       occluder_(gl, probe_sources({"MULTUM_OCCLUDER"})) {}
 
-// Values that do not change while classes are made wider.
+// Values that do not change when classes are made wider.
 struct FilterProbe::Pass {
   const std::vector<PlacedMesh>& objects;
   std::size_t object;
@@ -368,7 +368,7 @@ FilterMatrix FilterProbe::probe_with_span(const Pass& pass, int span) const {
   const TexelClasses classes(pass.layout, pass.level_count, span);
   const int draw_count = (classes.class_count() + kClassesADraw - 1) / kClassesADraw;
   const int sub_height = height_ * supersampling_, band_height = framebuffer_.height();
-  // Bands are counted from below, but the matrix's rows from above.
+  // Bands are counted from below, but the rows of the matrix are counted from above.
   for (int bottom = (sub_height - 1) / band_height * band_height; bottom >= 0; bottom -= band_height) {
     BandDecoder band(pass.layout, pass.level_count, classes, pass.mapping, span);
     const int top = sub_height - bottom - band_height;  // if negative, the buffer's first rows are outside the picture

@@ -4,9 +4,9 @@
 // parities of column, row and level make 8 classes. Anisotropic footprints are wider and need more classes.
 //
 // In each direction, a level of n texels is cut into blocks of at least `span` texels, and a texel's class is its place
-// in its block. Any `span` neighbours then have different classes, even across the seam of a periodic texture, and for
-// any n (parity of the column would fail for odd n). A level shorter than `span` is one block, so every texel has its
-// own class.
+// in its block. Any `span` neighbours then have different classes for any n, even across the seam of a periodic
+// texture. (The parity of the column would not work for odd n.) A level shorter than `span` is one block, so every
+// texel has its own class.
 #pragma once
 
 #include <vector>
@@ -15,7 +15,7 @@
 
 namespace multum::gl {
 
-/// Blocks of one level in one direction.
+/// The blocks of one level in one direction.
 class TexelBlocks {
  public:
   TexelBlocks(int texel_count, int span);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Draws surfaces directly from pyramids (Williams 1983): colour maps (section 3) and reflectance maps (section 4).
-// Either this code or the driver chooses the level, or the finest level is used. Also draws references and measures
-// flicker.
+// Draws surfaces directly from pyramids (Williams 1983). The pyramids are colour maps (section 3) and reflectance maps
+// (section 4). Either this code or the driver chooses the level, or the finest level is used. Also draws references and
+// measures flicker.
 #pragma once
 
 #include <array>
@@ -21,10 +21,10 @@
 
 namespace multum::gl {
 
-/// Williams makes the texel width proportional to a pixel's width w and does not give the factor. A trilinear lookup at
-/// a level whose texels are as wide as the pixel blurs with a variance of w^2 / 4: w^2 / 12 from the texel's box and
-/// w^2 / 6 from the tent between texels. The pixel's own box has a variance of w^2 / 12. With texels of width w /
-/// sqrt(3), the lookup has this variance too.
+/// Williams makes the texel width proportional to a pixel's width w, but does not give the factor. A trilinear lookup
+/// at a level whose texels are as wide as the pixel blurs with a variance of w^2 / 4. Of this variance, w^2 / 12 is
+/// from the texel's box and w^2 / 6 from the tent between texels. The pixel's own box has a variance of w^2 / 12. With
+/// texels of width w / sqrt(3), the lookup has this variance too.
 constexpr float kEqualVarianceBias = -0.79248125f;  // -log2(sqrt(3))
 
 /// Lookup methods of a map.
@@ -35,10 +35,11 @@ enum class PyramidLookup {
   kDriver,    // trilinear by the driver, with anisotropy if requested
 };
 
-/// Uploads every level of a pyramid as a texture: nearest filtering for kNearest, otherwise trilinear.
+/// Uploads every level of a pyramid as a texture, with nearest filtering for kNearest and trilinear filtering
+/// otherwise.
 Texture make_pyramid_texture(const GlFunctions& gl, const Pyramid& pyramid, PyramidLookup lookup, float anisotropy);
 
-/// Axes of the view in the world, one per row: right, up, towards the distant viewer.
+/// The axes of the view in the world, one per row: right, up, towards the distant viewer.
 using ViewFrame = std::array<glm::vec3, 3>;
 
 struct PyramidScene {
@@ -49,7 +50,7 @@ struct PyramidScene {
   float level_bias = 0.0f;  // added to the level by kLevel and kDriver
 };
 
-/// Distant lights on one Blinn-Phong surface; up to kLightCountMax.
+/// Up to kLightCountMax distant lights on one Blinn-Phong surface.
 struct PhongLights {
   std::vector<Light> lights;
   float exponent = 100.0f;
@@ -63,8 +64,8 @@ class PyramidRenderer {
   /// If `by_normal`, the map is a reflectance map.
   FloatImage draw(const Mesh& mesh, const Texture& map, PyramidLookup lookup, bool by_normal,
                   const PyramidScene& scene);
-  /// Draws levels of detail before clamping: in red as common/pyramid.glsl chooses them, in green as the driver does
-  /// (textureQueryLod).
+  /// Draws the levels of detail before clamping. Red is the level that common/pyramid.glsl chooses, and green is the
+  /// level that the driver chooses (textureQueryLod).
   FloatImage draw_levels(const Mesh& mesh, const Texture& map, bool by_normal, const PyramidScene& scene);
   /// Shades in the fragment shader, without using a map.
   FloatImage draw_phong(const Mesh& mesh, const PhongLights& lights, const PyramidScene& scene);
@@ -92,9 +93,9 @@ FloatImage supersampled(int side, const Draw& draw) {
   return mean;
 }
 
-/// Measures the flicker of pictures relative to their references over several shifts. Takes the variance of picture -
-/// reference over the shifts. Returns the root of its mean over pixels, divided by the reference's mean value. Returns
-/// 0 for black references.
+/// Measures the flicker of pictures relative to their references over several shifts. Computes the variance of picture
+/// - reference over the shifts. Returns the square root of the mean of this variance over the pixels, divided by the
+/// reference's mean value. Returns 0 for black references.
 double flicker(const std::vector<FloatImage>& pictures, const std::vector<FloatImage>& references);
 
 }  // namespace multum::gl

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Defines a BRDF in a shader: the files of shaders/brdf with its flag, its uniforms, and the table for GGX.
+// Defines a BRDF in a shader. It needs the files of shaders/brdf with the BRDF's flag, its uniforms, and the table for
+// GGX.
 #pragma once
 
 #include <map>

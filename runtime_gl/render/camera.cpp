@@ -102,7 +102,7 @@ Camera moved_away(const Camera& camera, float factor) {
   Camera moved = camera;
   const glm::vec3 view = camera.eye - camera.target;
   moved.eye = camera.target + factor * view;
-  // The amount by which the distance of every point grows along the line of sight.
+  // The amount by which the distance of every point increases along the line of sight.
   const float farther = (factor - 1.0f) * glm::length(view);
   moved.near_distance = farther > 0.0f ? camera.near_distance + farther : factor * camera.near_distance;
   moved.far_distance = camera.far_distance + std::max(farther, 0.0f);

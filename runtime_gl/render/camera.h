@@ -12,8 +12,8 @@ namespace multum::gl {
 
 struct Camera {
   // The default camera looks over the plane z = 0 from a height of 0.3 units. The nearest row of pixels is at 0.45
-  // units (where maps with fewer than 1024 texels per unit are magnified). The farthest row is at 11 units, 1.5 degrees
-  // below the horizon; the horizon is not visible.
+  // units, where maps with fewer than 1024 texels per unit are magnified. The farthest row is at 11 units, 1.5 degrees
+  // below the horizon. The horizon is not visible.
   glm::vec3 eye{0.0f, 0.0f, 0.3f};
   glm::vec3 target{0.0f, 1.0f, -0.0939f};  // the camera looks down by 21.5 degrees
   glm::vec3 up{0.0f, 0.0f, 1.0f};

@@ -114,7 +114,7 @@ void draw_cell(FloatImage& sheet, const SheetCell& cell, int left, int top, int 
 
 FloatImage make_contact_sheet(const std::vector<std::vector<SheetCell>>& rows, float label_value) {
   MULTUM_CHECK(!rows.empty() && !rows[0].empty());
-  // No label is cut. Small pictures get smaller letters or, if these are still too wide, a cell that is wider than the
+  // No label is cut. Small pictures get smaller letters. If these are still too wide, the cell is wider than the
   // picture.
   const int label_width = widest_label(rows);
   const int scale = kGlyphScaleMax * label_width <= rows[0][0].image.width ? kGlyphScaleMax : 1;

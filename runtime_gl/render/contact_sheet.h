@@ -14,8 +14,9 @@ struct SheetCell {
   FloatImage image;
 };
 
-/// Draws rows of cells with images of the same size; rows may be shorter than the first row. Labels are never cut: if
-/// the images are narrower than the longest label, cells have its width. `label_value` is the letters' grey value.
+/// Draws rows of cells with images of the same size. Rows may be shorter than the first row. Labels are never cut. If
+/// the images are narrower than the longest label, cells are as wide as this label. `label_value` is the letters' grey
+/// value.
 FloatImage make_contact_sheet(const std::vector<std::vector<SheetCell>>& rows, float label_value);
 
 }  // namespace multum::gl

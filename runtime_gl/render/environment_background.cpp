@@ -15,7 +15,7 @@ namespace {
 
 constexpr int kSamplesASide = 2;  // samples along a pixel's side; maps are rarely finer than pictures
 
-// Interpolates between texel centres; the map wraps horizontally.
+// Interpolates between texel centres. The map repeats horizontally.
 glm::vec3 radiance(const EnvironmentMap& map, glm::dvec2 st) {
   const double x = st.x * map.width - 0.5, y = std::clamp(st.y * map.height - 0.5, 0.0, map.height - 1.0);
   const int left = static_cast<int>(std::floor(x)), top = static_cast<int>(y);

@@ -10,7 +10,8 @@ namespace multum::gl {
 /// The scene must have an environment. The result's alpha is 1.
 FloatImage environment_background(const RenderScene& scene, int width, int height);
 
-/// Puts the picture in front of the background, weighted by alpha, the picture's coverage. The result's alpha is 1.
+/// Puts the picture in front of the background, weighted by the picture's alpha, which is its coverage. The alpha of
+/// the result is 1.
 FloatImage before_background(const FloatImage& picture, const FloatImage& background);
 
 }  // namespace multum::gl

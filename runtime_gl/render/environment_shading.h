@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Defines a scene's environment in a shader: its maps, and the tables for the BRDF and the camera.
+// Defines the environment of a scene in a shader by its maps, and by the tables for the BRDF and the camera.
 #pragma once
 
 #include <array>
@@ -17,12 +17,12 @@ namespace multum::gl {
 /// The number of directions of each kind in which a pixel samples its environment, if each sample has one normal.
 constexpr int kEnvironmentSampleCount = 32;
 
-/// Returns the environment's x, y and z axes in the world. y is up. -z, the map's middle, is straight ahead for a
+/// Returns the environment's x, y and z axes in the world. y is up. The map's middle, -z, is straight ahead for a
 /// viewer who looks along y over the plane z = 0, or who looks at a mesh from the front. The scene's environment_turn
 /// then rotates all axes.
 std::array<glm::vec3, 3> environment_axes(const RenderScene& scene);
 
-/// `samples_light` is Material::samples_light(). Returns an empty ShaderParts if there is no environment.
+/// `samples_light` is the result of Material::samples_light(). Returns an empty ShaderParts if there is no environment.
 ShaderParts environment_shader_parts(const RenderScene& scene, bool samples_light);
 
 class EnvironmentShading {
@@ -35,8 +35,8 @@ class EnvironmentShading {
   /// Sets the directions of sample number `sample` of the picture, for materials that sample light.
   void set_sample(const ShaderProgram& shader, const RenderScene& scene, int sample) const;
 
-  /// Returns the processor time of set() since the last call. This time is the cost of a changing environment or
-  /// camera, in addition to drawing.
+  /// Returns the processor time of set() since the last call. A changing environment or camera costs this time in
+  /// addition to drawing.
   double take_processor_seconds() { return std::exchange(processor_seconds_, 0.0); }
 
  private:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Defines the lights of a scene in a shader: flags for the numbers of lights, and uniforms.
+// Defines the lights of a scene in a shader by flags for the numbers of lights, and by uniforms.
 #pragma once
 
 #include "runtime_gl/materials/material.h"

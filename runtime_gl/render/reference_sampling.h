@@ -12,7 +12,7 @@
 
 namespace multum::gl {
 
-/// Weights of a pixel's surroundings. The box is the pixel's own area, 1 pixel wide. The tent is 2 pixels wide. The
+/// The weights of a pixel's surroundings. The box is the pixel's own area, 1 pixel wide. The tent is 2 pixels wide. The
 /// Gaussian has a standard deviation of 1/2 pixel and is cut off at 1.5 pixels.
 enum class PixelFilter { kBox, kTent, kGaussian };
 
@@ -33,7 +33,7 @@ struct ReferenceSampling {
 glm::vec2 reference_offset(PixelFilter filter, int sample);
 
 /// Sums batches of samples in double precision, alternating between two halves. The difference of the halves measures
-/// the noise of the whole: if their errors are independent, the error of their mean is half of their difference.
+/// the noise of the whole. If their errors are independent, the error of their mean is half of their difference.
 class ReferenceSum {
  public:
   ReferenceSum(int width, int height);
@@ -41,8 +41,8 @@ class ReferenceSum {
   /// `sum` is the sum of `sample_count` pictures.
   void add(const FloatImage& sum, int sample_count);
   int sample_count() const { return counts_[0] + counts_[1]; }
-  /// Returns the relative L1 difference of the RGB values of all pixels: the sum of |a - b| / 2 divided by the sum of
-  /// (a + b) / 2, where a and b are the means of the halves. Returns infinity before the second batch, and 0 if
+  /// Returns the relative L1 difference of the RGB values of all pixels. This is the sum of |a - b| / 2 divided by the
+  /// sum of (a + b) / 2, where a and b are the means of the halves. Returns infinity before the second batch, and 0 if
   /// everything is black.
   double noise() const;
   FloatImage mean() const;

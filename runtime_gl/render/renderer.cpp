@@ -261,7 +261,7 @@ Picture Renderer::draw_reference(const Mesh& mesh, const Material& material, con
     begin = end;
     const double noise = sum.noise();
     const bool is_done = end == count_max || (!is_fixed && is_pair && noise <= sampling.noise_max);
-    // The noise falls with about the power -3/4 of the sample count.
+    // The noise decreases approximately with the power -3/4 of the sample count.
     const double share = is_done    ? 1.0
                          : is_fixed ? static_cast<double>(end) / count_max
                                     : std::min(0.99, std::pow(sampling.noise_max / noise, 4.0 / 3.0));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Draws a mesh with the baked map, the reference or a baseline, as a camera sees it, into a linear float picture.
-// Deterministic: the same input gives the same bytes on one device.
+// Drawing is deterministic: the same input gives the same bytes on one device.
 #pragma once
 
 #include <map>
@@ -40,14 +40,14 @@ struct SceneObject {
   Brdf brdf;  // replaces the scene's BRDF
 };
 
-/// A compiled shader, and its uniforms that the driver did not remove.
+/// A compiled shader, and those of its uniforms that the driver did not remove.
 struct ShaderVariant {
   std::vector<std::string> flags;
   std::string fragment;  // the flags as #define, then every text
   std::vector<std::string> uniforms;
 };
 
-/// Returns the fragment shader of a material, a BRDF and lights. The shader has the flags of all parts, and every text
+/// Returns the fragment shader of a material, a BRDF and lights. The shader has the flags of all parts, and each text
 /// only once.
 ShaderSources scene_shader_sources(const Material& material, const RenderScene& scene);
 
@@ -64,8 +64,8 @@ class Renderer {
   Picture draw(const std::vector<SceneObject>& objects, const RenderScene& scene);
   /// Draws the same picture once, without timing.
   FloatImage draw_once(const Mesh& mesh, const Material& material, const RenderScene& scene);
-  /// Returns the mean of many pictures, each shifted by a fraction of a pixel. For the finest map's normals, this
-  /// evaluates the BRDF with every sample's own normal. Counts kReferenceUnits in `progress`.
+  /// Returns the mean of many pictures, each shifted by a fraction of a pixel. For the normals of the finest level,
+  /// this evaluates the BRDF with every sample's own normal. Counts kReferenceUnits in `progress`.
   Picture draw_reference(const Mesh& mesh, const Material& material, const RenderScene& scene,
                          const ReferenceSampling& sampling, Progress* progress = nullptr);
   /// Returns the variants of everything drawn so far, except the shader that adds up pictures.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Settings of a scene: its camera, lights, environment, BRDF and texture filter.
+// Defines the settings of a scene: its camera, lights, environment, BRDF and texture filter.
 #pragma once
 
 #include <memory>
@@ -49,11 +49,11 @@ constexpr int kEvaluationsMax = 16;
 constexpr int kEvaluationsOfLobes = -1;  // means evaluations_of_lobes(Material::budgeted_lobes()), or 0 for fewer than
                                          // two lobes
 
-/// Returns the number of evaluations per pixel if each lobe is evaluated once: the next power of two, at most
-/// kEvaluationsMax.
+/// Returns the number of evaluations per pixel if each lobe is evaluated once. This is the next power of two, but at
+/// most kEvaluationsMax.
 int evaluations_of_lobes(int lobe_count);
 
-/// Perceptual roughness, 0 to 1, over the same coordinates as the map; row 0 at the top.
+/// Perceptual roughness, 0 to 1, over the same coordinates as the map. Row 0 is at the top.
 struct RoughnessMap {
   int width = 1, height = 1;
   std::vector<float> texels;

@@ -18,8 +18,8 @@ uniform sampler2D u_sum;
 #endif
 layout(location = 0) out vec4 o_colour;
 
-// Returns the nearest half, ties to even, of a value of at least 0. Drivers may instead truncate to half, as llvmpipe
-// does (Mesa 22.3.6). Mip levels would add up this bias.
+// Returns the nearest 16-bit float, with ties to even, of a value of at least 0. Drivers may instead truncate to 16-bit
+// floats, as llvmpipe does (Mesa 22.3.6). Mip levels would add up this bias.
 float multum_rounded_to_half(float value) {
   if (value < 6.103515625e-05) return roundEven(value * 16777216.0) / 16777216.0;  // multiples of 2^-24
   uint bits = floatBitsToUint(min(value, 65504.0));
@@ -31,7 +31,8 @@ vec3 multum_rounded_to_halves(vec3 values) {
   return vec3(multum_rounded_to_half(values.r), multum_rounded_to_half(values.g), multum_rounded_to_half(values.b));
 }
 
-// Finds which of n fine texels the coarse texel i covers: the first of them, their number, and up to three weights.
+// Finds which of n fine texels the coarse texel i covers. The result is the first of them, their number, and up to
+// three weights.
 vec3 multum_cover(int n, int i, out int first, out int count) {
   first = n == 1 ? 0 : 2 * i;
   count = n == 1 ? 1 : 2 + n % 2;

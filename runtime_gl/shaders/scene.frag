@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // Computes the light that a normal-mapped surface sends to the eye. A file of surface/ provides its normals, a file of
 // brdf/ its BRDF, and light/ its lights (common/reflection.glsl describes the interface of these files). All vectors
-// are converted to tangent space, the space of the map's normals.
+// are converted to tangent space, which is the space of the map's normals.
 //
 // The outgoing radiance is the sum over lights of the BRDF times max(n.l, 0), averaged over n. MULTUM_REFERENCE
-// averages over samples. The models of the other variants include the average, with cosines per lobe or of the
-// averaged normal.
-// MULTUM_SHADE_TAPS: shades each tap of the texture's filter separately and averages the results. MULTUM_EVALUATIONS n:
-// makes n evaluations of the material, by common/evaluations.glsl. MULTUM_TURNED: reads the lobes of evaluations at
-// 2 x 2 or more places of the pixel, and turns them by the frame of each place.
+// averages over samples. The models of the other variants include the average, with cosines per lobe or of the averaged
+// normal.
+// With MULTUM_SHADE_TAPS, each tap of the texture filter is shaded separately, and the results are averaged. With
+// MULTUM_EVALUATIONS n, there are n evaluations of the material, by common/evaluations.glsl. With MULTUM_TURNED, the
+// lobes of evaluations are read at 2 x 2 or more places of the pixel, and turned by the frame of each place.
 in vec3 v_position;
 in vec3 v_normal;
 in vec4 v_tangent;
@@ -45,7 +45,7 @@ MultumSurface multum_fetch_at(vec2 place, MultumFootprint footprint) {
 }
 
 #if defined(MULTUM_TURNED) && defined(MULTUM_LOBES_ADD_UP)
-// Returns the lobes of a part of the pixel about `middle`: the mean over `places`, each converted to `frame`.
+// Returns the lobes of a part of the pixel about `middle`. This is the mean over `places`, each converted to `frame`.
 MultumSurface multum_fetch_turned(vec2 middle, vec2 part, vec2 places, mat3 frame, MultumFootprint footprint) {
   MultumSurface sum = multum_fetch_at(middle, footprint);
   for (int j = 0; j < MULTUM_PART_COUNT; ++j) sum.lobes[j] = vec4(0.0);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Sums the radiance of the textures; alpha is 1 where the object is.
+// Sums the radiance of the textures. Alpha is 1 where the object is.
 //   MULTUM_LAYER_COUNT   number of textures; with 0 the object is black
 in vec2 v_st;
 #if MULTUM_LAYER_COUNT > 0

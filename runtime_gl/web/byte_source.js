@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Defines sources of a packed field's bytes: a URL that is read by ranges, a file that the user chose, or bytes in the
-// page. Each source has a `name` for messages, `read(offset, length, signal)`, and `size`, which is known after the
-// first read.
+// Defines sources of a packed field's bytes. A source is a URL that is read by ranges, a file that the user chose, or
+// bytes in the page. Each source has a `name` for messages, `read(offset, length, signal)`, and `size`, which is known
+// after the first read.
 
 import { errorText } from "./error_text.js";
 
@@ -130,7 +130,7 @@ export class UrlSource {
     if (response.status === 416) throw new FieldError(`${this.name}: ends before byte ${offset}`);
     if (response.status !== 200)
       throw new FieldError(`${this.name}: the server answered ${response.status}, expected 200 or 206`);
-    // If the transfer is compressed, its length is not the file's length.
+    // If the transfer is compressed, the transfer's length is not the length of the file.
     const isPlain = !response.headers.get("Content-Encoding");
     return { least: isPlain ? Number(response.headers.get("Content-Length") ?? 0) : 0, most: BODY_BYTES_MAX };
   }

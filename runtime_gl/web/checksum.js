@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Computes the checksum of a packed field's sections: the lower 32 bits of CRC-64/XZ (docs/reference/packed_fields.md,
-// "Packed fields"). Uses two halves of 32 bits, because JavaScript's bit operations have only 32 bits.
+// Computes the checksum of a packed field's sections, which is the lower 32 bits of CRC-64/XZ
+// (docs/reference/packed_fields.md, "Packed fields"). Uses two halves of 32 bits, because JavaScript's bit operations
+// have only 32 bits.
 
 const HIGH_POLYNOMIAL = 0xc96c5795;
 const LOW_POLYNOMIAL = 0xd7870f42;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads the size and number of a chunk's textures from its first bytes, without decoding it
+// Reads the size and number of a chunk's textures from its first bytes, without decoding the chunk
 // (docs/reference/packed_fields.md, "Chunks").
 
 /** Returns `{ width, height, textures }`, or zeros if there are too few bytes. */

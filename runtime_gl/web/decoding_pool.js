@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Decodes textures in workers, the most urgent first. If a waiting texture becomes unnecessary, it is not decoded, and
-// the download of its bytes stops. A worker has one request at a time, so that a new request waits for at most one
-// texture. All textures of a chunk go to one worker, which keeps the decoded chunk.
+// Decodes textures in workers, starting with the most urgent textures. If a waiting texture becomes unnecessary, it is
+// not decoded, and the download of its bytes stops. A worker has one request at a time, so that a new request waits for
+// at most one texture. All textures of a chunk go to one worker, which keeps the decoded chunk.
 
 import { errorText } from "./error_text.js";
 

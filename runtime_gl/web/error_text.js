@@ -21,7 +21,8 @@ export function sayUncaughtErrors(say) {
   for (const kind of ["error", "unhandledrejection"])
     addEventListener(kind, (event) => {
       const text = errorText(event);
-      // A resize observer's changes are drawn one frame later, which is not a failure.
+      // The browser reports an error when changes by a resize observer are drawn one frame later, which is not a
+      // failure.
       if (!text.startsWith("ResizeObserver loop")) say(`Something in this page failed: ${text}. Reload the page.`);
     });
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Plays a field: finds the textures that a position in its parameters needs, fetches and decodes textures ahead, and
+// Plays a field. Finds the textures that a position in its parameters needs, fetches and decodes textures ahead, and
 // draws while some are missing. A position between samples is drawn as their weighted mean (multilinear), or as the
 // nearest sample.
 import { DecodingPool } from "./decoding_pool.js";
@@ -252,8 +252,8 @@ export class FieldPlayer {
     if (this.cancelFrame !== null) return;
     this.cancelFrame = onNextFrame((now) => {
       this.cancelFrame = null;
-      // Browsers accept some pictures before a slow driver has drawn them. Such pictures would be shown late, and their
-      // measured times would be too short.
+      // Browsers accept some pictures before a slow driver has drawn them. Such pictures would be shown late, and the
+      // times measured for them would be too short.
       if (this.gl.isBusy()) this.requestDraw();
       else this.drawNow(now);
     });
@@ -336,7 +336,7 @@ export class FieldPlayer {
     ++this.statistics.frames;
     this.statistics.supersampling = supersampling;
     this.isSettled = isAtRest && this.isComplete;
-    // Draws finely when the position rests.
+    // Draws with full quality when the position rests.
     clearTimeout(this.restTimer);
     if (!isAtRest) this.restTimer = setTimeout(() => this.requestDraw(), REST_MS + 20);
     this.changed();

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads triangles by object from a binary glTF: positions, one set of texture coordinates, names of nodes and their
-// places. Each triangle has its own three corners, because a vertex on a cut of the texture may have two texture
-// coordinates. Rejects sparse accessors, compression and external files with an error that names them.
+// Reads triangles by object from a binary glTF, with positions, one set of texture coordinates, and the names and
+// places of nodes. Each triangle has its own three corners, because a vertex on a cut of the texture may have two
+// texture coordinates. Rejects sparse accessors, compression and external files with an error that names them.
 import { FieldError } from "./byte_source.js";
 import { identity, multiplied } from "./matrices.js";
 

@@ -69,7 +69,7 @@ export function cameraParts(worldToClip) {
   if (!(Math.abs(fx) > 1e-12)) return null;
   const skew = dot(rows[0], up);
   const [cx, cy, depth] = [dot(rows[0], back), dot(rows[1], back), dot(rows[2], back)];
-  // Position of the world's origin in camera space, from which the eye's position follows.
+  // The position of the world's origin in camera space, from which the eye's position is computed.
   const tz = ends[3] / -scale;
   const ty = (ends[1] - cy * tz) / fy;
   const tx = (ends[0] - cx * tz - skew * ty) / fx;

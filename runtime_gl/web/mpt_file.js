@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads a packed field, NAME.mpt (docs/reference/packed_fields.md, "Packed fields"): its index, its description, and
-// single sections on request. Reports problems as FieldError with the file's name.
+// Reads a packed field, NAME.mpt (docs/reference/packed_fields.md, "Packed fields"). Reads its index, its description,
+// and single sections on request. Reports problems as FieldError with the file's name.
 import { FieldError } from "./byte_source.js";
 import { sectionChecksum } from "./checksum.js";
 

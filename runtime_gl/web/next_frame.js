@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Draws after a short time even in background tabs, in which browsers draw no frames.
 
-// Time to wait for a frame. A visible page gets its frame, perhaps late on a slow device; drawing earlier would only
-// fill the queue.
+// The time to wait for a frame. A visible page gets its frame, perhaps late on a slow device. Drawing earlier would
+// only fill the queue.
 const HIDDEN_MS = 50;
 const SHOWN_MS = 1000;
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Makes the controls of the position: a slider for each parameter, a pad for the first two, and the picture itself,
-// which turns when the user drags it.
+// Makes the controls of the position. These are a slider for each parameter, a pad for the first two parameters, and
+// the picture itself, which turns when the user drags it.
 import { cameraParts, isEqual } from "./matrices.js";
 
 const STEP = 0.05; // step of a slider's arrow keys, as a share of the distance between samples

@@ -2,7 +2,7 @@
 // Runs the page of the player. Opens the field that the page's configuration names, the field that `?file=` in its
 // address names, or one that the user chooses. Connects controls, path and statistics to the player of the field.
 //
-// The configuration, a block of JSON in the page: { "file": URL, "geometry": URL, "title": text }. A self-contained
+// The configuration is a block of JSON in the page: { "file": URL, "geometry": URL, "title": text }. A self-contained
 // page has further blocks: data-field, data-geometry, data-wasm (base64) and worker-source (text).
 import { BlobSource, FieldError, UrlSource, wholeBody } from "./byte_source.js";
 import { errorText, sayUncaughtErrors } from "./error_text.js";

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Keeps textures and compressed chunks of a field within a budget of bytes, which is never exceeded. Removes the least
-// recently used entries first, but never entries that are in use.
+// Keeps textures and compressed chunks of a field within a budget of bytes. The budget is never exceeded. Removes the
+// least recently used entries first, but never entries that are in use.
 
 export class TextureStore {
   /** `release(entry)` is called for each removed entry. */

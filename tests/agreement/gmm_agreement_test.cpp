@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Compares two implementations of the shading of planar Gaussians: OpenCL (kernels/device/gmm_shading.clh, with which a
-// bake measures its own error) and GLSL (runtime_gl/shaders/common/gmm_shading.glsl, which renders). Both are also
-// compared with double precision, first on hard cases, then on random lobes.
+// Compares two implementations of the shading of planar Gaussians: the OpenCL code with which a bake measures its own
+// error (kernels/device/gmm_shading.clh), and the GLSL code that renders (runtime_gl/shaders/common/gmm_shading.glsl).
+// Both are also compared with double precision, first on hard cases, then on random lobes.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -91,11 +91,11 @@ double exact_value(const glm::dvec4& lobe, double s, const glm::dvec3& w) {
   return s > 0.0 ? reference::gmm_density(lobe, s, w) : reference::gmm_lambert(lobe, w);
 }
 
-// Returns the allowed error of floats. It is the change of the exact value when each number of the lobe and of the
-// direction changes by kRoundings float roundings, because every operation rounds once. The variance is a difference of
-// numbers up to the amplitude a, so its rounding error is relative to a. The z of the Lambert term is the root of such
-// a difference. The exponential adds 1e-5 of the value; results that underflow are negligible compared with a peak. The
-// measured error is a tenth of the error that kRoundings = 8 allows.
+// Returns the allowed error of single precision. Every operation rounds once, so this error is the change of the exact
+// value when each number of the lobe and of the direction changes by kRoundings float roundings. The variance is a
+// difference of numbers up to the amplitude a, so its rounding error is relative to a. The z of the Lambert term is the
+// root of such a difference. The exponential adds 1e-5 of the value. Results that underflow are negligible compared
+// with a peak. The measured error is a tenth of what kRoundings = 8 allows.
 double tolerance(const glm::dvec4& lobe, double s, const glm::dvec3& w) {
   constexpr double kRoundings = 8.0, kStep = kRoundings * 0x1p-24;
   const double value = exact_value(lobe, s, w);
@@ -149,8 +149,8 @@ TEST_P(GmmAgreementTest, OpenclGlslAndDoubleAgree) {
   EXPECT_GT(tight, 0.95 * seen) << "the bounds are too wide to be useful";
 }
 
-// Tests the energy that the plane's edge cuts off, by the integral of one normal's facets over the hemisphere
-// (docs/contributing/ALGORITHMS.md). A lossless model would give 1.
+// Tests how much energy the edge of the plane cuts off: integrates the facets of one normal over the hemisphere
+// (docs/contributing/ALGORITHMS.md). A model that loses no energy would give 1.
 TEST(GmmEnergy, IsLostTowardsTheRim) {
   constexpr int kRings = 400, kSpokes = 360;
   const double exponents[] = {5.0, 20.0, 100.0, 500.0};

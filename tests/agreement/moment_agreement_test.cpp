@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Compares two implementations of the shading of moments: OpenCL (kernels/device/moment_shading.clh, with which a bake
-// measures its own error) and GLSL (runtime_gl/shaders/common/moment_shading.glsl, which renders). Both are also
-// compared with double precision, first on hard cases, then on random moments.
+// Compares two implementations of the shading of moments: the OpenCL code with which a bake measures its own error
+// (kernels/device/moment_shading.clh), and the GLSL code that renders (runtime_gl/shaders/common/moment_shading.glsl).
+// Both are also compared with double precision, first on hard cases, then on random moments.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -132,11 +132,11 @@ struct ExactInput {
   }
 };
 
-// Returns the allowed error of floats: the change of the exact value when the inputs change by kRoundings float
-// roundings each, because every operation rounds once. The error of a product of slopes is relative to the product,
-// even if most of the product cancels later. GLSL computes the half vector's z as the root of 1 - x^2 - y^2. The
-// exponential adds 1e-5 of the value, as exp2 has for large arguments. Results that underflow are negligible compared
-// with a peak. The measured error is a third of the error that kRoundings = 8 allows.
+// Returns the allowed error of single precision. Every operation rounds once, so this error is the change of the exact
+// value when each input changes by kRoundings float roundings. The error of a product of slopes is relative to the
+// product, even if most of the product cancels later. GLSL computes the half vector's z as the root of 1 - x^2 - y^2.
+// The exponential adds 1e-5 of the value, which is the error of exp2 for large arguments. Results that underflow are
+// negligible compared with a peak. The measured error is a third of what kRoundings = 8 allows.
 double tolerance(const ExactInput& exact, double s, int shading) {
   constexpr double kRoundings = 8.0, kStep = kRoundings * 0x1p-24;
   const double value = exact.value(s, shading), z = exact.h.z;
@@ -193,7 +193,7 @@ TEST_P(MomentAgreementTest, OpenclGlslAndDoubleAgree) {
         off_opencl += std::abs(static_cast<double>(opencl[at]) - expected);
         off_glsl += std::abs(static_cast<double>(glsl[at]) - expected);
       }
-    // The bounds above are for the worst value; the mean error is at the level of float rounding.
+    // The bounds above apply to the worst value. The mean error is about as large as one float rounding.
     EXPECT_LT(off_opencl, 2e-4 * sum) << shading;
     EXPECT_LT(off_glsl, 2e-4 * sum) << shading;
     EXPECT_GT(seen, 250) << shading;
@@ -201,7 +201,7 @@ TEST_P(MomentAgreementTest, OpenclGlslAndDoubleAgree) {
   }
 }
 
-// The density integrates to 1: over solid angles with the Jacobian, and over slopes without it.
+// The density integrates to 1, both over solid angles (with the Jacobian) and over slopes (without it).
 TEST(MomentShadingTest, LeanIsADensity) {
   reference::TexelMoments m;
   m.s = 0.2;
@@ -217,7 +217,7 @@ TEST(MomentShadingTest, LeanIsADensity) {
       for (int j = 0; j < kSteps; ++j) {
         const double x = (i + 0.5) * kStep - kReach, y = (j + 0.5) * kStep - kReach;
         const glm::dvec3 h = glm::normalize(glm::dvec3(-x, -y, 1.0));
-        const double solid_angle = with_jacobian ? h.z * h.z * h.z : 1.0;  // solid angle of a cell of slopes
+        const double solid_angle = with_jacobian ? h.z * h.z * h.z : 1.0;  // the solid angle of one cell of slopes
         sum += reference::lean(m, h, 100.0, with_jacobian) * solid_angle * kStep * kStep;
       }
     EXPECT_NEAR(sum, 1.0, 1e-3) << with_jacobian;

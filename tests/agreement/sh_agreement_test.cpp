@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Compares two implementations of the shading of spherical harmonics: OpenCL (kernels/sh_shade.cl, with which a bake
-// measures its own error) and GLSL (runtime_gl/shaders/common/sh_shading.glsl, which renders). Both are also compared
-// with double precision, first on hard cases, then on random distributions.
+// Compares two implementations of the shading of spherical harmonics: the OpenCL code with which a bake measures its
+// own error (kernels/sh_shade.cl), and the GLSL code that renders (runtime_gl/shaders/common/sh_shading.glsl). Both are
+// also compared with double precision, first on hard cases, then on random distributions.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -28,8 +28,8 @@ namespace {
 
 using testing::random_direction;
 
-// Returns coefficients of single directions, poles, opposite tilts and a uniform distribution, and then means of some
-// of these.
+// Returns the coefficients of single directions, poles, opposite tilts and a uniform distribution. Means of some of
+// these follow.
 std::vector<std::vector<float>> test_sets(int order, unsigned seed) {
   std::mt19937 random(seed);
   std::vector<std::vector<glm::dvec3>> normals = {
@@ -127,7 +127,7 @@ TEST_P(ShAgreementTest, OpenclGlslAndDoubleAgree) {
       const std::vector<double> coefficients(sets[i].begin(), sets[i].end());
       for (std::size_t d = 0; d < directions.size(); ++d) {
         const double expected = std::max(0.0, reference::shade_sh(coefficients, 1.0, zonal, glm::dvec3(directions[d])));
-        // The basis is within 1e-5 of its bound (host/lab/selftest/sh_cases.cpp).
+        // The error of the basis functions is within 1e-5 of their bound (host/lab/selftest/sh_cases.cpp).
         EXPECT_NEAR(opencl[d], expected, 1e-5 * peak) << s << ", " << i << ", " << d;
         EXPECT_NEAR(static_cast<double>(glsl[i * directions.size() + d]), expected, 1e-5 * peak)
             << s << ", " << i << ", " << d;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Compares the shading formulas of OpenCL (kernels/device/vmf_shading.clh, with which a bake measures its own error)
-// with those of GLSL (runtime_gl/shaders/common/movmf_shading.glsl, which renders) on the same lobes. Both are also
-// compared with quadrature in double precision, first on hard cases, then on random lobes.
+// Compares two implementations of the shading of vMF lobes: the OpenCL code with which a bake measures its own error
+// (kernels/device/vmf_shading.clh), and the GLSL code that renders (runtime_gl/shaders/common/movmf_shading.glsl). Both
+// are also compared with quadrature in double precision, first on hard cases, then on random lobes.
 #include <gtest/gtest.h>
 
 #include <fmt/format.h>
@@ -30,7 +30,7 @@ using testing::uniform24;
 
 struct Lobes {
   std::vector<glm::vec4> lobes;  // (a r, a)
-  std::vector<double> kappa;     // one per lobe; infinite for a single direction
+  std::vector<double> kappa;     // one value per lobe, which is infinite for a single direction
 };
 
 void add(Lobes& set, const glm::dvec3& mu, double kappa, double amplitude) {
@@ -56,7 +56,7 @@ Lobes test_lobes(unsigned seed) {
   return set;
 }
 
-// Returns one highlight, or Lambert's cosine, by [lobe][direction], computed by the OpenCL kernel.
+// Returns one highlight, or Lambert's cosine, as the OpenCL kernel computes it, indexed by [lobe][direction].
 std::vector<float> shade_opencl(const std::vector<glm::vec4>& lobes, const std::vector<glm::vec3>& directions,
                                 const MultumHighlight& shaded, bool lambert) {
   static Device device = Device::open("");
@@ -105,8 +105,8 @@ INSTANTIATE_TEST_SUITE_P(Exponents, ShadingAgreementTest, ::testing::Values(0.0,
                          });
 
 // Both compute in single precision. The exponent kappa (1 - cosine), with kappa up to 1e6, has a relative error of
-// 1e-7. Hence peaks agree to 2e-3 for the sharpest lobes and to 1e-5 for usual ones. The bound is relative to the
-// lobe's peak.
+// 1e-7. Hence the two peaks agree to 2e-3 for the sharpest lobes and to 1e-5 for usual lobes. The bound is relative to
+// the lobe's peak.
 TEST_P(ShadingAgreementTest, OpenclEqualsGlsl) {
   const auto exponent = static_cast<float>(GetParam());
   constexpr unsigned kSeed = 41;
@@ -126,7 +126,8 @@ TEST_P(ShadingAgreementTest, OpenclEqualsGlsl) {
   }
 }
 
-// Returns the sum that multum_lobe_facets() of brdf/terms.glsl computes from uniforms; the harness has no uniforms.
+// Returns the sum that multum_lobe_facets() of brdf/terms.glsl computes from uniforms. The test harness has no
+// uniforms.
 std::string terms_expression(const MultumHighlight& f) {
   const char* kSpread = "multum_movmf_spread(a)";
   const char* kOneMinusCosine = "multum_one_minus_cosine(multum_movmf_mean_direction(a), b.xyz)";
@@ -136,7 +137,7 @@ std::string terms_expression(const MultumHighlight& f) {
   return fmt::format("vec4(a.w <= 1e-6 ? 0.0 : a.w * max({}, 0.0))", sum);
 }
 
-// Tests facets as sums of vMFs, with which a bake measures its error for GGX and other BRDFs
+// Tests facet distributions that are sums of vMFs. A bake uses these sums to measure its error for GGX and other BRDFs
 // (host/bakes/accuracy/highlight.h).
 TEST(TermsAgreementTest, OpenclEqualsGlsl) {
   const Lobes set = test_lobes(43);
@@ -151,8 +152,8 @@ TEST(TermsAgreementTest, OpenclEqualsGlsl) {
     const auto opencl = shade_opencl(set.lobes, directions, f, false);
     const auto glsl = shade_glsl(*context, set.lobes, directions, 1.0f, terms_expression(f));
     const auto peak = static_cast<float>(std::max(grey_density(brdf, 0.0), grey_density(brdf, 0.999)));
-    const float bound = brdf.kind == BrdfKind::kCharlie ? 2e-4f : 3e-5f;  // Charlie's terms cancel down to a hundredth
-                                                                          // of their size
+    // Charlie's terms cancel each other: their sum is a hundredth of their size.
+    const float bound = brdf.kind == BrdfKind::kCharlie ? 2e-4f : 3e-5f;
     for (std::size_t i = 0; i < opencl.size(); ++i) {
       const float unit = std::max(set.lobes[i / directions.size()].w * peak, 1e-9f);
       ASSERT_NEAR(opencl[i] / unit, glsl[i] / unit, bound) << text << ", lobe " << i / directions.size();
@@ -160,7 +161,8 @@ TEST(TermsAgreementTest, OpenclEqualsGlsl) {
   }
 }
 
-// Compares with the exact convolution by relative L1 error over the angle. tools/lab/fit_shading.py states the bounds.
+// Measures the relative L1 error over the angle, compared with the exact convolution. tools/lab/fit_shading.py states
+// the bounds.
 TEST_P(ShadingAgreementTest, OpenclEqualsQuadrature) {
   const double exponent = GetParam();
   if (exponent > 2000.0) GTEST_SKIP() << "the quadrature supports exponents up to 2000";
@@ -187,13 +189,13 @@ TEST_P(ShadingAgreementTest, OpenclEqualsQuadrature) {
   }
 }
 
-// Returns the bound of docs/contributing/ALGORITHMS.md for exponents from `s` on. The bound holds for the kernel and
-// for GLSL, which agree.
+// Returns the bound of docs/contributing/ALGORITHMS.md for exponents of at least `s`. The bound holds for the kernel
+// and for GLSL, which agree.
 double stated_bound(double s) {
   return s < 2.0 ? 0.07 : s < 3.0 ? 0.04 : s < 5.0 ? 0.028 : s < 20.0 ? 0.018 : s < 100.0 ? 0.0085 : 0.0027;
 }
 
-// Covers the whole range of exponents, densely where the error is largest: kappa 2 to 5.
+// Covers the whole range of exponents. The samples are dense at kappa 2 to 5, where the error is largest.
 TEST(ShadingBounds, HoldOverADenseGrid) {
   constexpr int kAngles = 60;
   double worst_of_one = 0.0;
@@ -222,9 +224,9 @@ TEST(ShadingBounds, HoldOverADenseGrid) {
   EXPECT_GT(worst_of_one, 0.06) << "the stated bound is too wide";
 }
 
-// Highlights of random lobes for random lights and eyes, as on a surface.
+// Tests highlights of random lobes for random light and view directions, as on a surface.
 struct Highlights {
-  std::vector<glm::vec4> lobes, half_vectors, lights;  // the w of a half vector is the facets' kappa
+  std::vector<glm::vec4> lobes, half_vectors, lights;  // the w component of a half vector is the kappa of the facets
 };
 
 glm::dvec3 within(std::mt19937& random, double degrees) {
@@ -255,8 +257,8 @@ std::vector<float> highlight_cosines_opencl(const Highlights& set) {
   return values;
 }
 
-// The mean direction is turned by an amount that depends on the spread. The spread has a rounding error of 6e-8, which
-// is 1e-4 of the sharpest lobe's spread.
+// The mean direction is rotated by an angle that depends on the lobe's spread. The spread has a rounding error of 6e-8,
+// which is 1e-4 of the spread of the sharpest lobe.
 TEST(HighlightCosineAgreementTest, OpenclEqualsGlsl) {
   std::mt19937 random(47);
   const auto context = gl::make_headless_context(gl::ContextBackend::kOsmesa);

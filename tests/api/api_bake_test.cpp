@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bakes by multum.h: the same texels as the program, progress, cancelling, the log, and calls from several threads.
+// Tests bakes through multum.h. They give the same texels as the program. Also tests progress, cancelling, the log, and
+// calls from several threads.
 #include <atomic>
 #include <cstdlib>
 #include <fstream>
@@ -17,7 +18,7 @@ int run(const std::string& command) { return std::system((command + " > /dev/nul
 
 std::string text_of(const Owned<multum_map>& map, const char* key) { return multum_map_text(map.get(), key); }
 
-// A PNG written by `multum testmap`, which is also an input of both ways to bake.
+// A PNG that `multum testmap` wrote. The program and the library both bake it.
 std::string test_map(const TestFolder& folder) {
   const std::string file = folder.file("map_normal.png");
   EXPECT_EQ(run(kProgram + " testmap --size 64 --write-green up -o " + folder.file("map")), 0);
@@ -64,7 +65,7 @@ TEST(ApiBakeTest, MemoryAndTemporaryFileGiveTheSameTexels) {
   Owned<multum_map> temporary = bake(device.get(), image, nullptr);
   EXPECT_EQ(text_of(kept, "content_hash"), text_of(temporary, "content_hash"));
   EXPECT_EQ(text_of(kept, "source_name"), "normals");
-  // Rows from the bottom to the top, with a negative distance, are the flipped map.
+  // If rows are passed from the bottom to the top, with a negative row stride, the map is flipped.
   std::vector<float> flipped;
   for (int y = 31; y >= 0; --y) flipped.insert(flipped.end(), pixels.begin() + y * 96, pixels.begin() + (y + 1) * 96);
   multum_image from_below = image_of(flipped, 32);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Errors of multum.h: every wrong argument is reported with a message that names settings, and nothing remains.
+// Tests the errors of multum.h. Every wrong argument is reported with a message that names the settings, and no file or
+// memory remains.
 #include <fstream>
 
 #include "tests/api/api_fixture.h"

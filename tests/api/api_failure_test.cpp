@@ -2,9 +2,10 @@
 // Failure injection (after SQLite's tests): lets each allocation and each OpenCL call of a small bake fail once. Each
 // failure must become an error of the call; no failure may end the process, leave a file or lose memory.
 //
-// The operators new and delete of this program replace those of libstdc++ for the library too. Only allocations that
-// libmultum's own code makes fail, because OpenCL drivers end the process when their allocations fail. OpenCL calls
-// fail in a layer between the loader and the driver (failing_opencl_layer.cpp), which OPENCL_LAYERS names.
+// The operators new and delete of this program replace those of libstdc++ for the library too. Only allocations by
+// libmultum's own code are made to fail, because OpenCL drivers end the process when their allocations fail. A layer
+// between
+// the OpenCL loader and the driver makes OpenCL calls fail (failing_opencl_layer.cpp); OPENCL_LAYERS names the layer.
 #include <dlfcn.h>
 #include <link.h>
 
@@ -43,7 +44,7 @@ int find_library(dl_phdr_info* info, std::size_t, void*) {
   return 1;
 }
 
-// Blocks have a head that says whether the library allocated them.
+// Each memory block begins with a header that says whether the library allocated it.
 constexpr std::size_t kHead = 64;
 
 void* allocate(std::size_t bytes, std::size_t alignment, const void* caller) {
@@ -95,7 +96,8 @@ void operator delete[](void* place, std::size_t, std::align_val_t) noexcept { re
 namespace multum::testing {
 namespace {
 
-// A bake in memory with its settings, and a lookup of its result. Two threads, so that workers fail too.
+// Bakes in memory with settings, and looks up a normal in the result. The bake has two threads, so that calls in worker
+// threads fail too.
 multum_status small_work(multum_device* device, const multum_image& normals, const std::string& output,
                          multum_error** error) {
   multum_values* values = nullptr;
@@ -112,15 +114,16 @@ multum_status small_work(multum_device* device, const multum_image& normals, con
   return status;
 }
 
-// Runs the work with one failure at each of the given places, and checks what remains.
+// Runs the work once for each of the given places, with a failure there, and checks what remains.
 class FailureTest : public ::testing::Test {
  protected:
   void SetUp() override {
     dl_iterate_phdr(find_library, nullptr);
     ASSERT_NE(g_library.begin, 0u);
-    ::setenv("OPENCL_LAYERS", FAILING_LAYER, 0);  // before the loader reads it
+    ::setenv("OPENCL_LAYERS", FAILING_LAYER, 0);  // set before the loader reads it
     device_ = open_device();
-    for (int i = 0; i < 2; ++i) ASSERT_EQ(run(nullptr), MULTUM_OK);  // fills caches that stay until the process ends
+    // The first run fills caches, which stay until the process ends.
+    for (int i = 0; i < 2; ++i) ASSERT_EQ(run(nullptr), MULTUM_OK);
   }
 
   multum_status run(multum_error** error) {
@@ -129,7 +132,7 @@ class FailureTest : public ::testing::Test {
     return status;
   }
 
-  // `arm` makes one call fail, `disarm` returns whether it has failed.
+  // `arm` makes one call fail. `disarm` returns whether that call has failed.
   template <typename Arm, typename Disarm>
   void fail_once(long place, const Arm& arm, const Disarm& disarm) {
     const long live_before = g_live;
@@ -173,7 +176,7 @@ TEST_F(FailureTest, EachAllocationFailsOnce) {
   g_is_armed = false;
   const long count = g_count;
   ASSERT_GT(count, 200);
-  // All of them would take minutes: MULTUM_FAILURES=all runs them, otherwise every n-th.
+  // All failures would take minutes, so only every n-th is tested unless MULTUM_FAILURES=all.
   const char* const wish = std::getenv("MULTUM_FAILURES");
   const long step = wish != nullptr && std::strcmp(wish, "all") == 0 ? 1 : std::max(1L, count / 150);
   for (long place = 0; place < count; place += step)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Helpers of the tests of multum.h, which see only the installed interface of the library.
+// Contains helpers for the tests of multum.h. These tests see only the installed interface of the library.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -25,7 +25,7 @@ struct Free {
 template <typename Handle>
 using Owned = std::unique_ptr<Handle, Free>;
 
-/// An error that a call may make: `multum_bake(..., made.place())`, then made.message().
+/// Receives the error of a call: pass made.place() to multum_bake(), then read made.message().
 class MadeError {
  public:
   ~MadeError() { multum_error_free(error_); }
@@ -53,7 +53,7 @@ inline Owned<multum_values> bake_values() {
   return Owned<multum_values>(values);
 }
 
-/// Unit normals of a wavy surface that tiles, with slopes up to 0.6.
+/// Returns the unit normals of a wavy surface that tiles, with slopes up to 0.6.
 inline std::vector<float> wavy_normals(int size) {
   std::vector<float> pixels;
   for (int y = 0; y < size; ++y)
@@ -86,7 +86,7 @@ inline Owned<multum_map> bake(multum_device* device, const multum_image& normals
   return Owned<multum_map>(map);
 }
 
-/// A folder that ends with the test.
+/// A temporary folder, which is removed at the end of the test.
 class TestFolder {
  public:
   TestFolder() : path_(std::filesystem::temp_directory_path() / ("multum_api_test." + std::to_string(::getpid()))) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reading baked maps by multum.h: views, regions, stored types and filtered lookups.
+// Tests reading baked maps through multum.h: views, regions, stored types and filtered lookups.
 #include <algorithm>
 #include <cstdint>
 
@@ -82,7 +82,8 @@ TEST(ApiMapTest, RegionIsACropOfTheLevel) {
       for (int x = 5; x < 12; ++x)
         for (int c = 0; c < 4; ++c, ++at) {
           ASSERT_EQ(values[at], level.values[((j * level.height + y) * level.width + x) * 4 + c]);
-          ASSERT_EQ(static_cast<float>(stored[at]) / 32767.0f, values[at]);  // multiples of 1/32767, exactly
+          // These values are exact multiples of 1/32767.
+          ASSERT_EQ(static_cast<float>(stored[at]) / 32767.0f, values[at]);
         }
 }
 
@@ -95,7 +96,7 @@ TEST(ApiMapTest, HalvesAreExactForHalfFiles) {
   ASSERT_EQ(multum_map_read(map.get(), 1, MULTUM_HARMONICS, {0, 0, level.width, level.height}, MULTUM_HALF,
                             stored.data(), nullptr),
             MULTUM_OK);
-  for (std::size_t i = 0; i < count; ++i) {  // decodes a normal or zero half
+  for (std::size_t i = 0; i < count; ++i) {  // decodes a 16-bit float that is normal or zero
     const int exponent = (stored[i] >> 10) & 31, mantissa = stored[i] & 1023;
     const double size = exponent == 0 ? std::ldexp(mantissa, -24) : std::ldexp(1024 + mantissa, exponent - 25);
     ASSERT_EQ(static_cast<double>(level.values[i]), (stored[i] & 0x8000) != 0 ? -size : size);
@@ -122,7 +123,7 @@ TEST(ApiMapTest, LookupAtATexelIsTheTexelAndBetweenLevelsTheirMean) {
   ASSERT_EQ(multum_map_lookup(map.get(), (3 + 0.5) / 8, (5 + 0.5) / 8, 1.0, &lobes, nullptr), MULTUM_OK);
   for (int j = 0; j < lobes.count; ++j)
     for (int c = 0; c < 4; ++c) EXPECT_EQ(lobes.lobes[j][c], fine.values[((j * 8 + 5) * 8 + 3) * 4 + c]);
-  // The map repeats: half a texel beyond the last column lies the mean of the last and the first one.
+  // The map repeats, so a lookup half a texel beyond the last column returns the mean of the last and the first column.
   ASSERT_EQ(multum_map_lookup(map.get(), 3.0, (5 + 0.5) / 8, 1.0, &lobes, nullptr), MULTUM_OK);
   for (int j = 0; j < lobes.count; ++j)
     for (int c = 0; c < 4; ++c)

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Shading and sampling by multum.h, compared with quadrature over the sphere of normals and of lights.
+// Compares shading and sampling by multum.h with quadrature over the sphere of normals and over the sphere of light
+// directions.
 #include <array>
 #include <functional>
 
@@ -16,7 +17,7 @@ Vector unit(double x, double y, double z) {
   return {x / length, y / length, z / length};
 }
 
-// Two lobes of kappa about 20 and 200 with different directions.
+// Returns two lobes with different directions and a kappa of about 20 and 200.
 multum_lobes two_lobes() {
   multum_lobes lobes = {};
   lobes.count = 2;
@@ -30,7 +31,7 @@ multum_lobes two_lobes() {
   return lobes;
 }
 
-// Integrates over the sphere by the midpoint rule in z and phi.
+// Integrates over the sphere with the midpoint rule in z and phi.
 double over_sphere(const std::function<double(const Vector&)>& f, int steps = 400) {
   double sum = 0.0;
   for (int i = 0; i < steps; ++i) {
@@ -55,8 +56,8 @@ TEST(ApiShadingTest, DensityIntegratesToTheAmplitudes) {
   EXPECT_NEAR(over_sphere([&](const Vector& n) { return multum_density(&lobes, n.data()); }), 1.0, 1e-3);
 }
 
-// Reference: the BRDF of each normal, averaged over the density of normals. The formulas are approximations; the
-// documents state 0.27 % for the convolution and 0.25 % for the cosine at s = 100.
+// The reference averages the BRDF over the density of normals. The formulas are approximations; the documents state
+// 0.27 % for the convolution and 0.25 % for the cosine at s = 100.
 TEST(ApiShadingTest, BlinnPhongAgreesWithQuadrature) {
   const multum_lobes lobes = two_lobes();
   const Owned<multum_brdf> brdf = brdf_of("blinn-phong:100");
@@ -108,7 +109,7 @@ TEST(ApiShadingTest, PdfIntegratesToOneAndSamplesFollowIt) {
         over_sphere([&](const Vector& l) { return multum_pdf(&lobes, brdf.get(), view.data(), l.data()); }, 800), 1.0,
         5e-3)
         << text;
-    // The mean of a function over samples is its integral against the density.
+    // The mean of a function over the samples must equal the integral of the function times the density.
     const auto function = [](const Vector& l) { return 1.0 + l[0] + 2.0 * l[1] * l[2]; };
     const double expected = over_sphere(
         [&](const Vector& l) { return function(l) * multum_pdf(&lobes, brdf.get(), view.data(), l.data()); }, 800);

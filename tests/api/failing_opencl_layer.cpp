@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A layer between the loader of OpenCL and the driver (OPENCL_LAYERS), which lets one call fail: call number
-// failing_layer_fail_at of those that can run out of resources. Calls that release objects never fail.
+// This layer between the OpenCL loader and the driver (OPENCL_LAYERS) makes one call fail. It counts the calls that can
+// run out of resources, and fails call number failing_layer_fail_at. Calls that release objects never fail.
 #define CL_TARGET_OPENCL_VERSION 300
 #include <CL/cl_layer.h>
 
@@ -18,7 +18,7 @@ cl_icd_dispatch g_dispatch;
 
 bool fails() { return failing_layer_calls++ == failing_layer_fail_at; }
 
-// Wraps a member of the table: returns the error as the result or through the last argument.
+// Wraps a function of the dispatch table. The wrapper returns the error as its result or through its last argument.
 template <auto Member>
 struct Wrapped;
 template <typename... Arguments, cl_int (CL_API_CALL* cl_icd_dispatch::*Member)(Arguments...)>

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Installs the library into a new folder, and compiles and runs the examples there: by pkg-config and by CMake.
+"""Installs the library into a new folder. Compiles and runs the examples there, once with pkg-config and once with
+CMake.
 
 Usage: installation_test.py BUILD SOURCE EXAMPLE...
 Also checks what the library exports and links, and that it runs without libOpenCL.
@@ -20,7 +21,7 @@ find_package(multum REQUIRED)
 add_executable(memory {source})
 target_link_libraries(memory PRIVATE multum::multum m)
 """
-# Opens no libOpenCL, as on a machine without it.
+# Does not open libOpenCL, as on a machine that lacks it.
 NO_OPENCL = """#define _GNU_SOURCE
 #include <dlfcn.h>
 #include <string.h>
@@ -59,7 +60,7 @@ class InstallationTest(unittest.TestCase):
 
     @classmethod
     def compile(cls, example):
-        """Compiles an example as its comment says, with a moved prefix, as for an unpacked archive."""
+        """Compiles an example as its comment says. The prefix was moved, as in an unpacked archive."""
         flags = run("pkg-config", "--define-prefix", "--cflags", "--libs", "multum",
                     env=dict(os.environ, PKG_CONFIG_PATH=str(cls.libraries / "pkgconfig"))).split()
         compiler = ["c++", "-std=c++17"] if example.suffix == ".cpp" else ["cc", "-std=c99"]

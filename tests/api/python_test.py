@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Tests the Python package: arrays without copies, the same texels as the program, errors, cancelling, shading, the
-reader that needs no library, and the client of the service.
+"""Tests the Python package: arrays that are not copied, the same texels as the program, errors, cancelling, shading,
+the reader that does not need the library, and the client of the service.
 
 Environment: MULTUM, the program; MULTUM_EXAMPLES, the folder of examples; PYTHONPATH, the folder with the package.
 """
@@ -29,7 +29,7 @@ MULTUM = os.environ["MULTUM"]
 
 
 def wavy_normals(size, dtype=np.float32):
-    """Unit normals of a wavy surface that tiles; integers are scaled to their range."""
+    """Returns the unit normals of a wavy surface that tiles. Integers are scaled to their range."""
     t, s = np.meshgrid(np.arange(size), np.arange(size), indexing="ij")
     a = 0.4 * np.sin(2 * np.pi * (5 * s + t) / size) + 0.2 * np.cos(22 * np.pi * s / size)
     b = 0.3 * np.cos(2 * np.pi * (3 * t - s) / size)
@@ -44,7 +44,7 @@ def program(*words):
 
 
 def write_test_map(folder):
-    """Writes map_normal.png, 64 x 64."""
+    """Writes map_normal.png with 64 x 64 texels."""
     made = program("testmap", "--size", 64, "--write-green", "up", "-o", folder / "map")
     if made.returncode != 0:
         raise RuntimeError(made.stderr)
@@ -93,7 +93,7 @@ class BakeTest(FolderTest):
         wide = np.zeros((32, 40, 3), np.float32)
         wide[:, 4:36] = whole
         self.assertEqual(multum.bake(wide[:, 4:36]).content_hash, multum.bake(whole).content_hash)
-        planes = np.ascontiguousarray(np.moveaxis(whole, -1, 0))  # channels first: copied
+        planes = np.ascontiguousarray(np.moveaxis(whole, -1, 0))  # an array with the channels first is copied
         self.assertEqual(multum.bake(np.moveaxis(planes, 0, -1)).content_hash, multum.bake(whole).content_hash)
 
     def test_albedo_and_roughness_from_arrays(self):
@@ -139,7 +139,7 @@ class BakeTest(FolderTest):
 
     def test_warnings_are_warnings_of_python(self):
         normals = wavy_normals(32)
-        normals[:, :16] = [0.0, 0.0, 1.0]  # does not tile
+        normals[:, :16] = [0.0, 0.0, 1.0]  # this map does not tile
         with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always")
             multum.bake(normals)
@@ -155,7 +155,7 @@ class MapTest(FolderTest):
         self.assertFalse(level.flags.owndata)
         self.assertFalse(level.flags.writeable)
         self.assertTrue(np.shares_memory(level, baked.lobes(1)))
-        del baked  # the view keeps the map
+        del baked  # the view keeps the map alive
         self.assertTrue(np.isfinite(level).all())
 
     def test_regions_and_stored_types(self):

@@ -11,7 +11,7 @@ import subprocess
 import sys
 
 bench, output = sys.argv[1], sys.argv[2]
-# Reuses the kernels that PoCL compiled for other tests, but not multum's own cache; so does tests/cli/program.h.
+# Reuses the kernels that PoCL compiled for other tests, but not multum's own cache. tests/cli/program.h does the same.
 cache = os.environ.get("XDG_CACHE_HOME") or pathlib.Path.home() / ".cache"
 environment = {"POCL_CACHE_DIR": f"{cache}/pocl/kcache", **os.environ, "MULTUM_CACHE_DIR": ""}
 

@@ -1,9 +1,11 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Runs the archive of tools/bundle where it was not built: in an empty folder of this machine, and in a root of the next
-# Debian release that holds only drivers (PoCL for OpenCL, OSMesa for GL). The archive bakes, draws and serves there.
+# Runs the archive of tools/bundle where it was not built: in an empty folder of this machine, and in a root folder with
+# the next Debian release, which has only drivers (PoCL for OpenCL, OSMesa for GL). The archive bakes, draws and serves
+# there.
 #   run_elsewhere.sh REPOSITORY BUILD_FOLDER
-# Exits with 77 (skipped) without root, mmdebstrap, patchelf or a Debian mirror; the first part still runs.
+# Without root rights, mmdebstrap, patchelf or a Debian mirror, only the first part runs, and the exit code is 77
+# (skipped).
 set -euo pipefail
 repository=$1
 build=$2
@@ -37,7 +39,7 @@ cd "$here"
 "$bin/multum" info map.ndf.exr | grep '^checksum'
 "$bin/multum-view" map.ndf.exr --context osmesa --size 96x64 -o frame.png
 [ -s frame.png ]
-# Starts a daemon from this folder, and a client.
+# Starts a daemon and a client from this folder.
 mkdir maps
 "$bin/multum" serve --data served --listen "unix:$here/socket" --root "$here/maps" > serve.txt 2>&1 &
 daemon=$!
@@ -64,7 +66,7 @@ env -i PATH=/usr/bin:/bin HOME="$work/elsewhere" LANG=C.UTF-8 MULTUM_CACHE_DIR= 
 command -v mmdebstrap > /dev/null || skip 'mmdebstrap is not installed (Debian package mmdebstrap)'
 mirror=$("$repository/tools/debian_mirror") || skip 'apt names no Debian mirror'
 echo "run_elsewhere: in a root of $release"
-# Packages and their dependencies are unpacked but not configured; no program here needs more.
+# Packages and their dependencies are unpacked but not configured, which is enough for the programs here.
 mmdebstrap --variant=extract --include=pocl-opencl-icd,libosmesa6,base-files,bash,coreutils,grep "$release" "$root" \
   "$mirror" > "$work/root.log" 2>&1 ||
   { tail -n 5 "$work/root.log"; skip "mmdebstrap could not make a root of $release"; }

@@ -43,7 +43,8 @@ TEST_F(AnimationCommandTest, FromWithinTheFolder) {
   const ProgramResult result = multum_program({"animation", ".", "-o", "animation.toml"});
   EXPECT_EQ(result.exit_code, 0) << result.err;
   EXPECT_NE(read_bytes("animation.toml").find("geometry = \"geometry.gltf\""), std::string::npos);
-  // Runs in its own process, because a decoding child stays alive for the next file and keeps its first working folder.
+  // Runs the command in its own process. Otherwise a decoding child of an earlier command would be used, in the working
+  // folder in which it was started.
   GTEST_FLAG_SET(death_test_style, "threadsafe");
   EXPECT_EXIT(std::_Exit(read_animation_job("animation.toml").samples.size() == 4 ? 0 : 1),
               ::testing::ExitedWithCode(0), "");

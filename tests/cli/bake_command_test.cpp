@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests successful bakes: the file, the report, the progress bar, the same bytes every time, and the help.
+// Tests successful bakes: the file, the report, the progress bar and the help. Also tests that every bake gives the
+// same bytes.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -36,7 +37,7 @@ TEST_F(BakeCommandTest, InfoAndVerifyAcceptWhatWasBaked) {
   EXPECT_EQ(info.exit_code, 0) << info.err;
   for (const char* line : {"4 von Mises-Fisher lobes", "colour", "64 x 64, 7 levels", "snorm16",
                            "map_normal.png, SHA-256", "\"lobes\":4", "\"height_scale\":1.0",
-                           // The following facts are about the source.
+                           // The following fields describe the source map.
                            "source format   png uint16, 3 channels", "read as         normal map, unsigned, green",
                            "because         length within", "wrap of source  periodic, periodic",
                            "albedo          png uint16, 3 channels, sRGB"})
@@ -143,14 +144,14 @@ TEST_F(BakeCommandTest, InfoCountsBytesOnTheGpu) {
   make_map("map", 64);
   ASSERT_EQ(multum({"bake", path("map_normal.png"), "-o", path("map.ndf.exr"), "--no-measure"}).exit_code, 0);
   const ProgramResult info = multum({"info", path("map.ndf.exr")});
-  // There are 5461 texels of 4 lobes with 8 bytes each, and 343 blocks of 16 + 8 bytes.
+  // There are 5461 texels with 4 lobes of 8 bytes each, and 343 blocks of 16 + 8 bytes.
   EXPECT_TRUE(
       contains(info.out, "on the GPU      170.7 KiB, 21.2 times the 8.0 KiB of a BC5 normal and a BC4 roughness\n"))
       << info.out;
 }
 
-// Makes two maps of the same noise. One is an ordinary rough surface; the other has slopes that only a glossy material
-// shows.
+// Makes two maps of the same noise. One map is an ordinary rough surface. The other map has slopes so slight that only
+// a glossy material shows them.
 TEST_F(BakeCommandTest, LobesTooSharpForTheStorageAreWarnedOf) {
   const auto bake = [&](double slope, const std::string& storage) {
     TestImage noise{.width = 64, .height = 64};
@@ -173,7 +174,7 @@ TEST_F(BakeCommandTest, LobesTooSharpForTheStorageAreWarnedOf) {
     EXPECT_EQ(count > 0, share > 0.0);
     EXPECT_LE(share, 1.0);
     EXPECT_TRUE(contains(result.out, fmt::format("{} too sharp for the data format", count))) << result.out;
-    const bool warned = contains(result.err, "warning: ") && contains(result.err, "lose their spread");
+    const bool warned = contains(result.err, "warning: ") && contains(result.err, "lose their width");
     EXPECT_EQ(warned, share > 1.0 / 3.0) << share << "\n" << result.err;
     if (warned) {
       EXPECT_TRUE(contains(result.err, fmt::format("noise.exr: {} lobes", count))) << result.err;
@@ -243,14 +244,14 @@ TEST_F(BakeCommandTest, TheReportHasTimesCountsAndErrors) {
 
 TEST_F(BakeCommandTest, RepairsAreShown) {
   TestImage image = normal_image(64, 64);
-  for (int c = 0; c < 3; ++c) image.at(9, 9, c) = 128.0f / 255.0f;  // a normal of length 0
+  for (int c = 0; c < 3; ++c) image.at(9, 9, c) = 128.0f / 255.0f;  // this normal has length 0
   for (int i = 0; i < 128; ++i)
     for (int c = 0; c < 3; ++c) image.at(i % 64, 20 + i / 64, c) = 0.0f;
   write_test_image(path("holes.png"), image);
   const ProgramResult bake =
       multum({"bake", path("holes.png"), "-o", path("holes.ndf.exr"), "--no-measure", "--report", path("report.json")});
   ASSERT_EQ(bake.exit_code, 0) << bake.err;
-  expect_says(bake.out, {"0 not finite", "1 of zero length", "0 below the horizon", "128 black"});
+  expect_says(bake.out, {"0 were not finite", "1 had zero length", "0 were below the horizon", "128 were black"});
   expect_says(bake.err, {"warning: ", path("holes.png"), "128 of 4096 texels", "3.1 %", "black"});
   const auto input = nlohmann::json::parse(read_bytes(path("report.json")))["input"];
   EXPECT_EQ(input["unused_texels"], 128);
@@ -277,7 +278,7 @@ TEST_F(BakeCommandTest, DoubtsAreWarnedOf) {
   EXPECT_EQ(multum(bake).err, "");
 }
 
-// The warning appears for a command line, a manifest and a scene.
+// The warning appears whether the bake is started by a command line, a manifest or a scene.
 TEST_F(BakeCommandTest, GreenAgainstTheGradientsIsWarnedOf) {
   write_test_image(path("down.png"), normal_image(64, 64, false, -1.0));
   const auto expect_warned = [](const ProgramResult& result, const std::string& advised = "green = \"down\"") {
@@ -298,7 +299,8 @@ TEST_F(BakeCommandTest, GreenAgainstTheGradientsIsWarnedOf) {
   expect_warned(multum({"plan", path("scene.toml"), "-o", path("plan.json")}));
 }
 
-// If wrap modes are left to the bake, the file states the modes that the map shows. The choice is a stored setting.
+// If the bake chooses the wrap modes, the file states the modes that the map's borders suggest. The file also stores
+// that the bake chose them.
 TEST_F(BakeCommandTest, WrapIsFoundOnRequest) {
   TestImage ramp{.width = 64, .height = 64, .channels = 1};
   for (int i = 0; i < 64 * 64; ++i) ramp.values.push_back(static_cast<float>(i % 64) / 63.0f);
@@ -346,7 +348,7 @@ TEST_F(BakeCommandTest, TexelsWithoutAColourAreCounted) {
   const ProgramResult bake = multum({"bake", path("map.png"), "--albedo", path("albedo.exr"), "-o", path("map.ndf.exr"),
                                      "--ndf", "moments", "--no-measure", "--report", path("map.json")});
   EXPECT_EQ(bake.exit_code, 0) << bake.err;
-  expect_says(bake.out, {"texels of the albedo: 3", "read as 0"});
+  expect_says(bake.out, {"3 albedo texels", "read as 0"});
   EXPECT_EQ(nlohmann::json::parse(read_bytes(path("map.json")))["albedo_clamped"], 3);
 }
 
@@ -401,7 +403,7 @@ TEST_F(BakeCommandTest, TestmapSaysItsGreenAndABakeDetectsIt) {
 }
 
 TEST_F(BakeCommandTest, TheProgressBarIsForTerminalsAlone) {
-  make_map("map", 512);  // a fit takes longer than a twelfth of a second, after which the bar is redrawn
+  make_map("map", 512);  // The bar is redrawn after a twelfth of a second, which is less than a fit takes.
   const std::vector<std::string> arguments = {"bake",    path("map_normal.png"), "-o", path("map.ndf.exr"),
                                               "--force", "--no-measure"};
   const ProgramResult piped = multum(arguments);
@@ -516,8 +518,8 @@ TEST_F(BakeCommandTest, SetsAreBakedTileByTile) {
   EXPECT_EQ(again.exit_code, 0) << again.err;
 }
 
-// A bake in shares gives the same bytes as a single run. A tile is baked again when the border of its neighbour has
-// changed.
+// A bake that is divided into shares gives the same bytes as a single run. A tile is baked again if the border of a
+// neighbouring tile has changed.
 TEST_F(BakeCommandTest, TilesOfHeightsTakeTheBordersOfOthers) {
   const auto write_tile = [&](const std::string& tile, int x0, int changed_column) {
     TestImage image{.width = 32, .height = 32, .channels = 1, .type = OIIO::TypeDesc::UINT16};
@@ -577,8 +579,8 @@ TEST_F(BakeCommandTest, ThreadsAndRepetitionDoNotChangeAByte) {
 }
 
 // Returns the peak of the Blinn-Phong highlight with s = 2 / alpha^2 - 2 on stored lobes, which are shaded as
-// docs/reference/file_format.md says. The lobes of a flat place agree in direction except for rounding, so the peak is
-// at the mean normal.
+// docs/reference/file_format.md says. The lobes of a flat texel have the same direction except for rounding, so the
+// peak is at the mean normal.
 double highlight_peak(const std::vector<glm::dvec4>& lobes, double exponent) {
   const double cosine = (exponent + 1.0) / (exponent + 2.0);
   glm::dvec3 at(0.0);

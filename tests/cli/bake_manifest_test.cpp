@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests multum bake --manifest and its check in a build pipeline: which maps are unchanged, baked or failed, the
-// reasons, and the reports.
+// Tests multum bake --manifest and its check in a build pipeline: which maps are unchanged, baked or failed, for what
+// reasons, and what the reports say.
 #include <fmt/format.h>
 
 #include <filesystem>
@@ -55,8 +55,8 @@ class BakeManifestCommandTest : public CliTest {
       if (entry.is_regular_file()) found[entry.path().string()] = entry.last_write_time();
     return found;
   }
-  // Damages the middle of the pixels, which follow the last part's header. Flips one bit in each of 64 bytes, because a
-  // single bit could be in the header of a part or of a tile and change no value that is read.
+  // Damages the middle of the pixel data, which follow the header of the last part. Flips one bit in each of 64 bytes,
+  // because a single bit could be in a part or tile header, where it might change no value that is read.
   void damage(const std::string& name) const {
     std::string bytes = read_bytes(path(name));
     const std::size_t header = bytes.rfind(std::string("chlist") + '\0');
@@ -70,7 +70,7 @@ class BakeManifestCommandTest : public CliTest {
     const ProgramResult made = multum({"testmap", path(name), "--size", std::to_string(size), "--seed", "8"});
     ASSERT_EQ(made.exit_code, 0) << made.err;
   }
-  // Expects that the check finds `state` for map b with the reasons `why`, finds no problem with map a, and passes
+  // Expects that the check reports `state` for map b with the reasons `why`, reports no problem for map a, and passes
   // after a repair.
   void expect_finding(const std::string& state, const std::vector<std::string>& why) const {
     const auto before = times();
@@ -189,8 +189,8 @@ TEST_F(BakeManifestCommandTest, WhatIsNoBakedFileIsDamage) {
   expect_finding("damaged", {"baked file"});
 }
 
-// The stored checksum covers only the pixels, so only a measurement finds a header that promises too low an error.
-// The test writes the false error and a matching header checksum, as a program that measures wrongly would.
+// The stored checksum covers only the pixels, so only a measurement reveals that a header states too low an error. The
+// test writes a false error and a matching header checksum, like a program that measures wrongly.
 TEST_F(BakeManifestCommandTest, AFileIsHeldToWhatItStates) {
   bake_all();
   std::string bytes = read_bytes(path("out/b.ndf.exr"));
@@ -250,8 +250,8 @@ TEST_F(BakeManifestCommandTest, OneBadMapDoesNotStopTheOthers) {
   EXPECT_EQ(bake({"--check", "--dry-run"}).exit_code, 3) << "an unreadable source is reported before a missing file";
 }
 
-// A map that a bake would refuse counts as failed, not as missing, and the reason is given, whether or not the bake is
-// tried. In a report, such a map is an error, whereas a map that a bake would repair is a failure.
+// A map that a bake would refuse counts as failed and not as missing. The reason is given, whether or not the bake is
+// tried. A report lists such a map as an error, and a map that a bake would repair as a failure.
 TEST_F(BakeManifestCommandTest, WhatCannotBeBakedSaysWhyItIsMissing) {
   bake_all();
   fs::remove(path("out/a.ndf.exr"));
@@ -286,8 +286,8 @@ TEST_F(BakeManifestCommandTest, WhatCannotBeBakedSaysWhyItIsMissing) {
   }
 }
 
-// Output folders are created. A dry run creates none and reports the file as missing. For a map that failed, the report
-// still has the size of the existing file.
+// A bake creates output folders. A dry run does not create any and reports the file as missing. If a map fails, its
+// report entry still has the size of the existing file.
 TEST_F(BakeManifestCommandTest, MakesTheFoldersOfItsOutputs) {
   write_bytes(path("maps.toml"),
               "[[map]]\ninput = \"b_normal.png\"\ngreen = \"up\"\noutput = \"new/deep/b.ndf.exr\"\n");
@@ -304,7 +304,7 @@ TEST_F(BakeManifestCommandTest, MakesTheFoldersOfItsOutputs) {
   expect_says(read_bytes(path("summary.md")), {" | - |\n"});
 }
 
-// A target is an assertion about the map, so a missed target is a failure, not an error.
+// The report treats a target as an assertion about the map, so a missed target is a failure and not an error.
 TEST_F(BakeManifestCommandTest, AMissedTargetIsAFailureOfTheReport) {
   write_manifest("target_error = 0.00001\nndf = \"moments\"\n");
   EXPECT_EQ(bake({"--junit", path("junit.xml")}).exit_code, 5);

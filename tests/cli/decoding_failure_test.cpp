@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// When the decoding child fails, a command refuses the file or blames the machine, with the matching exit code. The
-// command leaves no trace: an older output stays unchanged.
+// When the decoding child fails, the command reports either a bad file or a fault of the machine, with the matching
+// exit code. An older output stays unchanged.
 #include "host/foundation/base/processes/sanitizers.h"
 #include "tests/cli/program.h"
 #include "tests/unit/fields/inference/animation_test_scene.h"
@@ -12,8 +12,8 @@ namespace fs = std::filesystem;
 
 class DecodingFailureTest : public CliTest {
  protected:
-  // Installs the programs in a folder of their own. There multum-decode is failing_helper, which fails in the way that
-  // its file name says (tests/unit/foundation/sandbox/failing_helper.cpp). If `decoder` is empty, multum-decode is
+  // Installs the programs in a folder of their own. There, failing_helper replaces multum-decode and fails in the way
+  // that its file name says (tests/unit/foundation/sandbox/failing_helper.cpp). If `decoder` is empty, multum-decode is
   // missing.
   void install(const std::string& decoder) {
     fs::remove_all(path("bin"));
@@ -25,7 +25,7 @@ class DecodingFailureTest : public CliTest {
     fs::create_directory(path("out"));
   }
 
-  // Runs `command` with an -o that names an older file.
+  // Runs `command` with an older file as the argument of -o.
   ProgramResult expect_refused(std::vector<std::string> command, int code,
                                const std::vector<std::string>& parts) const {
     const std::string output = path("out/") + (command.front() == "multum" ? "map.ndf.exr" : "picture.png");
@@ -67,7 +67,8 @@ TEST_F(DecodingFailureTest, NoDecoderIsAnErrorOfTheMachine) {
                  {"bin/multum-decode: ", "started"});
 }
 
-// Without a decoder nothing is read. With a decoder, its memory limit is passed on to the sweep's multum-view.
+// Without a decoder, no file can be read. With a decoder, the decoder's memory limit is passed on to the multum-view
+// that the sweep starts.
 TEST_F(DecodingFailureTest, SweepsAndPlansReadByTheDecoder) {
   install("");
   write_bytes(path("scene.toml"),
@@ -110,7 +111,7 @@ TEST_F(DecodingFailureTest, MeshesThatNeedTooMuchMemoryAreRefused) {
                                           "--decode child:SECONDS,MEMORY"};
   std::vector<std::string> command = {"multum-view", baked, "--mesh", path("bomb.gltf")};
   const ProgramResult usual = expect_refused(command, kInput, parts);
-  EXPECT_TRUE(contains(usual.err, " 1073")) << usual.err;  // 2^30 plus some bytes for the file's size
+  EXPECT_TRUE(contains(usual.err, " 1073")) << usual.err;  // The file is a little larger than 2^30 bytes.
   command.insert(command.end(), {"--decode", "child:30,128M"});
   const ProgramResult less = expect_refused(command, kInput, parts);
   EXPECT_TRUE(contains(less.err, " 134")) << less.err;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests multum doctor on a working machine, and on machines that lack something.
+// Tests multum doctor on a working machine, and on machines where a component is missing.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -15,7 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Holds the findings of each area. The text of a finding has its state, what was found and the advice.
+// Holds the findings of each area. The text of a finding contains its state, what was found, and what to do.
 using Findings = std::map<std::string, std::vector<std::string>>;
 
 Findings findings_of(const std::string& out) {
@@ -40,7 +40,7 @@ class DoctorCommandTest : public CliTest {
     return run_program(command);
   }
 
-  // Expects one failure in this area, whose text has these parts.
+  // Expects that this area has one failure, whose text contains these parts.
   static void expect_failure(const ProgramResult& result, const std::string& area,
                              const std::vector<std::string>& parts) {
     expect_refusal(result, kEnvironment, {"this machine fails"});

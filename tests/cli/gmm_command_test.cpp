@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests multum bake --ndf gmm: its file, its figures, what it has in common with bakes of lobes, and its refusals.
+// Tests multum bake --ndf gmm: the file, the reported errors, the refusals, and what it has in common with bakes of vMF
+// lobes.
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -28,7 +29,8 @@ TEST_F(GmmCommandTest, BakesVerifiesAndSaysWhatItHolds) {
   const auto report = nlohmann::json::parse(read_bytes(path("map.json")));
   EXPECT_EQ(report["counts"]["nonfinite"], 0);
   EXPECT_GT(report["launches"]["movmf_em_texels"], 0);
-  // Each of 7 levels has errors of 4 BRDFs, plain and coloured, at 4 points. Only the last level has a single point.
+  // Each of the 7 levels has the errors of 4 BRDFs, with and without colours, at 4 points. Only the last level has a
+  // single point.
   EXPECT_EQ(report["measured_error"].size(), (6u * 4u + 1u) * 8u);
   for (const auto& row : report["measured_error"]) EXPECT_LT(row["relative_l1"].get<double>(), 1.0) << row.dump();
   const ProgramResult info = multum({"info", path("map.ndf.exr")});
@@ -58,7 +60,8 @@ TEST_F(GmmCommandTest, ThreadsMemoryAndScalarKernelsChangeNoByte) {
   EXPECT_EQ(read_bytes(path("c.ndf.exr")), bytes);
 }
 
-// A region of an unchanged map gives the same file, except for what EM still changes. A file of vMF lobes is refused.
+// Baking a region of an unchanged map gives the same file, except that EM improves the fits a little. A file of vMF
+// lobes is refused.
 TEST_F(GmmCommandTest, ARegionGoesOntoGaussiansAlone) {
   make_map("map", 64);
   const std::vector<std::string> quick = {"--no-measure", "--no-start-search"};
@@ -72,7 +75,7 @@ TEST_F(GmmCommandTest, ARegionGoesOntoGaussiansAlone) {
   EXPECT_EQ(multum({"verify", path("new.ndf.exr")}).exit_code, 0);
   const MovmfMipmap old = read_movmf_mipmap(path("old.ndf.exr")), now = read_movmf_mipmap(path("new.ndf.exr"));
   EXPECT_EQ(old.levels[1].lobes[0].back(), now.levels[1].lobes[0].back()) << "outside of the region";
-  double most = 0.0;  // largest change of the coarsest mean normal, which includes the region
+  double most = 0.0;  // the largest change of the coarsest level's mean normal, which covers the region
   for (std::size_t k = 0; k < 2; ++k) {
     double change = 0.0;
     for (std::size_t j = 0; j < old.levels.back().lobes.size(); ++j)

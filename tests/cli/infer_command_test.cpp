@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests multum infer, from a folder of ray-traced pictures to pictures drawn by GL: results, omissions, reuse of an
-// earlier run, and refusals.
+// Tests multum infer, from a folder of ray-traced pictures to the pictures that OpenGL draws. Tests the results,
+// omissions, the reuse of an earlier run, and refusals.
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
@@ -64,7 +64,7 @@ TEST_F(InferCommandTest, FramesLookAsTheyWereTraced) {
   write_scene({});
   const ProgramResult result = infer({});
   ASSERT_EQ(result.exit_code, 0) << result.err;
-  // Textures are limited to 1.25 pixels per texel, which loses the finest waves.
+  // The resolution of the textures is limited to 1.25 pixels per texel, which blurs the finest waves.
   EXPECT_LT(frame_error("0,0", "rad_v00_p00.exr"), 0.01);
   EXPECT_LT(frame_error("v01_p01", "rad_v01_p01.exr"), 0.01);
   // The ground has no view-dependent layer. Its diffuse layer is solved once for all views.
@@ -119,7 +119,7 @@ TEST_F(InferCommandTest, BlocksOfViewsAreInferredApartAndDrawnTogether) {
   }
   const nlohmann::json report = nlohmann::json::parse(std::ifstream(path("out/report.json")));
   EXPECT_EQ(report["blocks"], (std::vector<std::string>{"view00-01", "view02-02"}));
-  // Textures of a run with other blocks are not reused.
+  // Textures of a run with different blocks are not reused.
   change_job("block = 2", "block = 1");
   ASSERT_EQ(infer({"--no-frames", "--no-comparison"}).exit_code, 0);
   EXPECT_EQ(manifest().objects[0].mapping_of_sample, (std::vector<int>{0, 1, 2}));
@@ -135,7 +135,7 @@ TEST_F(InferCommandTest, GoesOnWhereItWasAndBytesAreTheSame) {
   const auto kept_time = fs::last_write_time(kept);
   fs::remove(lost);
   write_bytes(path("out/matrices/v01_p00_board.fmx"), "damaged");
-  // This texture is cut short but still has its keys.
+  // This texture file is truncated but still has its keys.
   const std::string cut = path("out/textures/board/diffuse_light00.exr"), whole = read_bytes(cut);
   write_bytes(cut, whole.substr(0, whole.size() - 100));
   const std::string cut_matrix = path("out/matrices/v00_p00_board.fmx"), whole_matrix = read_bytes(cut_matrix);
@@ -155,14 +155,16 @@ TEST_F(InferCommandTest, GoesOnWhereItWasAndBytesAreTheSame) {
   EXPECT_NE(fs::last_write_time(kept), kept_time);
 }
 
-// The run is interrupted, and later killed, after some of 24 textures. A texture takes some milliseconds, and so does
-// the check for it.
+// The run is first interrupted, and later killed, when some of the 24 textures are finished. A texture takes some
+// milliseconds, and so does the check whether it is finished.
 TEST_F(InferCommandTest, AKilledRunLeavesNothingHalfWrittenAndIsGoneOnWith) {
   TracedScene scene;
   scene.lights = 6;
   write_scene(scene);
-  constexpr std::size_t kTextures = 24;  // per light, the ground has one, and the board has one plus one per view
-  // Counts finished textures: a file that a killed program was writing does not have its final name yet.
+  constexpr std::size_t kTextures = 24;  // per light, the ground has one texture; the board has one, and one more per
+                                         // view
+  // Counts finished textures. A file that a killed program was still writing is not counted, because it does not have
+  // its final name yet.
   const auto named_textures = [&] {
     std::vector<std::string> names;
     if (fs::exists(path("out/textures"))) names = textures();
@@ -199,10 +201,10 @@ TEST_F(InferCommandTest, AKilledRunLeavesNothingHalfWrittenAndIsGoneOnWith) {
   EXPECT_EQ(named_textures().size(), kTextures);
 }
 
-// Ctrl-C on a terminal also reaches multum-view. If multum-view then ends, this is not a failure.
+// Ctrl-C on a terminal also reaches multum-view. Then it is not a failure that multum-view ends.
 TEST_F(InferCommandTest, CancelledWhileTheViewerRunsIsCancelled) {
   write_scene({});
-  // This viewer exits as after Ctrl-C, and sends multum the signal that the terminal would send.
+  // This viewer exits as if Ctrl-C had been pressed, and sends multum the signal that the terminal would send.
   fs::create_directory(path("bin"));
   for (const char* program : {"multum", "multum-decode"})
     fs::copy_file(std::string(MULTUM_BIN_DIR) + "/" + program, path("bin/") + program);
@@ -241,8 +243,8 @@ TEST_F(InferCommandTest, PixelsThatAreNoNumbersAreRepairedAndCounted) {
   EXPECT_GT(report["nan_depths"], 0);
 }
 
-// Such images do not say how much of a pixel an object covers, so multum takes this from the geometry. Otherwise the
-// board's gloss would also appear on the ground, where both share pixels.
+// Such images do not say how much of a pixel an object covers, so multum computes the coverage from the geometry.
+// Otherwise the board's gloss would also appear on the ground in pixels that show both objects.
 TEST_F(InferCommandTest, ObjectIndexImagesAreUnmixedByTheGeometry) {
   TracedScene scene;
   scene.has_object_index = true;
@@ -294,8 +296,8 @@ TEST_F(InferCommandTest, HeldOutViewsAreReported) {
       squares += held_out * count;
       pixels += count;
     }
-  // The picture drawn from the held-out view has a lower error than the report states (0.0034 instead of 0.0043),
-  // because only pixels that objects cover completely are compared. The solved views have a tenth of this error.
+  // The picture drawn from the held-out view has an error of 0.0034, whereas the report states 0.0043, because only
+  // pixels that objects cover completely are compared here. The solved views have a tenth of this error.
   const double drawn = frame_error("v01_p00", "rad_v01_p00.exr");
   EXPECT_NEAR(drawn / (std::sqrt(squares / pixels) / 255.0), 0.8, 0.2);
   EXPECT_LT(frame_error("v00_p00", "rad_v00_p00.exr"), 0.2 * drawn);

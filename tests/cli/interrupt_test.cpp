@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Tests interrupted bakes. kill -9 leaves at most a hidden temporary file named .multum-tmp-PID-NUMBER-PLACE-NAME, and
-// finished rows in .multum-partial-NAME; the next bake of NAME removes both. SIGINT and SIGTERM leave nothing.
+// finished rows in .multum-partial-NAME. The next bake of NAME removes both. After SIGINT and SIGTERM no file remains.
 #include <signal.h>
 
 #include <chrono>
@@ -23,7 +23,8 @@ class InterruptTest : public CliTest {
     std::filesystem::create_directory(path("out"));
     make_map("map", 512);
   }
-  // The bake is long enough to be interrupted, even in its last stage, because the best compression makes writing slow.
+  // The bake takes long enough to be interrupted. The best compression makes writing slow, so even the last stage can
+  // be interrupted.
   std::vector<std::string> command() const {
     return multum_command({"bake", path("map_normal.png"), "--albedo", path("map_albedo.png"), "-o",
                            path("out/map.ndf.exr"), "--no-measure", "--compression", "zip:8"});
@@ -53,7 +54,7 @@ class InterruptTest : public CliTest {
 };
 
 TEST_F(InterruptTest, Kill9LeavesNothingUnderTheFinalName) {
-  ASSERT_EQ(run_program(command()).exit_code, 0);  // builds the kernels
+  ASSERT_EQ(run_program(command()).exit_code, 0);  // this run builds the kernels
   std::filesystem::remove(path("out/map.ndf.exr"));
   const double start = now();
   ASSERT_EQ(run_program(command()).exit_code, 0);
@@ -112,7 +113,7 @@ TEST_F(InterruptTest, SigintAndSigtermLeaveNothing) {
   const double whole = now() - start;
   std::filesystem::remove(path("out/map.ndf.exr"));
   for (const int signal : {SIGINT, SIGTERM})
-    for (const double share : {0.0, 0.1, 0.25, 2.0}) {  // 2 stands for the time of writing
+    for (const double share : {0.0, 0.1, 0.25, 2.0}) {  // The value 2 selects the time of writing.
       SCOPED_TRACE("signal " + std::to_string(signal) + ", after " + std::to_string(share) + " of the bake");
       write_bytes(path("out/map.ndf.exr"), "an older file");
       Program bake(command());

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // PoCL compiles kernels with a library of built-in functions for the processor's instruction set. Kernels must give the
-// same bytes with every library, because machines of a build farm differ.
+// same bytes with every library, because a build farm has machines of several kinds.
 #include "host/formats/asset/lobes/movmf_mipmap.h"
 #include "tests/cli/program.h"
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Runs every command under small limits of the shell (ulimit -f, -v, -n). The command succeeds, or says what is missing
-// and exits with the code for faults of the machine. No signal terminates the command, and no half-written file is
-// left.
+// Runs every command with small limits, which the shell sets (ulimit -f, -v, -n). Each command either succeeds, or says
+// what is missing and exits with the code for faults of the machine. No signal terminates the command, and no
+// half-written file is left.
 
 #include "host/foundation/base/processes/sanitizers.h"
 #include "tests/cli/program.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Tests commands for which a resource is too small or missing: disk space during a bake, memory, open files, a writable
-// folder, or the length of names. The error is clear and has an exit code. No signal terminates the program, and no
-// half-written file is left.
+// folder, or the length of names. The error message is clear, and the exit code matches the fault. No signal terminates
+// the program, and no half-written file is left.
 #include <sys/mount.h>
 
 #include "host/foundation/base/processes/sanitizers.h"
@@ -22,7 +22,7 @@ class LimitsTest : public CliTest {
     arguments.insert(arguments.end(), more.begin(), more.end());
     return multum_command(arguments);
   }
-  // Runs a command under a limit of bash's ulimit, such as "-f 16".
+  // Runs a command under a limit that bash's ulimit sets, such as "-f 16".
   static ProgramResult limited(const std::string& limit, const std::vector<std::string>& command) {
     std::vector<std::string> shell = {"bash", "-c", "ulimit " + limit + "; exec \"$@\"", "bash"};
     shell.insert(shell.end(), command.begin(), command.end());
@@ -42,8 +42,8 @@ class LimitsTest : public CliTest {
   }
 };
 
-// Limits the size of files. The memory shared with the decoder (771 KiB) just fits. The system then says "File too
-// large"; a full disk would say "No space left on device".
+// Limits the size of files to a size that the memory shared with the decoder (771 KiB) just fits. The system then
+// reports "File too large"; a full disk would say "No space left on device".
 TEST_F(LimitsTest, FilesThatCannotGrow) {
   build_kernels();
   for (const int kibibytes : {780, 800, 820}) {
@@ -75,8 +75,8 @@ TEST_F(LimitsTest, TooLittleMemoryNamesWhatIsNeeded) {
   expect_failed(run_program(bake({"--memory", "much"})), {"--memory", "much"});
 }
 
-// Every command refuses a name that is too long for a file before it does any work. No other machine would accept the
-// name.
+// Every command refuses a name that is too long for a file before it starts to work. Such a name counts as a bad input,
+// because no other machine would accept it either.
 TEST_F(LimitsTest, NamesThatAreTooLongAreOfTheCommandLine) {
   const std::string name(256, 'x');
   std::string deep;
@@ -96,7 +96,7 @@ TEST_F(LimitsTest, NamesThatAreTooLongAreOfTheCommandLine) {
     SCOPED_TRACE(command.front());
     const ProgramResult result = multum(command);
     EXPECT_EQ(result.exit_code, kUsage) << result.err;
-    expect_says(result.err, {"too long", "found", "expected at most"});
+    expect_says(result.err, {"too long", "bytes", "expected at most"});
     EXPECT_TRUE(std::filesystem::is_empty(path("out")));
   }
   const std::string view = std::string(MULTUM_BIN_DIR) + "/multum-view";
@@ -107,7 +107,7 @@ TEST_F(LimitsTest, NamesThatAreTooLongAreOfTheCommandLine) {
   EXPECT_EQ(multum({"info", longest}).exit_code, kInput) << "this folder does not exist, but a file could";
 }
 
-// In this home folder neither PoCL's cache nor multum's program cache can be created, not even by root.
+// In this home folder, nobody can create PoCL's cache or multum's program cache, not even root.
 TEST_F(LimitsTest, KernelsThatCannotBeKeptAreCompiledInAPrivateFolder) {
   std::filesystem::create_directory(path("tmp"));
   std::vector<std::string> command = {"env",
@@ -128,7 +128,7 @@ TEST_F(LimitsTest, KernelsThatCannotBeKeptAreCompiledInAPrivateFolder) {
 }
 
 #ifndef MULTUM_SHADOW_MEMORY  // the sanitizer reserves terabytes
-// The file is not at fault: another machine may read it.
+// The file is not at fault, because another machine may be able to read it.
 TEST_F(LimitsTest, TooLittleMemoryToDecodeIsOfTheMachine) {
   for (const char* limit : {"-v 200000", "-v 330000", "-d 20000", "-d 100000"}) {
     SCOPED_TRACE(limit);

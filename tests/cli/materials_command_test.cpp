@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests multum bake --roughness and --weights: the contents of the file, and that changes are recognised in manifests
-// and for every representation.
+// Tests multum bake --roughness and --weights: the contents of the file, and whether changed inputs are noticed in
+// manifests and for every representation.
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -161,7 +161,7 @@ TEST_F(MaterialsCommandTest, WhatCannotBeIsRefusedBeforeAnythingIsFitted) {
   // An input must not be overwritten, whatever its channel.
   result = multum({"bake", path("map_normal.png"), "-o", path("b.exr"), "--roughness", path("b.exr") + ":R"});
   EXPECT_EQ(result.exit_code, 2) << result.err;
-  // Every representation refuses the map for a single bad texel.
+  // Bakes of every representation refuse the map if a single texel is bad.
   write_rough_texel(NAN);
   for (const char* ndf : {"vmf", "gmm", "sh", "moments"}) {
     result = bake("a.ndf.exr", {"--ndf", ndf, "--roughness", path("rough.exr")});
@@ -170,8 +170,8 @@ TEST_F(MaterialsCommandTest, WhatCannotBeIsRefusedBeforeAnythingIsFitted) {
   EXPECT_FALSE(std::filesystem::exists(path("a.ndf.exr")));
 }
 
-// Gloss is 1 - roughness, for the command line, manifests and reports. A bake that reads a map as gloss does not count
-// as a bake that reads the same map as roughness.
+// The command line, manifests and reports define gloss as 1 - roughness. A bake that reads a map as gloss does not
+// count as a bake that reads the same map as roughness.
 TEST_F(MaterialsCommandTest, GlossIsRoughnessTheOtherWayRound) {
   TestImage rough{.width = 64, .height = 64, .channels = 1, .type = OIIO::TypeDesc::FLOAT}, gloss = rough;
   for (int i = 0; i < 64 * 64; ++i) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests multum bake --ndf moments: its file, its figures, changes that it recognises, refusals, and maketx
-// --bumpslopes.
+// Tests multum bake --ndf moments: the file, the reported errors, the changes that it notices, its refusals, and a
+// comparison with maketx --bumpslopes.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -17,7 +17,7 @@
 namespace multum::testing {
 namespace {
 
-// Flips a bit near the end of the file, which holds pixels; the long headers come first.
+// Flips a bit near the end of the file. The pixels are there, after the long headers.
 void flip_a_pixel(std::string& bytes) {
   char& byte = bytes[bytes.size() - 2000];
   byte = static_cast<char>(byte ^ 16);
@@ -53,8 +53,8 @@ TEST_F(MomentsCommandTest, BakesVerifiesAndSaysWhatItHolds) {
   EXPECT_EQ(report["counts"]["nonfinite"], 0);
   EXPECT_GT(report["launches"]["mip_levels"], 0);
   EXPECT_FALSE(report["launches"].contains("movmf_em_texels")) << "nothing is fitted";
-  // Each of 7 levels has errors of 3 ways to shade 4 BRDFs, plain and coloured, at 4 points. Only the last level has a
-  // single point.
+  // Each of the 7 levels has the errors of 4 BRDFs for 3 ways of shading, with and without colours, at 4 points. Only
+  // the last level has a single point.
   EXPECT_EQ(report["measured_error"].size(), (6u * 4u + 1u) * 24u);
   for (const auto& row : report["measured_error"]) {
     EXPECT_TRUE(std::isfinite(row["relative_l1"].get<double>()));
@@ -93,7 +93,7 @@ TEST_F(MomentsCommandTest, IsRecognisedAndBakedAgainOnlyWhenItMustBe) {
   EXPECT_EQ(hash("map.ndf.exr"), first);
   EXPECT_FALSE(contains(bake("map_normal.png", "map.ndf.exr", {"-d", "float"}).out, "unchanged"));
   EXPECT_NE(hash("map.ndf.exr"), first);
-  // A file of another representation counts as another file.
+  // A file of another representation is not up to date.
   const ProgramResult lobes = multum({"bake", path("map_normal.png"), "-o", path("map.ndf.exr")});
   EXPECT_EQ(lobes.exit_code, 0);
   EXPECT_FALSE(contains(lobes.out, "unchanged"));
@@ -148,15 +148,16 @@ TEST_F(MomentsCommandTest, WhatFitsNoMomentsIsRefused) {
     expect_refusal(bake("map_normal.png", "map.ndf.exr", more), kUsage, parts);
     EXPECT_FALSE(std::filesystem::exists(path("map.ndf.exr")));
   };
-  refused({"--lobes", "6"}, {"--lobes", "for --ndf vmf"});
-  refused({"--reference"}, {"--reference", "for --ndf vmf"});
-  refused({"--align", "0.1"}, {"--align", "for --ndf vmf"});
+  refused({"--lobes", "6"}, {"--lobes", "with --ndf vmf"});
+  refused({"--reference"}, {"--reference", "with --ndf vmf"});
+  refused({"--align", "0.1"}, {"--align", "with --ndf vmf"});
   refused({"-d", "snorm16"}, {"--data-format", "snorm16", "half", "float", "--ndf moments"});
-  refused({"--region", "0,0,8,8", "--onto", path("old.ndf.exr")}, {"--region", "--onto", "for --ndf vmf"});
+  refused({"--region", "0,0,8,8", "--onto", path("old.ndf.exr")}, {"--region", "--onto", "with --ndf vmf"});
   refused({"--ndf", "gmm"}, {"--ndf"});
 }
 
-// NaN and normals below the horizon are repaired as in every bake. Near the horizon slopes are limited and counted.
+// NaN and normals below the horizon are repaired, as in every bake. Near the horizon, slopes are limited, and the
+// limited slopes are counted.
 TEST_F(MomentsCommandTest, BrokenAndSteepNormalsAreRepairedAndCounted) {
   TestImage image = normal_image(64, 64, true);
   image.type = OIIO::TypeDesc::FLOAT;
@@ -169,7 +170,7 @@ TEST_F(MomentsCommandTest, BrokenAndSteepNormalsAreRepairedAndCounted) {
   write_test_image(path("map.exr"), image);
   const ProgramResult result = bake("map.exr", "map.ndf.exr", {"--report", path("map.json"), "--signed"});
   ASSERT_EQ(result.exit_code, 0) << result.err;
-  EXPECT_TRUE(contains(result.out, "1 not finite, 0 of zero length, 1 below")) << result.out;
+  EXPECT_TRUE(contains(result.out, "1 were not finite, 0 had zero length, 1 were below")) << result.out;
   expect_says(result.out, {"21 normals", "horizon"});
   EXPECT_EQ(nlohmann::json::parse(read_bytes(path("map.json")))["counts"]["slopes_limited"], 21);
   EXPECT_EQ(multum({"verify", path("map.ndf.exr")}).exit_code, 0);
@@ -223,8 +224,8 @@ std::vector<std::vector<float>> read_first_part(const std::string& path, int cha
   return levels;
 }
 
-// The six channels equal maketx's channels in names, order and signs. This holds for inputs that maketx handles well,
-// which are signed and have sizes that can be halved.
+// The six channels have the same names, order and signs as maketx's channels. This holds for inputs that maketx handles
+// correctly: they are signed, and their sizes can be halved.
 TEST_F(MomentsCommandTest, TheFirstPartIsWhatMaketxWrites) {
   if (!program_works("maketx", "--help")) GTEST_SKIP() << "no maketx (Debian package openimageio-tools)";
   make_exr("map.exr", 64, 32);
@@ -245,7 +246,7 @@ TEST_F(MomentsCommandTest, TheFirstPartIsWhatMaketxWrites) {
   EXPECT_EQ(in->spec().channelnames, reference->spec().channelnames);
 }
 
-// maketx treats the values 0..1 of a usual normal map as -1..1, which is wrong; multum decodes them.
+// maketx wrongly treats the values 0..1 of a usual normal map as -1..1. multum decodes them.
 TEST_F(MomentsCommandTest, UnsignedMapsAreDecodedWhereMaketxTakesThemForSigned) {
   make_exr("signed.exr", 64, 64);
   TestImage image = normal_image(64, 64);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Runs every kernel once under oclgrind, a simulator that finds errors which drivers do not report: accesses outside
-// buffers, data races, wrong calls. Whole bakes run in it, as a user would start them.
+// buffers, data races, and wrong calls. Whole bakes run in it, as a user would start them.
 //
 // The option --uninitialized is not used, because with it oclgrind 21.10 (Debian 12) stops at LLVM's freeze
 // instruction. Without optimisation, the option also reports tens of thousands of values as uninitialised. They are in
@@ -57,7 +57,7 @@ class OclgrindTest : public CliTest {
     for (const auto& [kernel, count] : report["launches"].items()) launched_.insert(kernel);
   }
 
-  // Makes a pyramid with a command under oclgrind, and collects the launched kernels.
+  // Runs a command that makes a pyramid in oclgrind, and collects the launched kernels.
   void make_pyramid(std::vector<std::string> command) {
     command.insert(command.end(), {"--report", path("report.json"), "-o", path("pyramid.exr")});
     simulate(multum_command(command));
@@ -67,7 +67,7 @@ class OclgrindTest : public CliTest {
 
   void write_maps(const std::string& name, const TestImage& normals) {
     write_test_image(path(name + ".png"), normals);
-    TestImage albedo = normals;  // any colours will do
+    TestImage albedo = normals;  // the colours do not matter
     albedo.colour_space = "sRGB";
     write_test_image(path(name + "_albedo.png"), albedo);
   }
@@ -97,8 +97,8 @@ std::set<std::string> all_kernels() {
 }
 
 TEST_F(OclgrindTest, EveryKernelRunsWithoutComplaint) {
-  // The maps are small, so their coarsest texel has few normals. It is either binned by a team of work-items or fitted
-  // in chunks, in 60 iterations.
+  // The maps are small, so their coarsest texel has few normals. Either a team of work-items bins these normals, or the
+  // kernels fit them in chunks, in 60 iterations.
   write_maps("odd", normal_image(35, 31));  // coarse texels cover fractions of finer ones
   write_maps("odd_of_few", few_normals(35, 31));
   write_maps("even_of_few", few_normals(64, 32));
@@ -140,7 +140,8 @@ TEST_F(OclgrindTest, EveryKernelRunsWithoutComplaint) {
   make_pyramid({"mip", path("odd_albedo.png")});
   make_pyramid({"reflectance", "--light", "0,0.6,0.8", "--light", "1,0,-0.2", "--size", "9"});
 
-  // Adds the kernels that only tests launch, and the kernels of texture inference. oclgrind's counts name them.
+  // Adds the kernels that only tests launch, and the kernels of texture inference. The instruction counts of oclgrind
+  // name these kernels.
   const std::regex counted("kernel '(\\w+)'");
   const std::string programs = MULTUM_BIN_DIR;
   for (const std::vector<std::string>& command :

@@ -102,9 +102,9 @@ std::string python_of_format_page() {
          "/docs/reference\")\nfrom read_baked import *\nfrom read_inferred import *\n";
 }
 
-// The command line gives each file with its output, its first level and its number of levels. The script writes
-// amplitudes, mean vectors and colours of every level as 32-bit floats. It also asks for a finer level and prints the
-// result.
+// The command line names each file, its output file, its first level and its number of levels. The script writes
+// amplitudes, mean vectors and colours of every level as 32-bit floats. It also asks for a level that is finer than the
+// first stored one, and prints the result.
 constexpr char kDriver[] = R"(
 import sys
 for path, output, first_level, levels in zip(*[iter(sys.argv[1:])] * 4):
@@ -155,7 +155,8 @@ void expect_level(const MovmfLevel& level, const MovmfMipmap& header, FloatStrea
       glm::dvec3 mean = stored.w > 0.0 ? glm::dvec3(stored) / stored.w : glm::dvec3(0.0);
       if (planar) mean.z = static_cast<double>(gmm_variance(level.lobes[j][i]));
       else mean /= std::max(1.0, glm::length(mean));
-      // The page's code divides by at least 1e-20. A smaller share is invisible, and only 32-bit floats can store it.
+      // The page's code never divides by less than 1e-20. Smaller shares are invisible, and only 32-bit floats can
+      // store them.
       for (int c = 0; c < 3; ++c) {
         const auto found = static_cast<double>(python.next());
         if (stored.w > 0.0 && stored.w <= 1e-20) continue;
@@ -314,7 +315,7 @@ TEST_F(OtherReadersTest, OiiotoolFindsThePartsAndAttributesOfMoments) {
   EXPECT_EQ(count_of("multum:measuredError: \"[[", info.out), 1);
 }
 
-// Reads a filter matrix and a texture. Writes the lists in stored order, and A x.
+// Reads a filter matrix A and a texture x. Writes the stored lists in their order, and the product A x.
 constexpr char kMatrixDriver[] = R"(
 import sys
 matrix = read_filter_matrix(sys.argv[1])
@@ -325,7 +326,8 @@ with open(sys.argv[3], "wb") as out:
 print(json.dumps(sorted(matrix[0])))
 )";
 
-// Returns a matrix for 3 of the 3 x 2 pixels. With its mip levels, the texture of 3 x 2 has 7 texels.
+// Returns a matrix with rows for 3 of the 3 x 2 pixels. The texture of 3 x 2 texels has 7 texels including its mip
+// levels.
 FilterMatrix three_pixels() {
   FilterMatrix matrix;
   matrix.width = 3;

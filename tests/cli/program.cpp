@@ -161,8 +161,9 @@ std::vector<std::string> CliTest::multum_command(std::vector<std::string> argume
 
 namespace {
 
-// All tests check messages against two rules. A warning begins with its subject: a file, or a library. A message names
-// only options of the command that was run; options of another program or command follow its name.
+// All tests check messages against two rules. A warning begins with its subject, which is a file or a library. A
+// message names only options of the command that was run. If it names an option of another program or command, the name
+// of that program or command comes first.
 const std::set<std::string>& options_in_help(const std::string& command) {
   static std::map<std::string, std::set<std::string>> known;
   const auto [place, is_new] = known.emplace(command, std::set<std::string>());
@@ -216,7 +217,7 @@ ProgramResult CliTest::multum(const std::vector<std::string>& arguments) {
   ProgramResult result;
   {
     const Redirection out(stdout, folder / "out"), err(stderr, folder / "err");
-    set_log_level(LogLevel::kNormal);  // the previous command may have used --quiet
+    set_log_level(LogLevel::kNormal);  // an earlier command may have set --quiet
     result.exit_code = run_guarded("multum", run_command, static_cast<int>(argv.size()), argv.data());
   }
   result.out = read_bytes(folder / "out");

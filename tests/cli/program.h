@@ -13,12 +13,12 @@
 namespace multum::testing {
 
 struct ProgramResult {
-  int exit_code = -1;  // -1 if a signal terminated the program
-  int signal = 0;      // 0 if the program exited
+  int exit_code = -1;  // is -1 if a signal terminated the program
+  int signal = 0;      // is 0 if the program exited by itself
   std::string out, err;
 };
 
-/// A running program. The destructor kills it if it still runs.
+/// Holds a running program. The destructor kills the program if it still runs.
 class Program {
  public:
   explicit Program(const std::vector<std::string>& arguments);
@@ -54,7 +54,7 @@ bool program_works(const std::string& program, const std::string& argument);
 /// Returns the path of Debian's Chromium, or "" if it is not installed.
 std::string chromium_path();
 
-/// Exit codes (host/foundation/base/error.h).
+/// These are the exit codes of host/foundation/base/error.h.
 inline constexpr int kUsage = 2, kInput = 3, kEnvironment = 4, kVerification = 5;
 
 /// Expects that the program ended with `exit_code`, and that stderr contains all of `parts`.
@@ -63,17 +63,17 @@ inline void expect_refusal(const ProgramResult& result, int exit_code, const std
   expect_says(result.err, parts);
 }
 
-/// Base class of tests of `multum`, which run commands in a folder. All tests share one cache of built programs in the
-/// build folder.
+/// Base class for tests of `multum` that run commands in a folder of their own. All tests share one cache of compiled
+/// kernels in the build folder.
 class CliTest : public ::testing::Test {
  protected:
   CliTest();
   static std::vector<std::string> multum_command(std::vector<std::string> arguments);
-  /// Runs a command in this process by the function that main() calls. As in a worker of the service, OpenCL and the
-  /// decoding child are already initialized. A command with --threads runs as a program of its own, because a process
-  /// keeps its first number of threads.
+  /// Runs a command in this process, with the function that main() calls. As in a worker of the service, OpenCL and the
+  /// decoding child are already initialized. A command with --threads runs in a process of its own, because a process
+  /// cannot change its number of threads later.
   static ProgramResult multum(const std::vector<std::string>& arguments);
-  /// Returns whether this build of multum has the command; a build may lack parts
+  /// Returns whether this build of multum has the command; some builds lack commands
   /// (tools/command_line/absent_commands.h).
   static bool has_command(const std::string& name);
   /// Runs the program multum in its own process.

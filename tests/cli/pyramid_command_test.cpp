@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests multum mip, reflectance, lod and materials: their files as other programs read them, changes that they
-// recognise, and refusals.
+// Tests multum mip, reflectance, lod and materials: their files as other programs read them, the changes that they
+// notice, and their refusals.
 #include <OpenImageIO/imageio.h>
 
 #include <cmath>
@@ -23,7 +23,7 @@ class PyramidCommandTest : public CliTest {
     expect_refusal(multum(arguments), code, parts);
     EXPECT_EQ(folder_.names().count("out.exr"), 0u);
   }
-  /// Writes a ramp of codes, 11 x 6, as a PNG.
+  /// Writes a PNG of 11 x 6 pixels, whose codes increase steadily.
   TestImage ramp() const {
     TestImage image{.width = 11, .height = 6, .channels = 3};
     for (int i = 0; i < 11 * 6 * 3; ++i) image.values.push_back(static_cast<float>((i * 37) % 256) / 255.0f);
@@ -119,12 +119,12 @@ TEST_F(PyramidCommandTest, RefusesWhatCannotBe) {
   expect_refused({"reflectance", "-o", out, "--environment", path("none.exr")}, kInput, {"none.exr"});
 }
 
-// A pyramid is refused as a baked map with a clear message, and damage is found.
+// A clear message says that a pyramid is not a baked map. Damage in a pyramid is found.
 TEST_F(PyramidCommandTest, DamageShows) {
   write("a.png", ramp());
   ASSERT_EQ(multum({"mip", path("a.png"), "-o", path("b.exr"), "--compression", "none"}).exit_code, 0);
   std::string bytes = read_bytes(path("b.exr"));
-  for (std::size_t i = 1; i < 60; ++i) bytes[bytes.size() - i] ^= 0x11;  // pixels of the coarsest levels
+  for (std::size_t i = 1; i < 60; ++i) bytes[bytes.size() - i] ^= 0x11;  // the pixels of the coarsest levels are here
   write_bytes(path("c.exr"), bytes);
   const ProgramResult result = multum({"verify", path("c.exr")});
   EXPECT_NE(result.exit_code, 0) << result.out;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests everything that multum refuses. Exit code and message say why, and no file is left behind or overwritten.
+// Tests everything that multum refuses. The exit code and the message say why, and no file is left behind or
+// overwritten.
 #include <sys/resource.h>
 
 #include <limits>
@@ -61,7 +62,7 @@ TEST_F(RefusalTest, InputsThatAreNoNormalMap) {
   expect_refused(path("out"), {}, kInput, {path("out"), "is a folder"});
   expect_refused(path("map_albedo.png"), {}, kInput, {"map_albedo.png", "normal map", "height field", "unit vectors"});
 
-  TestImage mask{.width = 64, .height = 64};  // areas of plain red, green, blue and black
+  TestImage mask{.width = 64, .height = 64};  // areas of uniform red, green, blue and black
   for (int i = 0; i < 64 * 64; ++i)
     for (int c = 0; c < 3; ++c) mask.values.push_back((i / 8 + i / 512) % 4 == c ? 1.0f : 0.0f);
   write_test_image(path("mask.png"), mask);
@@ -145,7 +146,7 @@ TEST_F(RefusalTest, OutputsThatCannotBe) {
   std::filesystem::create_directory(path("out/folder.exr"));
   expect_failure(bake(path("out/folder.exr")), kUsage, {"folder.exr", "a folder"});
   std::filesystem::remove(path("out/folder.exr"));
-  // Nobody can write here, not even root.
+  // Nobody can write into this folder, not even root.
   expect_failure(bake("/proc/map.ndf.exr"), kEnvironment, {"/proc/map.ndf.exr", "cannot create"});
   expect_failure(multum({"bake", map, "-o", path("out/map.exr"), "--report", "/proc/none/r.json"}), kEnvironment,
                  {"/proc/none", "folder"});
@@ -160,7 +161,7 @@ TEST_F(RefusalTest, AFullDiskLeavesTheOlderFile) {
   std::vector<std::string> command = multum_command({"bake", path("map_normal.png"), "-o", output, "--quiet"});
   ASSERT_EQ(run_program(command).exit_code, 0);  // builds the kernels first, because compilers write files too
   write_bytes(output, "an older file");
-  // A limit on file sizes simulates the full disk: write() fails in the middle of the file.
+  // A limit on file sizes simulates a full disk, because write() fails in the middle of the file.
   command.insert(command.begin(), {"bash", "-c", "trap '' XFSZ; ulimit -f 64; exec \"$@\"", "bash"});
   expect_failure(run_program(command), kEnvironment, {"map.ndf.exr", "writing"});
   EXPECT_EQ(out_names(), std::set<std::string>{"map.ndf.exr"});
@@ -227,7 +228,7 @@ TEST_F(RefusalTest, ABakedFileWithAnyByteFlippedNeverCrashesVerify) {
   std::mt19937 random(seed);
   SCOPED_TRACE("seed " + std::to_string(seed));
   for (int i = 0; i < 30; ++i) {
-    // Half of the changes are in the headers, which are a small part of the file.
+    // Half of the changed bytes are in the headers, although these are a small part of the file.
     const std::size_t at = random() % (i % 2 == 0 ? 12000 : whole.size());
     std::string flipped = whole;
     flipped[at] = static_cast<char>(flipped[at] ^ (1 << random() % 8));

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Tests promises of every command: --json prints one JSON document on stdout and nothing else, and missing folders of
-outputs are made.
+"""Tests what every command promises: --json prints one JSON document to stdout and nothing else, and the command
+creates missing output folders.
 
   tests/cli/results_test.py --programs FOLDER [--traced-folder PROGRAM]
 """
@@ -18,7 +18,7 @@ traced_folder = None
 MANIFEST = '[defaults]\nlobes = 1\n[[map]]\ninput = "map_normal.png"\noutput = "baked/map.ndf.exr"\ngreen = "up"\n'
 EXPORTS = '[[map]]\ninput = "map_normal.png"\noutput = "exported/map.ktx2"\ngreen = "up"\n'
 BAKE = ("--lobes", "1", "--green", "up", "--no-measure")
-# This is a triangle with a normal map, as one glTF file.
+# This glTF file holds a triangle with a normal map.
 MODEL = {"asset": {"version": "2.0"}, "images": [{"uri": "map_normal.png"}], "textures": [{"source": 0}],
          "materials": [{"name": "rock", "normalTexture": {"index": 0}}]}
 

@@ -244,7 +244,7 @@ TEST_F(ResumeTest, WhatAnotherBakeLeftIsNotTaken) {
   EXPECT_FALSE(std::filesystem::exists(partial()));
 }
 
-// Both files are complete. Only the first bake uses the folder of partial work; the second bake works without it.
+// Both files are complete. Only the first bake uses the folder of partial results. The second bake does not need it.
 TEST_F(ResumeTest, TwoBakesOfOneOutputAtOnceAreEachWhole) {
   make_map("map", 512);
   ASSERT_EQ(run_program(command({})).exit_code, 0);
@@ -262,11 +262,12 @@ TEST_F(ResumeTest, TwoBakesOfOneOutputAtOnceAreEachWhole) {
 
 class RegionTest : public CliTest {
  protected:
-  // Makes the four-quarter map of 256 texels per side, and a copy with a dome in its noise around (192, 160).
+  // Makes the four-quarter map with 256 texels per side, and a copy that has a dome at (192, 160), in the quarter with
+  // noise.
   void SetUp() override {
     make_map("map", kSide);
     NormalMapSettings reading;
-    reading.green = GreenAxis::kUp;  // the convention on disk; unedited texels then stay unchanged
+    reading.green = GreenAxis::kUp;  // uses the convention of the file, so that unedited texels stay unchanged
     NormalMap map = read_normal_map(path("map_normal.png"), reading, 1, nullptr);
     for (int y = 0; y < kSide; ++y)
       for (int x = 0; x < kSide; ++x) {
@@ -286,7 +287,7 @@ class RegionTest : public CliTest {
     arguments.insert(arguments.end(), more.begin(), more.end());
     return multum(arguments);
   }
-  // Returns the errors of the whole map by BRDF. Each error is a mean over points and levels.
+  // Returns the whole map's error for each BRDF. Each error is a mean over points and levels.
   std::map<std::string, double> errors(const std::string& output) const {
     std::ifstream in(path(output + ".json"));
     std::map<std::string, double> sums;
@@ -351,7 +352,7 @@ TEST_F(RegionTest, ARegionThatMissesAnEditIsRefused) {
   EXPECT_LE(x + width, 212);
   EXPECT_LE(y + height, 180);
   EXPECT_GT(width * height, 20 * 20);
-  for (const int side : {0, 1, 2, 3}) {  // the region misses a texel on each side in turn
+  for (const int side : {0, 1, 2, 3}) {  // the region is one texel too small, on each side in turn
     const std::string region = fmt::format("{},{},{},{}", x + (side == 0 ? 1 : 0), y + (side == 1 ? 1 : 0),
                                            width - (side % 2 == 0 ? 1 : 0), height - (side % 2 == 1 ? 1 : 0));
     const ProgramResult missed = bake("edited.png", "new.ndf.exr", {"--region", region, "--onto", path("old.ndf.exr")});
@@ -398,7 +399,7 @@ TEST_F(RegionTest, WeightsOfTheRegionChange) {
   const MovmfMipmap old = read_movmf_mipmap(path("old.ndf.exr")), now = read_movmf_mipmap(path("new.ndf.exr")),
                     whole = read_movmf_mipmap(path("whole.ndf.exr"));
   constexpr std::size_t kLevel = 3, kWidth = kSide >> kLevel;
-  // Returns sums over the lobes, for a texel in the region's middle and for the first texel.
+  // Returns sums over the lobes of two texels: the texel in the middle of the region, and the first texel.
   const auto first_weight = [&](const MovmfMipmap& mipmap, std::size_t texel) {
     float sum = 0.0f;
     for (const std::vector<float>& lobe : mipmap.levels[kLevel].weights) sum += lobe[texel * 3];

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests multum plan and multum bake scene.toml. Compares the pictures of six scenes with the default bake's pictures,
-// and the launches and builds of kernels with the plan's numbers.
+// Tests multum plan and multum bake scene.toml. Compares the pictures of six scenes with the pictures of the default
+// bake. Also compares the numbers of kernel launches and builds with the numbers in the plan.
 #include <fmt/format.h>
 
 #include <OpenImageIO/imageio.h>
@@ -24,21 +24,22 @@ constexpr char kObject[] =
 constexpr char kSky[] = "[environment]\nfile = \"sky.exr\"\n";
 constexpr char kSun[] = "[[light]]\ndirection = [0.3, 0.8, 0.5]\n";
 
-constexpr double kFarther = 16.0;  // shows coarser levels; the nearest distance magnifies the finest level
+constexpr double kFarther = 16.0;  // this distance shows coarser levels; the nearest distance magnifies the finest
+                                   // level
 
 struct SceneCase {
   std::string name;
   std::string normal = "map";  // NORMAL_normal.png
-  std::string albedo = "";     // file name; empty without a map
+  std::string albedo = "";     // name of the file; empty if there is no map
   std::string material = "brdf = \"blinn-phong\"\nexponent = 100\n";
   std::string distance = "0.4, 20";
   std::string light = kSun;
   std::string object = "";       // more keys
-  double difference_max = 1e-5;  // limit of the difference from the default bake's pictures: 1.5 times the measured
-                                 // difference, or almost 0
+  double difference_max = 1e-5;  // the largest allowed difference from the default bake's pictures, which is 1.5 times
+                                 // the measured difference, or almost 0
 };
 
-// A shader's code and active uniforms contain these texts if, and only if, an effect is needed.
+// A shader's code and its active uniforms contain these texts only if an effect is needed, and always in that case.
 struct EffectMark {
   const char *effect, *mark;
 };
@@ -74,7 +75,7 @@ class SceneCommandTest : public CliTest {
     return "[[object]]\nname = \"front\"\nmap = \"wall\"\n" + materials + "\nwidth = 2.0\ndistance = [0.4, 20]\n";
   }
   Json json(const std::string& name) const { return Json::parse(read_bytes(path(name))); }
-  // Writes three channels of bytes, or of floats.
+  // Writes an image with three channels, as bytes or as floats.
   void write_image(const std::string& name, int size, const std::function<float(int x, int y, int c)>& value,
                    bool half_as_high = false) const {
     const int height = half_as_high ? size / 2 : size;
@@ -96,7 +97,7 @@ class SceneCommandTest : public CliTest {
   static std::vector<std::string> viewer(const std::string& plan) {
     return {std::string(MULTUM_BIN_DIR) + "/multum-view", "scene", plan, "--context", "osmesa", "--evaluations", "0"};
   }
-  // If `repeat` is 0, the picture has the plan's repeats, seen from the nearest distance.
+  // If `repeat` is 0, the picture repeats the map as often as the plan says, and the view is from the nearest distance.
   std::vector<float> draw(const std::string& plan, double repeat = 0.0) const {
     std::vector<std::string> command = viewer(plan);
     command.insert(command.end(), {"-o", path("picture.exr"), "--shaders", path("shaders.json")});
@@ -111,7 +112,7 @@ class SceneCommandTest : public CliTest {
     return values;
   }
 
-  // Returns the relative L1 error of a plan's picture compared with normals that are shaded one by one.
+  // Returns the relative L1 error of a plan's picture, compared with a picture whose normals are shaded one by one.
   double error_of_picture(const std::string& plan, double repeat) const {
     std::vector<std::string> command = viewer(plan);
     command.insert(command.end(),
@@ -139,13 +140,14 @@ class SceneCommandTest : public CliTest {
         ++decided;
         EXPECT_EQ(std::regex_search(held, std::regex(mark.mark)), effect["needed"].get<bool>()) << effect << held;
       }
-    EXPECT_GE(decided, std::size(kMarks) - 1);  // whether lobes have colours is decided only for maps with colours
-    // Levels that are not stored are never visible.
+    EXPECT_GE(decided, std::size(kMarks) - 1);  // The plan decides whether lobes have colours only if the map has
+                                                // colours.
+    // Levels that are not stored must never be visible.
     EXPECT_EQ(held.find("normal_map"), std::string::npos);
   }
 
-  // Expects a picture whose difference from the expected one is at most what the bakes and the plan state, and at most
-  // the scene's known difference.
+  // Expects that the picture's difference from the expected picture is at most the error that the bakes and the plan
+  // state, and at most the known difference of the scene.
   void hold_picture(const SceneCase& c, const std::string& from, const std::vector<float>& picture,
                     const std::vector<float>& expected, double stated, double planned) const {
     double off = 0.0, all = 0.0;
@@ -187,16 +189,16 @@ class SceneCommandTest : public CliTest {
     view.erase("fixed-fresnel");
     write_bytes(path(c.name + "/default.json"), plan.dump());
     hold_picture(c, "near", picture, draw(path(c.name + "/default.json")), stated, planned);
-    // From a larger distance, pixels hold several texels and show coarser levels.
+    // From a larger distance, each pixel covers several texels and shows coarser levels.
     const double repeat = kFarther * view["repeat"].get<double>();
     hold_picture(c, "far", draw(path(c.name + "/plan.json"), repeat), draw(path(c.name + "/default.json"), repeat),
                  stated, planned);
-    // The stated errors were measured on these same bakes. Compared with normals that are shaded one by one, the
-    // scene's picture must not have a higher error.
-    if (!is_fresnel_fixed) {  // else the reference has a fixed Fresnel term too
+    // The stated errors were measured on these bakes. The error of the scene's picture, compared with normals that are
+    // shaded one by one, must not be higher.
+    if (!is_fresnel_fixed) {  // otherwise the reference would have a fixed Fresnel term too
       const double own = error_of_picture(path(c.name + "/plan.json"), repeat),
                    usual = error_of_picture(path(c.name + "/default.json"), repeat);
-      EXPECT_LT(own, usual + 0.012);  // with diffuse light the errors are 5.5 and 4.5 %, otherwise equal
+      EXPECT_LT(own, usual + 0.012);  // With diffuse light the errors are 5.5 % and 4.5 %. Otherwise they are equal.
     }
     return report;
   }
@@ -297,8 +299,8 @@ TEST_F(SceneCommandTest, EverythingIsTheDefaultBake) {
   EXPECT_EQ(json("every/plan.json")["maps"][0]["stated_difference"], 0.0);
 }
 
-// For a metal seen from almost straight above, the Fresnel factor F varies too little to need code. For other materials
-// it varies more.
+// For a metal seen from almost straight above, the Fresnel factor F varies so little that the shader needs no code for
+// it. For other materials it varies more.
 TEST_F(SceneCommandTest, FresnelIsANumberWhereItDiffersLittle) {
   SceneCase scene{
       .name = "metal", .material = "brdf = \"ggx\"\nroughness = 0.4\nf0 = 0.97\ndiffuse = 0\n", .difference_max = 0.02};
@@ -366,8 +368,8 @@ TEST_F(SceneCommandTest, ABudgetOfTimeIsKeptOrRefused) {
   EXPECT_FALSE(fs::exists(path("none/plan.json")));
 }
 
-// The estimates are close to the measured errors. Plan and report state the settings that the trials chose, both after
-// the trials and in a later run that has no work left.
+// The estimates are close to the measured errors. The plan and the report state the settings that the trials chose,
+// both after the trials and in a later run that finds every map up to date.
 TEST_F(SceneCommandTest, ATargetIsReachedByTrialsThatAreReported) {
   SceneCase scene{.name = "target"};
   scene.material = "brdf = \"blinn-phong\"\nexponent = 100\n[budget]\ntarget_error = 0.25\n";
@@ -399,8 +401,8 @@ TEST_F(SceneCommandTest, ATargetIsReachedByTrialsThatAreReported) {
   }
 }
 
-// One lobe is estimated to be enough, and a bake with one lobe already exists, so its measured error decides. Estimates
-// stop at s = 200; for s = 3000 they are less certain than a bake's measurement.
+// The plan estimates that one lobe is enough. A bake with one lobe already exists, so its measured error decides.
+// Estimates cover exponents up to s = 200, so for s = 3000 they are less certain than the measurement of a bake.
 TEST_F(SceneCommandTest, WhatIsThereIsHeldToANewTarget) {
   SceneCase scene{.name = "one"};
   const std::string sharp = "brdf = \"blinn-phong\"\nexponent = 3000\n", material = sharp + "[budget]\n";
@@ -430,7 +432,7 @@ TEST_F(SceneCommandTest, WhatIsThereIsHeldToANewTarget) {
   EXPECT_LE(better, target);
 }
 
-// The basis BRDFs have their own colours: red for the first weight, blue for the second.
+// The basis BRDFs have their own colours: red for the first weight and blue for the second.
 TEST_F(SceneCommandTest, EveryMaterialKeepsItsColour) {
   write_image("flat_normal.png", 64, [](int, int, int c) { return c == 2 ? 1.0f : 128.0f / 255.0f; });
   const auto weights = OIIO::ImageOutput::create(path("weights.tif"));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests multum bake --ndf sh: its file, its figures, changes that it recognises, and refusals.
+// Tests multum bake --ndf sh: the file, the reported errors, the changes that it notices, and its refusals.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -39,13 +39,14 @@ TEST_F(ShCommandTest, BakesVerifiesAndSaysWhatItHolds) {
   EXPECT_GT(report["launches"]["sh_project"], 0);
   EXPECT_GT(report["launches"]["mip_levels"], 0);
   EXPECT_FALSE(report["launches"].contains("moment_finest"));
-  // Each of 7 levels has errors of 4 BRDFs, plain and coloured, at 4 points. Only the last level has a single point.
+  // Each of the 7 levels has the errors of 4 BRDFs, with and without colours, at 4 points. Only the last level has a
+  // single point.
   EXPECT_EQ(report["measured_error"].size(), (6u * 4u + 1u) * 8u);
   for (const auto& row : report["measured_error"]) {
     EXPECT_TRUE(std::isfinite(row["relative_l1"].get<double>()));
     EXPECT_LT(row["relative_l1"].get<double>(), 2.0) << row.dump();
-    // This holds for every level. A coloured error compares the product of two averages, as in any file with one colour
-    // per texel.
+    // This holds for every level. An error with colours compares the product of two averages, as in every file with one
+    // colour per texel.
     if (row["brdf"] == "lambert") {
       EXPECT_LT(row["relative_l1"].get<double>(), 0.015) << row.dump();
     }
@@ -75,7 +76,7 @@ TEST_F(ShCommandTest, OrdersAreOtherFilesWhoseFirstCoefficientsAreTheSame) {
   for (std::size_t l = 0; l < two.levels.size(); ++l)
     for (std::size_t p = 0; p < two.levels[l].parts.size(); ++p)
       EXPECT_TRUE(two.levels[l].parts[p] == four.levels[l].parts[p]) << l;
-  // A bake with another order replaces the file, and a second bake restores it.
+  // A bake with another order replaces the file, and a further bake with the old order restores it.
   EXPECT_FALSE(contains(bake("map_normal.png", "four.ndf.exr", {"-d", "float", "--sh-order", "3"}).out, "unchanged"));
   EXPECT_NE(hash("four.ndf.exr"), first);
   ASSERT_EQ(bake("map_normal.png", "four.ndf.exr", {"-d", "float", "--no-measure"}).exit_code, 0);
@@ -111,9 +112,9 @@ TEST_F(ShCommandTest, WhatFitsNoHarmonicsIsRefused) {
   };
   refused({"--sh-order", "0"}, {"--sh-order", "0", "1 to 20"});
   refused({"--sh-order", "21"}, {"--sh-order", "21", "1 to 20"});
-  refused({"--lobes", "6"}, {"--lobes", "for --ndf vmf"});
+  refused({"--lobes", "6"}, {"--lobes", "with --ndf vmf"});
   refused({"-d", "snorm16"}, {"--data-format", "snorm16", "half", "float", "--ndf sh"});
-  refused({"--region", "0,0,8,8", "--onto", path("old.ndf.exr")}, {"--region", "--onto", "for --ndf vmf"});
+  refused({"--region", "0,0,8,8", "--onto", path("old.ndf.exr")}, {"--region", "--onto", "with --ndf vmf"});
   const ProgramResult other = multum({"bake", path("map_normal.png"), "-o", path("map.ndf.exr"), "--sh-order", "4"});
   expect_refusal(other, kUsage, {"--sh-order", "for --ndf sh", "found --ndf vmf"});
 }

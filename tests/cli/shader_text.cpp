@@ -12,7 +12,7 @@
 
 namespace multum::testing {
 
-// The preprocessors of GLSL and C work alike, except for lines that these texts do not have.
+// The C preprocessor treats GLSL like C, except for directives that these texts do not use.
 std::string reached_code(const std::string& fragment, const std::string& scratch) {
   write_bytes(scratch, fragment);
   const ProgramResult preprocessed = run_program({MULTUM_COMPILER, "-E", "-P", "-x", "c", scratch});

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Finds the code that a shader variant holds: the preprocessed text of the functions that main() reaches.
+// Finds the code of a shader variant, which is the preprocessed text of the functions that main() reaches.
 #pragma once
 
 #include <string>

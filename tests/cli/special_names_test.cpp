@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Files with names that are not UTF-8 are baked and reported. No file with control characters in its name is written.
-// Every command refuses files that are not regular at once, because a program that waited for them would never end.
+// Files with names that are not UTF-8 are baked and reported. multum never writes a file whose name has control
+// characters. Every command refuses files that are not regular files at once, because a program that waited for their
+// data might never end.
 #include <sys/stat.h>
 
 #include <nlohmann/json.hpp>

@@ -26,7 +26,8 @@ constexpr int kSize = 128;
 
 class SurfaceCommandTest : public CliTest {
  protected:
-  /// In white noise texels are independent, so the surface between them is much smoother than the texels.
+  /// In white noise, texels are independent of each other, so the surface between them is much smoother than the
+  /// texels.
   void write_noise(float slope) const {
     std::mt19937 random(11);
     std::normal_distribution<float> slopes(0.0f, slope);
@@ -66,7 +67,7 @@ TEST_F(SurfaceCommandTest, OfWhiteNoiseTheVarianceIsFourNinths) {
   EXPECT_EQ(settings.value("surface", ""), "interpolated");
 }
 
-// Compares pictures from a distance; from near, both bakes use the normal map.
+// Compares pictures that are seen from a distance. From near, both bakes use the normal map.
 TEST_F(SurfaceCommandTest, PicturesAreNearerWhatIsInterpolated) {
   write_noise(0.3f);
   bake("texels.ndf.exr", {"--first-level", "1", "--no-measure"});
@@ -122,7 +123,7 @@ TEST_F(SurfaceCommandTest, SharesAndOtherNdfsAreOfTheSameSurface) {
   }
 }
 
-// Level 0 is the map itself. Coarser levels are smoother, because the interpolated normals spread less.
+// Level 0 is the map itself. Coarser levels look smoother, because interpolated normals vary less.
 TEST_F(SurfaceCommandTest, ExportedLobesAreOfTheSurfaceFromLevel1On) {
   write_noise(0.3f);
   const auto roughness = [&](const std::string& surface, const char* level) {
@@ -203,7 +204,8 @@ TEST_F(SurfaceCommandTest, ItsErrorIsMeasuredFromTheFirstStoredLevelOn) {
   for (const nlohmann::json& row : report["measured_error"]) EXPECT_GE(row["level"].get<int>(), 1) << row;
 }
 
-// Colours are sampled where normals are: half the texels are red and lean left, half are blue and lean right.
+// Colours are sampled at the same points as normals. Half of the texels are red and lean left, and the other half are
+// blue and lean right.
 TEST_F(SurfaceCommandTest, ColoursAreTakenAtTheSamePoints) {
   std::vector<std::uint16_t> normals, colours;
   for (int i = 0; i < kSize * kSize; ++i) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests bakes with a target: the target is met, or the bake is refused and states the best result, or the file is
-// written all the same.
+// Tests bakes with a target. If the bake cannot meet the target, it fails and states the best result. With
+// --best-effort, it also writes the file.
 #include <nlohmann/json.hpp>
 #include <regex>
 #include <sstream>
@@ -35,12 +35,12 @@ TEST_F(TargetCommandTest, MeetsAnErrorAndSaysHow) {
     found = found || one["relative_l1"].get<double>() + one["confidence_95"].get<double>() <= 0.3;
   }
   EXPECT_TRUE(found) << report["error"];
-  // The report lists errors at footprints that were not used for the choice, and the worst of these errors.
+  // The report lists the errors at footprints that were not used to choose the settings, and the worst of these errors.
   std::smatch judged;
   ASSERT_TRUE(std::regex_search(
       met.out, judged,
       std::regex("chosen: [^:]*: (\\S+) \\+- (\\S+) %[^]*measured at footprints that were not used to choose the "
-                 "settings; at the footprints that were used: (\\S+) \\+- [^]*95 % of pixels have errors "
+                 "settings; the error at the footprints that were used is (\\S+) \\+- [^]*95 % of pixels have errors "
                  "of at most \\S+ %; the worst pixels cover \\d+ to \\d+ texels and have an error of \\S+ %")))
       << met.out;
   EXPECT_LE(std::stod(judged[1]) + std::stod(judged[2]), 30.0);
@@ -72,7 +72,7 @@ TEST_F(TargetCommandTest, RefusesWhatNothingReaches) {
   std::vector<std::string> best_effort = impossible;
   best_effort.push_back("--best-effort");
   const ProgramResult written = bake(best_effort);
-  expect_refusal(written, kVerification, {"map_normal.png: ", "no settings", "were written"});
+  expect_refusal(written, kVerification, {"map_normal.png: ", "no settings", "were used"});
   EXPECT_EQ(multum({"verify", path("map.ndf.exr")}).exit_code, 0);
   // An exponent that is not one of the usual ones is not stored in the file.
   EXPECT_FALSE(contains(multum({"info", path("map.ndf.exr")}).out, "blinn-phong:70"));
@@ -87,7 +87,7 @@ TEST_F(TargetCommandTest, LeavesWhatWasChosenForTheSame) {
   EXPECT_FALSE(is_unchanged(bake({"--target-error", "0.5", "--ndf", "vmf", "--align", "0.2"}))) << "another prior";
   ASSERT_EQ(bake({"--target-error", "0.5", "--ndf", "vmf", "--brdf", "lambert"}).exit_code, 0);
   EXPECT_FALSE(is_unchanged(bake(wide))) << "another BRDF";
-  // A second run does not accept a file that misses its target as up to date.
+  // A second run does not treat a file that misses its target as up to date.
   const std::vector<std::string> missed = {"--target-error", "0.00001", "--ndf", "moments", "--best-effort"};
   EXPECT_EQ(bake(missed).exit_code, 5);
   EXPECT_EQ(bake(missed).exit_code, 5);
@@ -130,8 +130,8 @@ TEST_F(TargetCommandTest, RefusesWhatDoesNotGoTogether) {
   }
 }
 
-// The error appears as text, in the report and in the file's header. Levels of small maps are measured completely,
-// without an interval.
+// The error appears in the printed text, in the report and in the header of the file. Levels of small maps are measured
+// completely, without an interval.
 TEST_F(TargetCommandTest, PlainBakesSayTheirErrorWithItsInterval) {
   for (const int size : {32, 512}) {
     make_map("map", size);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests names and texts with control characters, which are escaped on a terminal and unchanged in a pipe.
+// Tests names and texts with control characters. The program escapes them on a terminal, and leaves them unchanged in a
+// pipe.
 #include <regex>
 #include <sstream>
 
@@ -9,7 +10,7 @@ namespace multum::testing {
 namespace {
 
 // The name contains ESC, and a C1 control character twice: once as UTF-8 and once as a single byte. 8-bit terminals
-// read this character as ESC [.
+// interpret this C1 character as ESC [.
 const std::string kName =
     "q\x1b[31m\xc2\x9b"
     "2J\x9b"
@@ -21,7 +22,7 @@ class TerminalTest : public CliTest {
   void SetUp() override {
     if (!has_pseudo_terminals()) GTEST_SKIP() << "there are no pseudo terminals";
   }
-  // A terminal gets the text around a control character, but no control character. A pipe gets the name itself.
+  // A terminal gets the text around a control character but not the control character. A pipe gets the unchanged name.
   void expect_shown(const std::vector<std::string>& arguments, int exit_code) const {
     const ProgramResult shown = run_on_terminal(multum_command(arguments));
     EXPECT_EQ(shown.exit_code, exit_code) << shown.out;
@@ -47,12 +48,12 @@ TEST_F(TerminalTest, NamesInResults) {
   std::filesystem::rename(path("map_normal.png"), path(kName + ".png"));
   const std::string plain = path("plain.ndf.exr"), baked = path(kName + ".ndf.exr");
   ASSERT_EQ(multum({"bake", path(kName + ".png"), "-o", plain, "--ndf", "moments", "--no-measure"}).exit_code, 0);
-  expect_shown({"info", plain}, 0);       // uses the source's name, which the file stores
+  expect_shown({"info", plain}, 0);       // this command prints the name of the source, which the file stores
   std::filesystem::rename(plain, baked);  // renamed by the test: multum writes no such name
   expect_shown({"info", baked}, 0);
 }
 
-// The progress bar is wiped before a line of either stream, and no line contains the bar.
+// The progress bar is erased before a line is written to stdout or stderr, and no line contains the bar.
 TEST_F(TerminalTest, BarsDoNotRunIntoLines) {
   make_map("map", 64);
   const ProgramResult shown = run_on_terminal(multum_command(

@@ -67,7 +67,7 @@ glm::dvec3 diffuse_of(int object, const Hit& hit, int light) {
   return level * glm::dvec3(0.35 + 0.25 * waves, 0.3 - 0.1 * waves, 0.25);
 }
 
-// Returns a soft highlight on the board, which moves with the eye and the light.
+// Returns the board's soft highlight, which moves with the eye and the light.
 glm::dvec3 glossy_of(int object, const Hit& hit, int view, int light) {
   if (object != 1) return glm::dvec3(0.0);
   const double du = hit.u - 0.4 - 0.05 * view, dv = hit.v - 0.5 - 0.1 * light;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Makes a folder of ray-traced pictures: a patterned ground and a glossy upright board, seen from two views
-// under two lights. Every radiance is a formula of point, light and eye, so the expected result of texture inference is
+// Makes a folder of ray-traced pictures: a patterned ground and a glossy upright board, seen from two views under two
+// lights. A formula gives the radiance for each point, light and eye, so the expected result of texture inference is
 // known.
 #pragma once
 
@@ -16,10 +16,10 @@ struct TracedScene {
   int width = 96, height = 72;
   int views = 2, lights = 2;
   bool has_hidden_object = false;  // adds a third object, below the ground
-  double camera_shift = 0.0;       // sideways shift of the cameras in scene.json from their true positions
-  bool has_depth_holes = false;    // NaN in the depth of some pixels
-  bool has_object_index = false;   // id_vVV_pPP.png next to the geometry passes
-  bool has_bad_pixels = false;     // NaN and infinity in some radiances of the diffuse pass
+  double camera_shift = 0.0;       // how far the cameras in scene.json are shifted sideways from their true positions
+  bool has_depth_holes = false;    // the depth of some pixels is NaN
+  bool has_object_index = false;   // writes id_vVV_pPP.png next to the geometry passes
+  bool has_bad_pixels = false;     // some radiances of the diffuse pass are NaN or infinite
 };
 
 /// Writes scene.json, geometry.obj, rad_vVV_pPP.exr and geom_vVV.exr.
@@ -30,7 +30,7 @@ class TracedSceneTest : public CliTest {
  protected:
   void write_scene(const TracedScene& scene);
   ProgramResult infer(std::vector<std::string> more = {"--no-comparison"}) const;
-  /// Writes the folder and infers its textures, as fast as possible.
+  /// Writes the folder of pictures and infers the textures, with the fastest settings.
   void infer_scene(const TracedScene& scene);
 };
 

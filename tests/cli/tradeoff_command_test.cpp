@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests a sweep of settings: its page, its figures and its fronts. No temporary file remains.
+// Tests a sweep of settings: its page, its numbers and its Pareto fronts. Also tests that no temporary file remains.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -32,8 +32,8 @@ bool has_more_error(const nlohmann::json& a, const nlohmann::json& b) {
          std::hypot(a.at("confidence_95").get<double>(), b.at("confidence_95").get<double>());
 }
 
-// Returns whether another row beats this one: it is at least as good in bytes and in error (beyond both intervals), and
-// better in one of the two.
+// Returns whether another row beats this one: the other row must be at least as good in bytes and in error, and better
+// in one of the two. Errors differ only if the difference exceeds both intervals.
 bool is_beaten(const nlohmann::json& one, const nlohmann::json& rows) {
   return std::any_of(rows.begin(), rows.end(), [&](const nlohmann::json& other) {
     return other.at("gpu_bytes") <= one.at("gpu_bytes") && !has_more_error(other, one) &&
@@ -89,16 +89,17 @@ TEST_F(TradeoffCommandTest, AHostileNameStaysText) {
   EXPECT_TRUE(contains(*shown, "<h1 id=\"title\">What accuracy costs: &lt;script&gt;&lt;img src=x")) << *shown;
 }
 
-// Page and JSON mark rows within all budgets, and the most accurate of these is chosen. More lobes fit without level 0.
-// Trial bakes print no warnings on stderr.
+// The page and the JSON mark the rows that meet all budgets, and the most accurate of these rows is chosen. Without
+// level 0, more lobes fit into the budget. Trial bakes print no warnings to stderr.
 TEST_F(TradeoffCommandTest, MarksWhatKeepsToBudgets) {
-  // Slopes are so slight that lobes are sharper than the storage can represent, so each bake of lobes prints a warning.
+  // The slopes are so slight that the storage format cannot represent lobes as sharp as these. Each bake of lobes
+  // prints a warning about this.
   TestImage slight{.width = 32, .height = 32, .channels = 3, .type = OIIO::TypeDesc::UINT16};
   for (int i = 0; i < 32 * 32; ++i)
     for (const double v : {0.004 * std::sin(0.7 * i), 0.004 * std::cos(1.9 * i), 1.0})
       slight.values.push_back(static_cast<float>(0.5 + 0.5 * v));
   write_test_image(path("slight.png"), slight);
-  // Three lobes of all levels take 3 * 8 bytes * 1365 texels.
+  // With three lobes, all levels together take 3 * 8 bytes * 1365 texels.
   const std::uint64_t bytes_max = 33000;
   const auto sweep = [&](const std::string& map, std::vector<std::string> options) {
     options.insert(options.begin(), {"tradeoff", path(map), "-o", path("costs.html"), "--green", "up", "--quick",
@@ -112,7 +113,7 @@ TEST_F(TradeoffCommandTest, MarksWhatKeepsToBudgets) {
   EXPECT_EQ(json["budget"], (nlohmann::json{{"gpu_bytes", bytes_max}, {"bake_seconds", 1e4}}));
   double best = 1e9;
   std::size_t fitting = 0;
-  std::map<std::pair<int, int>, std::uint64_t> bytes;  // by lobes and first level
+  std::map<std::pair<int, int>, std::uint64_t> bytes;  // indexed by the number of lobes and the first level
   for (const nlohmann::json& row : json["rows"]) {
     EXPECT_GT(row["bake_seconds"].get<double>(), 0.0) << row;
     EXPECT_GT(row["bake_processor_seconds"].get<double>(), 0.0) << row;
@@ -122,7 +123,7 @@ TEST_F(TradeoffCommandTest, MarksWhatKeepsToBudgets) {
     fitting += row["fits"].get<bool>() ? 1 : 0;
     if (row["fits"]) best = std::min(best, row["relative_l1"].get<double>());
     const std::string bake = row["bake"];
-    // For files without the finest level, renderers also need the map itself.
+    // If a file lacks the finest level, renderers also need the normal map.
     const bool needs_map = bake.find("--first-level") != std::string::npos;
     EXPECT_EQ(row.value("normal_map_file_bytes", std::uint64_t{0}),
               needs_map ? std::filesystem::file_size(path("map_normal.png")) : 0u)
@@ -151,7 +152,7 @@ TEST_F(TradeoffCommandTest, MarksWhatKeepsToBudgets) {
       EXPECT_TRUE(contains(*shown, part)) << part;
     EXPECT_FALSE(contains(*shown, "MB")) << "one unit of memory";
   }
-  // No setting meets this budget, and without drawn frames no setting can meet a frame budget.
+  // No setting meets this budget. If no frames are drawn, no setting can meet a budget of frame time.
   EXPECT_EQ(sweep("map_normal.png", {"--max-bytes", "10"}).exit_code, kVerification);
   EXPECT_EQ(sweep("map_normal.png", {"--max-frame-ms", "10"}).exit_code, kUsage);
   const ProgramResult doubtful = sweep("slight.png", {});
@@ -163,8 +164,8 @@ TEST_F(TradeoffCommandTest, MarksWhatKeepsToBudgets) {
   EXPECT_GT(warned, 0u) << "they are in the report";
 }
 
-// Settings are ranked by the measured error of pixels; a difference that is smaller than both intervals does not count.
-// If there is a roughness map, pictures are drawn with it, and the errors are those of the BRDF "roughness".
+// Settings are ranked by the measured pixel error. A difference that is smaller than both intervals does not count. If
+// there is a roughness map, pictures are drawn with it, and the errors are those of the BRDF "roughness".
 using TradeoffPictureTest = TradeoffCommandTest;  // slow: two pictures per setting
 
 TEST_F(TradeoffPictureTest, RanksByErrorsBeyondTheirIntervalsWithRoughnessToo) {
@@ -212,7 +213,7 @@ TEST_F(TradeoffCommandTest, LeavesNothingWhenItIsInterrupted) {
     const ProgramResult result = program.wait();
     EXPECT_EQ(signal == SIGKILL ? result.signal : result.exit_code, signal == SIGKILL ? SIGKILL : 130) << result.err;
     EXPECT_EQ(folder_.names().contains(scratch), signal == SIGKILL);
-    std::filesystem::remove(path(scratch + "/swept_0.ndf.exr"));  // shows when the next setting has begun
+    std::filesystem::remove(path(scratch + "/swept_0.ndf.exr"));  // This shows that the next setting has begun.
   }
   EXPECT_EQ(folder_.names(), (std::set<std::string>{"map_normal.png", "map_albedo.png"}));
 }

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Runs tutorials_test.py on small pages: it must pass right pages and name the errors of wrong ones."""
+"""Runs tutorials_test.py on small pages: it must accept correct pages and name the errors in incorrect pages."""
 import pathlib
 import subprocess
 import sys

@@ -87,7 +87,7 @@ class Registry(http.server.BaseHTTPRequestHandler):
     def log_message(self, *_):
         pass
 
-    def do_GET(self):  # noqa: N802, the name that http.server asks for
+    def do_GET(self):  # noqa: N802, the name that http.server requires
         name = self.path.strip("/").replace("%2f", "/")
         package = MODULES / name.removesuffix(".tgz") / "package.json"
         if ".." in name or not package.is_file():
@@ -139,7 +139,8 @@ def reason_to_skip(steps, programs):
 
 
 def script_of(steps):
-    """One bash script. After each step it prints the step's number, which separates the outputs."""
+    """Returns one bash script. After each step, the script prints the number of the step, which separates the
+    outputs."""
     lines = ["set -eu", "exec 2>&1"]
     for number, (kind, text, _) in enumerate(steps):
         if kind == "sh":

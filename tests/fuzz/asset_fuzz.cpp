@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Fuzzes readers of smaller files and texts: filter matrices, requests to the probe, the list of inferred textures,
-// settings in headers, results of cases, and "FILE:CHANNEL".
+// Fuzzes readers of smaller files and texts: filter matrices, probe requests, the list of inferred textures, settings
+// in headers, results of test cases, and "FILE:CHANNEL" arguments.
 #include "host/fields/inferred/filter_matrix.h"
 #include "host/fields/inferred/inferred_texture.h"
 #include "host/fields/inferred/probe_request.h"
@@ -88,7 +88,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         const std::string path = fuzz::input_file("input.fmx", text);
         fuzz::may_refuse([&] { filter_matrix_key(path); });
         const FilterMatrix matrix = read_filter_matrix(path);
-        // Checks properties of a matrix that its users assume without checking them.
+        // Checks the properties of a matrix that other code relies on without checking them.
         MULTUM_CHECK(matrix.row_begin.size() == matrix.row_count() + 1 &&
                      matrix.row_begin.back() == matrix.columns.size());
         for (const std::uint32_t column : matrix.columns)

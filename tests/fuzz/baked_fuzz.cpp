@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Fuzzes readers of baked files, as the runtime and `multum verify` use them. OpenEXR decompresses in this process; it
-// is the only library that does (docs/contributing/HOSTILE.md).
+// Fuzzes readers of baked files, as the runtime and `multum verify` use them. OpenEXR is the only library that
+// decompresses files in this process (docs/contributing/HOSTILE.md).
 #include <functional>
 
 #include "host/fields/inferred/inferred_texture.h"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Fuzzes readers of measured BRDFs: tables by wavelength, MERL's binary files, networks as JSON. Results must be
-// finite.
+// Fuzzes the readers of measured BRDFs: tables by wavelength, MERL's binary files, and networks as JSON. The results
+// must be finite.
 #include <cmath>
 
 #include "host/formats/brdf/measured_file.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Fuzzes the decoder of compressed animations: indexes of packed fields, and texture chunks. The decoder refuses
-// invalid ones with a reason and without exceptions. Also fuzzes descriptions, which need more libraries; invalid
-// descriptions are refused with an Error.
+// invalid data with a reason and without exceptions. Also fuzzes the reader of descriptions, which needs more libraries
+// and refuses invalid descriptions with an Error.
 #include <zlib.h>
 
 #include "host/fields/codec/byte_writer.h"
@@ -15,7 +15,7 @@
 namespace multum {
 namespace {
 
-/// Returns a chunk of a few texels by one of the coders, over a pyramid or a basis.
+/// Returns a chunk of a few texels. One of the coders has coded them as a pyramid or as coefficients of a basis.
 std::vector<std::uint8_t> small_chunk(ImageCoder coder, bool has_basis) {
   ChunkSource source;
   source.width = 21;
@@ -55,7 +55,8 @@ void decode_index(std::span<const std::uint8_t> bytes) {
   MULTUM_CHECK(end <= index->file_bytes());
 }
 
-/// Decodes an index after correcting its checksum, which mutations would almost never match.
+/// Corrects the checksum of an index and decodes the index. Without the correction, the checksum of a mutated index
+/// would almost never match.
 void decode_mended_index(std::vector<std::uint8_t> bytes) {
   std::string problem;
   const auto needed = PackedIndex::bytes_needed(bytes, problem);
@@ -67,7 +68,7 @@ void decode_mended_index(std::vector<std::uint8_t> bytes) {
 }
 
 void decode_chunk(std::span<const std::uint8_t> bytes) {
-  constexpr std::size_t kTexelsMax = 1 << 12;  // per texture; larger ones are slow and show nothing new
+  constexpr std::size_t kTexelsMax = 1 << 12;  // limit per texture; larger textures are slow and show nothing new
   std::string problem;
   ByteReader reader(bytes);
   const auto format = read_chunk_format(reader, problem);
@@ -81,7 +82,7 @@ void decode_chunk(std::span<const std::uint8_t> bytes) {
   const auto texture = chunk->texture(chunk->sample_count() - 1);
   MULTUM_CHECK(texture.size() == 3 * format->width * format->height);
   mip_levels(format->width, format->height, texture);
-  // Makes a player's requests: single images and a sum of them, all within limits.
+  // Makes the requests that a player would make: single images and a sum of images, all within the limits.
   MULTUM_CHECK(chunk->image(chunk->plan().image_count() - 1).size() == texture.size());
   MULTUM_CHECK(chunk->image_sum(0).size() == texture.size());
   bool ran_out = false;
@@ -90,7 +91,8 @@ void decode_chunk(std::span<const std::uint8_t> bytes) {
   MULTUM_CHECK(limited == nullptr || limited->memory_bytes() <= chunk->memory_bytes() / 2);
 }
 
-/// Returns 3 views by 2 lights of two objects, one of them moving; one layer varies with both, one is sometimes unseen.
+/// Returns a description with 3 views, 2 lights and two objects, one of which moves. One layer varies with both
+/// parameters, and one layer is sometimes out of sight.
 FieldDescription small_description() {
   FieldDescription description;
   InferredManifest& field = description.field;
@@ -122,7 +124,8 @@ FieldDescription small_description() {
   return description;
 }
 
-/// Returns a description's text without zlib: mutations of the compressed form would only break its checksum.
+/// Returns the uncompressed text of a description. Mutations of the text that zlib has compressed would only break its
+/// checksum.
 std::string description_text(const std::vector<std::uint8_t>& section) {
   ByteReader reader(section);
   std::string text(reader.number(1 << 20), '\0');
@@ -143,7 +146,7 @@ std::vector<std::uint8_t> packed_text(const std::vector<std::uint8_t>& text) {
   return writer.written();
 }
 
-/// Checks that an accepted description is consistent, as players assume.
+/// Checks that an accepted description is consistent, because players rely on this.
 void read_description(std::span<const std::uint8_t> bytes) {
   fuzz::may_refuse([&] {
     const FieldDescription description = decode_description(bytes);

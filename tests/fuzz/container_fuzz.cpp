@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Fuzzes the first check of image files (host/formats/image/files/image_container.h), and Radiance files, which this
-// project decodes itself.
+// Fuzzes the first check of image files (host/formats/image/files/image_container.h), and the reader of Radiance files,
+// which this project decodes with its own code.
 #include <cmath>
 
 #include "host/formats/decoder/file_ranges.h"
@@ -34,7 +34,7 @@ std::string exr(std::uint32_t version, const std::string& attributes) {
 
 }  // namespace
 
-// These containers have no picture, and no library decodes them.
+// These containers do not hold a picture, and no library decodes them.
 std::vector<std::string> fuzz::seeds() {
   using namespace std::string_literals;
   const std::string png = "\x89PNG\r\n\x1a\n"s + chunk("IHDR", big_endian(8) + big_endian(4) + "\x8\2\0\0\0"s) +
@@ -73,7 +73,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   fuzz::may_refuse([&] {
     const ImageContainer container = inspect_image_container(path, std::int64_t{1} << 30);
     MULTUM_CHECK(container.width >= 0 && container.height >= 0 && container.file_size >= 0);
-    // These are the parts of the file that libraries get.
+    // The libraries get only these parts of the file.
     FileRanges ranges(path, container.ranges);
     std::string bytes(ranges.size(), '\0');
     MULTUM_CHECK(bytes.size() <= size && ranges.pread(bytes.data(), bytes.size(), 0) == bytes.size());

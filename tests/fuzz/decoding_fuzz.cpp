@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Simulates a corrupted decoder. The first byte chooses the reader; the other bytes are the decoder's answer to "open"
-// and its pixels. They go through all code that reads pictures: sizes, bands, encodings, heights, colours, weights,
-// Cryptomatte.
+// Simulates a corrupted decoder. The first byte of the input chooses the reader. The other bytes are the decoder's
+// answer to "open" and its pixels. They pass through all code that reads pictures: sizes, bands, encodings, heights,
+// colours, weights, and Cryptomatte.
 #include <algorithm>
 #include <cstring>
 #include <numeric>
@@ -53,7 +53,7 @@ class MadFile : public ImageFile {
   std::vector<std::byte> memory_;
 };
 
-// [size of the answer, 2 bytes] answer, pixels
+// The input is [size of the answer, 2 bytes], the answer, and the pixels.
 constexpr std::size_t kHeadSize = 2;
 
 std::string input_of(const ImageDescription& description, unsigned reader, const std::string& pixels) {

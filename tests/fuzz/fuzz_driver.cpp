@@ -38,7 +38,7 @@ class Mutator {
         break;
       case 2: absurd_number(input, at); break;
       case 3: input.erase(at, below(64)); break;
-      case 4: {  // an attribute bomb: one piece repeated many times
+      case 4: {  // an attribute bomb, which repeats one piece many times
         const std::string piece = input.substr(at, 1 + below(128));
         for (std::size_t left = below(100); left > 0 && input.size() < kSizeMax; --left) input.insert(at, piece);
         break;

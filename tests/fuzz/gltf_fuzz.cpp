@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Fuzzes models that `multum gltf` reads and writes, without decoding and fitting of images. The written model must be
-// readable, with buffer views in the right places.
+// readable, and its buffer views must be in the right places.
 #include <fmt/format.h>
 
 #include "host/delivery/gltf/glb_layout.h"

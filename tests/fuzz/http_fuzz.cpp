@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Fuzzes the service's readers of requests (JSON bodies, queries, paths, addresses) and of its settings file.
+// Fuzzes the code of the service that reads requests (JSON bodies, queries, paths and addresses) and its settings file.
 // tests/service/fault_injection/fuzz.py sends whole requests to a running service.
 #include <nlohmann/json.hpp>
 

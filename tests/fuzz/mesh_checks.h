@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Checks the properties of every mesh that was read.
+// Checks the properties that every accepted mesh must have.
 #pragma once
 
 #include <cmath>

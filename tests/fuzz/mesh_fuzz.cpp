@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Fuzzes meshes of glTF, whole and by object, as multum-decode reads them. Also fuzzes multum-decode's answers, as its
-// client reads them, and materials. OBJ has a fuzzer of its own: assimp fills 32 MiB for each file, which takes ten
-// times as long as everything here.
+// Fuzzes the glTF mesh readers of multum-decode, which read the whole mesh or single objects. Also fuzzes the client
+// that reads multum-decode's answers, and the reader of materials. OBJ has a fuzzer of its own, because assimp fills 32
+// MiB for each file, which takes ten times as long as everything here.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -14,7 +14,7 @@
 namespace multum {
 namespace {
 
-// Returns a triangle: positions, coordinates, indices.
+// Returns the positions, texture coordinates and indices of a triangle.
 std::string buffer() {
   const float numbers[] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 1};
   const std::uint16_t indices[] = {0, 1, 2, 0};
@@ -50,7 +50,7 @@ std::string glb() {
 
 void read_materials(const std::string& path) { read_gltf_materials(path); }
 
-// Reads an answer and the arrays that follow it. If the bytes end early, the rest of the arrays is zero.
+// Reads an answer and the arrays that follow it. If the bytes end early, the rest of the arrays is filled with zeros.
 template <typename Meshes>
 void take(std::string_view bytes) {
   const AskedFile asked = {"fuzz.glb", "assimp", 1u << 20};
@@ -75,9 +75,10 @@ constexpr Reader kReaders[] = {{"input.gltf", fuzz::read_whole},   {"input.glb",
                                {"input.gltf", read_materials},     {"input.glb", read_materials}};
 constexpr unsigned kReaderCount = std::size(kReaders), kAnswerKinds = 2;
 
-// Returns multum-decode's answer without its first byte, and the bytes that it writes into shared memory.
+// Returns the answer of multum-decode without its first byte, and the bytes that multum-decode writes into shared
+// memory.
 std::string answer_of(DecodingRequest kind) {
-  constexpr std::size_t kMemory = 2048;  // bytes, more than the seed's arrays need
+  constexpr std::size_t kMemory = 2048;  // in bytes, which is more than the arrays of the seed need
   MeshDecoder decoder;
   SharedMemory memory;
   std::string answer =

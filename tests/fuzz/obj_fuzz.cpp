@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Fuzzes meshes of OBJ, whole and by object, as multum-decode reads them.
+// Fuzzes the OBJ mesh readers of multum-decode, which read the whole mesh or single objects.
 #include "tests/fuzz/mesh_checks.h"
 
 namespace multum {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Fuzzes readers of files that people write (manifests of bakes, jobs of texture inference, scenes), and of files that
-// a killed bake leaves. kReaders has a row for each reader.
+// Fuzzes readers of files that people write (manifests of bakes, jobs of texture inference, and scenes), and readers of
+// files that a killed bake leaves. kReaders has a row for each reader.
 #include <filesystem>
 #include <fstream>
 #include <functional>
@@ -30,7 +30,7 @@ void read_left_rows(const std::string& path) {
   }
 }
 
-// Returns records of three rows of level 1, as a killed bake leaves them.
+// Returns the records of three rows of level 1, as a killed bake would leave them.
 std::string left_rows() {
   const std::string output = fuzz::scratch_folder() + "/seed.ndf.exr";
   const std::vector<unsigned char> bytes(std::size_t{16} * 8, 1);

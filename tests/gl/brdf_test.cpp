@@ -38,7 +38,7 @@ class BrdfTest : public testing::Test {
   std::unique_ptr<HeadlessContext> context_;
 };
 
-/// Adds a lobe along +z and directions at angles `theta` from +z; the angles are denser near 0.
+/// Adds a lobe along +z and directions at angles `theta` from +z; the angles are denser near 0 degrees.
 void add_angles(double spread, double theta_max, int count, ShaderHarnessInput& input, std::vector<double>& angles) {
   for (int i = 0; i < count; ++i) {
     const double theta = theta_max * std::pow((i + 0.5) / count, 2.0);
@@ -69,7 +69,8 @@ std::string terms_expression(const std::vector<VmfTerm>& terms) {
   return "vec4(" + sum + ")";
 }
 
-// The project's own bound is an error of 5 % for alpha 0.05 to 0.4, kappa 3 to 2000 and at most four terms.
+// The project's own bound is an error of 5 %. It applies for alpha 0.05 to 0.4, kappa 3 to 2000, and at most four
+// terms.
 TEST_F(BrdfTest, GgxOfFourTermsIsNearTheExactConvolution) {
   double worst[kBrdfTermCountMax] = {};
   for (const double alpha : {0.05, 0.1, 0.2, 0.3, 0.4}) {
@@ -100,7 +101,8 @@ TEST_F(BrdfTest, GgxOfFourTermsIsNearTheExactConvolution) {
   EXPECT_LT(worst[3], worst[2]);
 }
 
-// Tests rougher facets over any lobe against the figures of docs/contributing/ALGORITHMS.md for alpha up to 1.
+// Compares the errors for rougher facets, up to alpha 1, over any lobe with the figures of
+// docs/contributing/ALGORITHMS.md.
 TEST_F(BrdfTest, RoughGgxOfFourTermsIsWithinItsBound) {
   const std::map<double, double> bounds = {{0.05, 2.0}, {0.2, 2.5},  {0.4, 4.5},   {0.5, 6.5},
                                            {0.6, 9.0},  {0.7, 11.0}, {0.85, 15.0}, {1.0, 22.0}};
@@ -147,7 +149,7 @@ TEST_F(BrdfTest, FormulasEqualTheirDoubles) {
       ASSERT_NEAR(values[i] / exact(i), 1.0, bound)
           << expression << " a " << input.a[i].x << " " << input.a[i].y << " " << input.a[i].z << " " << input.a[i].w;
   };
-  // The denominator is a sum of squares in float; all terms are positive.
+  // The denominator is a sum of squares in single precision, and all of its terms are positive.
   expect(
       "multum_ggx(a.x, a.w)",
       [&](std::size_t i) {
@@ -187,14 +189,14 @@ TEST_F(BrdfTest, HardCases) {
   }
 }
 
-/// Returns whether one of the texts holds `word`: a flag, or the beginning of a definition.
+/// Returns whether one of the texts contains `word`, which is a flag or the beginning of a definition.
 bool holds(const ShaderSources& sources, const std::string& word) {
   for (const std::string& text : sources.fragment)
     if (text.find("\n" + word) != std::string::npos) return true;
   return std::find(sources.flags.begin(), sources.flags.end(), word) != sources.flags.end();
 }
 
-// Each row of the table names files of brdf/, and every file belongs to a row.
+// Each row of the table names files in the folder brdf/, and every file there belongs to a row.
 TEST_F(BrdfTest, RowsNameTheShadersThatThereAre) {
   std::set<std::string> named;
   for (const BrdfFamily& family : brdf_families())

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Compares Charlie over vMF lobes (brdf/charlie.glsl) with quadrature in double: density, cosine, and the whole
-// highlight with visibility. Also compares the sums of vMFs that replace the density where a sum is needed.
+// Compares Charlie over vMF lobes (brdf/charlie.glsl) with quadrature in double precision: the density, the cosine, and
+// the whole highlight with visibility. Also compares the sums of vMFs that replace the density where a sum is needed.
 #include <gtest/gtest.h>
 
 #include <fmt/format.h>
@@ -56,7 +56,8 @@ void add_half_vector(double spread, const glm::dvec3& h, ShaderHarnessInput& inp
   input.b.emplace_back(glm::vec3(h), 0.0f);
 }
 
-// The table's row, the shader and the reference give the same D as the paper, and the projection of D is 1.
+// The row of the table, the shader and the reference give the same D as the paper, and the projection of D integrates
+// to 1.
 TEST_F(CharlieTest, ADensityOfOneNormalIsThePapers) {
   for (const double roughness : {0.05, 0.3, 0.7, 1.0}) {
     const Brdf brdf = charlie_of(roughness);
@@ -112,7 +113,8 @@ Errors errors_over(double roughness, double kappa,
   return {off / total, off_cosine / total_cosine};
 }
 
-// Tests the bounds of docs/contributing/ALGORITHMS.md for the density, and for the highlight by the lobe's width.
+// Tests the bounds of docs/contributing/ALGORITHMS.md for the density, and the bounds for the highlight, which depend
+// on the width of the lobe.
 TEST_F(CharlieTest, IsNearTheExactConvolutionAtEveryRoughness) {
   double worst = 0.0, worst_of_sharp = 0.0;
   std::map<double, double> highlight;
@@ -137,7 +139,7 @@ TEST_F(CharlieTest, IsNearTheExactConvolutionAtEveryRoughness) {
   EXPECT_LT(highlight.at(200.0), 1.8);
 }
 
-// Compares V n.l at random cosines, and at n.l = 0.
+// Compares V n.l at random cosines and at n.l = 0.
 TEST_F(CharlieTest, VisibilityEqualsItsDouble) {
   std::mt19937 random(53);
   std::uniform_real_distribution<double> unit(0.0, 1.0);
@@ -169,8 +171,8 @@ TEST_F(CharlieTest, HardCasesAreFinite) {
 }
 
 // Tests the sum of four vMFs that error measurements use instead of the density. Measures the relative L1 error of this
-// sum over a lobe, for all h of the hemisphere. docs/contributing/ALGORITHMS.md states the error by roughness: the
-// maximum over all lobes, and the maximum over sharp lobes.
+// sum over a lobe, for all h of the hemisphere. For each roughness, docs/contributing/ALGORITHMS.md states the maximum
+// error over all lobes and over sharp lobes.
 TEST(CharlieTerms, AreAsFarOffAsStated) {
   struct Bounds {
     double any, sharp;

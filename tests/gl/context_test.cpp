@@ -46,7 +46,7 @@ TEST_P(ContextTest, ExtensionsAreWholeNames) {
   EXPECT_FALSE(has_gl_extension(context->functions(), "GL_EXT_texture_filter"));
 }
 
-// With debug output a driver waits for each call, so everything takes longer.
+// With debug output, a driver waits for each call to finish, so everything takes longer.
 TEST_P(ContextTest, DebugOutputIsOnOnlyWhereItIsWanted) {
   for (const DebugOutput debug : {DebugOutput::kOff, DebugOutput::kOn}) {
     const auto context = make_headless_context(GetParam(), debug);
@@ -65,11 +65,11 @@ TEST_P(ContextTest, DebugOutputIsOnOnlyWhereItIsWanted) {
 #endif
 }
 
-// The driver raises an error once a program is linked; the exception must delete the program.
+// The driver reports an error after it has linked a program. The exception must delete the program.
 GLenum raised_error = GL_NO_ERROR;
 GLenum APIENTRY raise_error() { return std::exchange(raised_error, static_cast<GLenum>(GL_NO_ERROR)); }
 int programs_made = 0, shaders_made = 0;
-GlFunctions counted_functions;  // the context's own functions, with counters
+GlFunctions counted_functions;  // the context's own functions, wrapped with counters
 GLuint APIENTRY count_program() { return ++programs_made, counted_functions.CreateProgram(); }
 void APIENTRY discount_program(GLuint id) { --programs_made, counted_functions.DeleteProgram(id); }
 GLuint APIENTRY count_shader(GLenum stage) { return ++shaders_made, counted_functions.CreateShader(stage); }

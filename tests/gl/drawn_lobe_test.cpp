@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests drawing one normal per pixel and frame from the lobes, for renderers that keep one normal. Compares the mean
-// over frames with the sum over lobes, and checks a single frame.
+// Tests drawing one random normal per pixel and frame from the lobes, for renderers that keep only one normal. Compares
+// the mean over frames with the sum over lobes, and checks a single frame.
 #include <gtest/gtest.h>
 
 #include <cstdio>
@@ -68,7 +68,8 @@ TEST_F(DrawnLobeTest, TheMeanOfFramesIsTheSum) {
   EXPECT_LT(sixteen, one_lobe);
 }
 
-/// Blurs with weights 1 4 6 4 1 along each axis and drops the border: a simple denoiser, or an eye from farther away.
+/// Blurs with the weights 1 4 6 4 1 along each axis and drops the border, like a simple denoiser or an eye that is
+/// farther away.
 FloatImage blurred(const FloatImage& image) {
   constexpr int kWeights[] = {1, 4, 6, 4, 1};
   FloatImage result{image.width - 4, image.height - 4, {}};
@@ -86,13 +87,13 @@ FloatImage blurred(const FloatImage& image) {
 }
 
 // Compares blue noise with white noise (a hash of the pixel). Single pixels have the same error with both; averages
-// over neighbours have a lower error with blue noise. docs/contributing/ALGORITHMS.md states these bounds.
+// over neighbours have a lower error with blue noise. The bounds are in docs/contributing/ALGORITHMS.md.
 TEST_F(DrawnLobeTest, BlueNoiseIsNearerOnceBlurred) {
   struct Map {
     const char* name;
     TestMap map;
-    double of_one, of_sixteen;  // largest error of a blurred picture, relative to the error with a hash
-    double sixteen;             // relative L1 error of the mean of 16 frames, not blurred
+    double of_one, of_sixteen;  // the largest error of a blurred picture, as a fraction of the error with the hash
+    double sixteen;             // the relative L1 error of the mean of 16 frames, which are not blurred
   };
   const Map maps[] = {{"two tilts", make_two_tilt_map(64, 20.0, StorageEncoding::kFloat, false), 0.3, 0.4, 0.06},
                       {"broad lobes", make_noise_map(64, 0.5f, WrapMode::kPeriodic), 0.65, 0.7, 0.18}};
@@ -119,7 +120,7 @@ TEST_F(DrawnLobeTest, BlueNoiseIsNearerOnceBlurred) {
   }
 }
 
-// If lobes are broad, normals must be drawn from all of a lobe, not only from its mean direction.
+// If lobes are broad, normals must be drawn from the whole lobe and not only from its mean direction.
 TEST_F(DrawnLobeTest, TheMeanOfBroadLobesIsTheSum) {
   const TestMap map = make_noise_map(64, 0.5f, WrapMode::kPeriodic);
   RenderScene scene = one_normal_scene();

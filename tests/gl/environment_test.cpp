@@ -79,13 +79,13 @@ class EnvironmentTest : public testing::TestWithParam<ContextBackend> {
   RenderScene scene_;
 };
 
-/// Returns the radiance towards `v` of the plane's point in the middle of the picture: the sum over every texel.
+/// Returns the radiance that leaves the middle point of the picture's plane towards `v`, as a sum over every texel.
 glm::dvec3 exact_radiance(const EnvironmentMap& map, const RenderScene& scene, const glm::dvec3& v) {
   glm::dvec3 sum(0.0);
   for (int y = 0; y < map.height; ++y)
     for (int x = 0; x < map.width; ++x) {
       const glm::dvec3 d = environment_direction((x + 0.5) / map.width, (y + 0.5) / map.height);
-      const glm::dvec3 l(d.x, -d.z, d.y);  // +Z is up, and the map's middle is along +Y
+      const glm::dvec3 l(d.x, -d.z, d.y);  // +Z is up, and the middle of the map is in the direction +Y
       if (l.z <= 0.0) continue;
       const glm::dvec3 h = glm::normalize(l + v);
       const double v_h = glm::dot(v, h), alpha = static_cast<double>(ggx_alpha(scene.brdf));
@@ -105,7 +105,7 @@ glm::dvec3 exact_radiance(const EnvironmentMap& map, const RenderScene& scene, c
   return sum;
 }
 
-// Seen from above, a turn moves the direction ahead (+Y) to the left (-X).
+// Seen from above, a rotation moves the direction ahead (+Y) to the left (-X).
 TEST(EnvironmentAxes, TurnCounterclockwise) {
   RenderScene scene;
   const std::array<glm::vec3, 3> before = environment_axes(scene);
@@ -151,7 +151,7 @@ TEST(EnvironmentBackground, IsTheSkyThatLightsTheScene) {
           }
           EXPECT_EQ(image.rgba[pixel + 3], 1.0f);
         }
-      // The nearest texel and a mean of four samples per pixel differ at the horizon and on the sun.
+      // A lookup of the nearest texel and a mean of four samples per pixel differ at the horizon and at the sun.
       EXPECT_LT(off / total, 0.03) << is_z_up << " " << view.x << " " << view.y << " " << view.z;
     }
   }
@@ -189,7 +189,7 @@ TEST_P(EnvironmentTest, BruteForceIsTheSumOverTheTexels) {
         total += exact[c];
       }
     }
-    // Each pixel takes 2048 directions; the directions near the sun carry most of the light.
+    // Each pixel samples 2048 directions. The directions near the sun carry most of the light.
     EXPECT_LT(off / total, 0.02) << "BRDF " << static_cast<int>(kind);
   }
 }
@@ -205,7 +205,8 @@ TEST_P(EnvironmentTest, ConstantLightIsFilteredExactly) {
     scene_.brdf.exponent = 30.0f;
     scene_.brdf.sigma = 0.2f;
     scene_.brdf.f0 = glm::vec3(0.3f);
-    const FloatImage exact = reference(map, 256);  // estimates the shares of both kinds of texels to about 1.5 %
+    const FloatImage exact = reference(map, 256);  // this estimates the shares of both kinds of texels with an error of
+                                                   // about 1.5 %
     for (const EnvironmentMode mode : {EnvironmentMode::kHarmonics, EnvironmentMode::kPrefiltered})
       EXPECT_LT(picture_error(lobes(map, mode), exact).relative_l1, 0.03)
           << "BRDF " << static_cast<int>(kind) << " mode " << static_cast<int>(mode);
@@ -219,9 +220,10 @@ double light_of(const FloatImage& image) {
   return sum;
 }
 
-// The errors come from the approximations. A flat map has these errors too: 12 % at s = 100, where one lookup falls
-// between two levels and the table scales all light alike. If the level is wrong by one half, the three highlights of
-// prefiltered levels have errors of 9, 14 and 15 %. If the spread is half as wide, their errors are 8.8, 17 and 2 %.
+// The errors come from the approximations, so a flat map has them too. At s = 100 its error is 12 %, because one lookup
+// falls between two levels and the table scales all light by the same factor. If the level is wrong by one half, the
+// three highlights of prefiltered levels have errors of 9, 14 and 15 %. If the spread is half as wide, their errors are
+// 8.8, 17 and 2 %.
 TEST_P(EnvironmentTest, ASkyIsFilteredNearlyAsBruteForceHasIt) {
   if (GetParam() != test_backend()) GTEST_SKIP() << "one context is enough: the pictures are equal";
   scene_.environment = make_environment_light(make_sky(64, 0.3));
@@ -252,7 +254,7 @@ TEST_P(EnvironmentTest, ASkyIsFilteredNearlyAsBruteForceHasIt) {
   EXPECT_GT(error(EnvironmentMode::kHarmonics, sharp), error(EnvironmentMode::kPrefiltered, sharp));
 }
 
-// A nearly perfect mirror shows the map. Texels of 3 degrees blend in one picture and not in the other.
+// A nearly perfect mirror shows the map. Texels 3 degrees wide blend in one picture and not in the other.
 TEST_P(EnvironmentTest, AMirrorShowsTheMap) {
   if (GetParam() != test_backend()) GTEST_SKIP() << "one context is enough: the pictures are equal";
   make_glossy(30000.0f);
@@ -270,7 +272,7 @@ TEST_P(EnvironmentTest, WideHighlightsAreFollowed) {
   EXPECT_LT(picture_error(lobes(noise, EnvironmentMode::kPrefiltered), reference(noise, 256)).relative_l1, 0.10);
 }
 
-// The lengths of rough normals hold the BRDF's width, which does not change diffuse light.
+// The length of a rough normal encodes the width of the BRDF, which does not change diffuse light.
 TEST_P(EnvironmentTest, DiffuseLightIsWithoutRoughness) {
   scene_.environment = make_environment_light(make_sky(64, 0.3));
   scene_.brdf.specular = glm::vec3(0.0f);

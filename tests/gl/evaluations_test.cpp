@@ -28,7 +28,8 @@ TextureFilter filter_of(int evaluations, bool is_turned = false) {
   return filter;
 }
 
-// Makes a strip of a cylinder about Y: flat triangles between two edges, normals that turn from -60 to 60 degrees.
+// Makes a strip of a cylinder about the Y axis. Flat triangles span two edges, and the normals turn from -60 to 60
+// degrees.
 MeshData turning_quad(float size) {
   MeshData data;
   for (const float side : {-1.0f, 1.0f})
@@ -51,7 +52,7 @@ RenderScene turning_scene() {
   scene.uv_scale = 1.0f;
   scene.lights[0].direction = glm::normalize(glm::vec3(0.3f, 0.2f, 1.0f));
   scene.brdf.exponent = 60.0f;
-  scene.brdf.diffuse = glm::vec3(0.0f);  // no light from the strip's edges
+  scene.brdf.diffuse = glm::vec3(0.0f);  // the edges of the strip reflect no light
   return scene;
 }
 
@@ -99,7 +100,7 @@ TEST_P(EvaluationsTest, AFlatMapIsTheSameByAnyBudget) {
   }
 }
 
-// More points lower the error of averaged normals; lobes of steep bumps do not need them.
+// More points lower the error of averaged normals. Lobes of steep bumps do not need more points.
 TEST_P(EvaluationsTest, PointsAreNearer) {
   const TestMap map = make_noise_map(64, 0.3f, WrapMode::kPeriodic);
   RenderScene scene = distant_scene();
@@ -131,7 +132,8 @@ TEST_P(EvaluationsTest, NormalsThatScatterAreShadedAsLobes) {
   EXPECT_LT(error_of(drawn(narrow, scene, filter_of(2)), drawn(narrow, scene, filter_of(0))), 0.01);
 }
 
-// Four tilts form two pairs, 2 degrees apart within a pair. Two evaluations add up each pair and lose almost nothing.
+// Four tilts form two pairs, and the tilts of a pair are 2 degrees apart. A budget of two evaluations adds up each
+// pair, which changes the picture very little.
 TEST_P(EvaluationsTest, LobesThatAreAlikeAreAddedUpFirst) {
   TestMap map = make_two_tilt_map(16, 25.0, StorageEncoding::kFloat, false);
   for (MovmfLevel& level : map.mipmap.levels) {
@@ -171,7 +173,7 @@ TEST_P(EvaluationsTest, WhatHasNoLobesWidensWhereTheMeshTurns) {
   EXPECT_LT(error_of(drawn(averages, scene, filter_of(4, true)), exact), 0.8 * without);
 }
 
-// Where the mesh's normals turn within a pixel, lobes of several points each use the frame of their own point.
+// Where the normals of the mesh turn within a pixel, the lobes of each point use the frame of that point.
 TEST_P(EvaluationsTest, LobesTurnWithTheMesh) {
   const TestMap map = make_flat_map(16);
   mesh_ = std::make_unique<Mesh>(context_->functions(), turning_quad(6.0f));

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests the player's textures: they equal the textures of the decoder at every sample and do not depend on the number
-// of threads. While images are missing there are no holes and no other object's texels. Uploads stay within the bytes
-// allowed per frame, and memory stays within its limit.
+// Tests the player's textures. They equal the textures of the decoder at every sample and do not depend on the number
+// of threads. While images are missing, the textures have no holes and no texels of another object. Uploads stay within
+// the bytes allowed per frame, and memory stays within its limit.
 #include "runtime_gl/animation/field_player.h"
 
 #include <gtest/gtest.h>
@@ -41,7 +41,7 @@ class FieldPlayerTest : public ::testing::TestWithParam<ContextBackend> {
     }
     return values;
   }
-  /// Returns the textures of all objects, in the order of the drawn layers.
+  /// Returns the textures of all objects in the order in which the layers are drawn.
   std::vector<std::vector<float>> all_texels(const FieldPlayer& player) const {
     std::vector<std::vector<float>> all;
     for (std::size_t object = 0; object < description_.field.objects.size(); ++object)
@@ -58,7 +58,7 @@ INSTANTIATE_TEST_SUITE_P(Contexts, FieldPlayerTest, ::testing::ValuesIn(test_bac
 
 TEST_P(FieldPlayerTest, TexturesAreThoseOfUnpacking) {
   PackedFieldFile file(path());
-  for (const bool is_linear : {false, true}) {  // whole textures by workers, or sums of images by the GPU
+  for (const bool is_linear : {false, true}) {  // whether workers make whole textures or the GPU sums images
     PlayerSettings settings;
     settings.waits = true;
     settings.is_linear = is_linear;
@@ -110,7 +110,7 @@ TEST_P(FieldPlayerTest, WithoutWaitingTheCoarsestIsThereAndTheRestComes) {
         old += report.layers[l].is_old ? 1 : 0;
         drawn += report.layers[l].is_drawn ? 1 : 0;
       }
-      // One image of each layer is always uploaded.
+      // At least one image of each layer is always uploaded.
       EXPECT_LE(report.uploaded_bytes, settings.upload_max + drawn * 90 * 52 * 8);
       missing += missing_now;
       const auto shown = all_texels(player);
@@ -161,7 +161,7 @@ TEST_P(FieldPlayerTest, MemoryHoldsOrIsSaidToBeTooLittle) {
   for (int frame = 0; frame < 60; ++frame) player.prepare(point(random.next() % 24), {point(random.next() % 24)});
   EXPECT_LE(player.counts().bytes_most, settings.playback.memory_max);
   settings.is_linear = true;
-  FieldDescription large = description_;  // the drawn textures would not fit
+  FieldDescription large = description_;  // the textures that are drawn would not fit
   large.field.objects[1].mappings[1].width = large.field.objects[1].mappings[1].height = 600;
   testing::write_packed(large, testing::small_chunks(description_), path());
   testing::expect_error(ErrorCode::kEnvironment, {"drawing takes", "allow more memory"},

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests that the filter matrix A describes what the GL does: A times a texture is the picture of that texture. Slower
-// ways of measuring find the same matrix.
+// Tests that the filter matrix A describes what OpenGL draws. A times a texture must equal the picture of that texture.
+// Slower ways of measuring must find the same matrix.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -21,7 +21,7 @@ struct Sampling {
   int supersampling;
 };
 
-// Holds a context, and the waves (object 0), which a board partly hides.
+// Holds a context and the waves (object 0), which a board partly hides.
 class Waves {
  public:
   explicit Waves(float repeats)
@@ -118,7 +118,7 @@ TEST(FilterProbe, AgreesWithTextureQueryLod) {
   for (const WrapMode wrap : {kClamp, kPeriodic}) {
     const Waves waves(wrap == kPeriodic ? 2.0f : 1.0f);
     const ProbeCase one = waves.make_case({150, 128, wrap, wrap, {}, 1}, 160, 120);
-    // The coordinate comes back in single precision, with an error of 1e-7 times 150 texels.
+    // The coordinate is read back in single precision, so its error is 1e-7 times 150 texels.
     EXPECT_LE(largest_difference(rows_of(probe(one, 1)), rows_by_query_lod(one)),
               filter_tolerance(waves.context(), 1e-4, 1e-2))
         << wrap_mode_name(wrap);
@@ -143,7 +143,7 @@ TEST(FilterProbe, AnObjectOutOfSightHasNoRows) {
   EXPECT_EQ(matrix.row_begin, std::vector<std::uint32_t>{0});
 }
 
-// Any `span` neighbours have different classes, even across the seam.
+// Any `span` neighbouring texels have different classes, even across the seam.
 TEST(TexelBlocks, NeighboursDiffer) {
   for (int span = 2; span <= 20; ++span)
     for (int count = 1; count <= 130; ++count) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests the shader of docs/reference/file_format.md, "In GLSL", exactly as printed. The page's texts are pasted as the
-// page says and compiled by a driver under the page's version of GLSL. A pixel is compared with the integral over
-// normals.
+// Tests the shader of docs/reference/file_format.md, "In GLSL", exactly as printed. The test pastes the code as the
+// page says, and a driver compiles it as the GLSL version that the page names. One pixel is compared with the integral
+// over normals.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -27,7 +27,7 @@ std::string source_file(const std::string& name) {
   return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
 }
 
-/// Returns the text from the heading to the next one.
+/// Returns the text from this heading to the next heading.
 std::string section(const std::string& heading) {
   const std::string page = source_file("docs/reference/file_format.md");
   const std::size_t begin = page.find("\n### " + heading + "\n");
@@ -35,7 +35,7 @@ std::string section(const std::string& heading) {
   return page.substr(begin + 1, page.find("\n### ", begin + 1) - begin);
 }
 
-/// Joins all code of the numbered list in its order. `is_es` selects the other version line of the list.
+/// Joins all code of the numbered list in order. `is_es` selects the version line for OpenGL ES.
 std::string pasted(bool is_es) {
   const std::string text = section("In GLSL");
   const std::regex item("\n([1-4])\\. ([^\n]*)"), code("`([^`]+)`");
@@ -98,7 +98,7 @@ struct Lobe {
 const glm::dvec3 kLight = glm::normalize(glm::dvec3(0.3, 0.5, 0.8)), kEye = glm::normalize(glm::dvec3(-0.4, 0.1, 0.9));
 const glm::dvec3 kIrradiance(3.0, 2.0, 1.0), kAlbedo(0.8, 0.4, 0.2), kHighlight(0.05, 0.1, 0.2);
 constexpr double kExponent = 40.0;
-const std::array<std::array<Lobe, 2>, 2> kLobes = {  // by texel, by lobe
+const std::array<std::array<Lobe, 2>, 2> kLobes = {  // indexed by texel and lobe
     {{{{0.70 * 0.95 * glm::normalize(glm::dvec3(0.1, 0.3, 1.0)), 0.7},
        {0.30 * 0.60 * glm::normalize(glm::dvec3(-0.6, 0.1, 0.8)), 0.3}}},
      {{{0.50 * 0.98 * glm::normalize(glm::dvec3(0.0, 0.2, 1.0)), 0.5},

@@ -62,7 +62,7 @@ Rings rings_of(double width) {
   constexpr int kCount = 96;
   const double least = 0.02 * std::min(width, 1.0);
   for (int i = 0; i < kCount; ++i) {
-    // Steps are even in the logarithm, starting at `least`.
+    // The steps are even on a logarithmic scale and start at `least`.
     const double step = std::log(kPi / least) / kCount, begin = least * std::exp(i * step);
     const double middle = begin * std::exp(0.5 * step);
     rings.angles.push_back(middle);
@@ -126,7 +126,8 @@ TEST_F(GgxLobeTest, ALobeOfOneNormalIsGgx) {
       input.a.emplace_back(0.0, 0.0, 1.0, 1.0);
       input.b.emplace_back(std::sin(theta), 0.0, std::cos(theta), 0.0);
     }
-    // The table holds half floats, with errors of 0.1 % each; at alpha 1 the filter reaches beyond the table.
+    // The table holds 16-bit floats, each with an error of 0.1 %. At alpha 1, the filter reaches beyond the border of
+    // the table.
     for (const double ratio : evaluate(input, static_cast<float>(alpha)))
       ASSERT_NEAR(ratio, 1.0, roughness < 1.0 ? 0.01 : 0.06) << "roughness " << roughness;
   }
@@ -148,7 +149,7 @@ TEST_F(GgxLobeTest, DoublesAreWhatShadersCompute) {
     for (std::size_t i = 0; i < values.size(); ++i) {
       const double spread = static_cast<double>(input.a[i].x), e = static_cast<double>(input.a[i].y);
       const double exact = ggx_lobe_density(ggx_lobe_shape(alpha, spread), alpha, spread, e);
-      // Texture filters resolve a place between two texels with eight bits or more.
+      // Texture filters resolve the position between two texels with at least eight bits.
       ASSERT_NEAR(values[i], exact, 0.02 * exact + 1e-6) << "d " << spread << " e " << e;
     }
   }
@@ -179,8 +180,8 @@ TEST_F(GgxLobeTest, TheHighlightInDoubleIsTheShaders) {
       const glm::dvec3 light(input.b[i]);
       const double exact = GgxOverLobe(glm::dvec4(input.a[i]), static_cast<double>(alpha))
                                .specular(light, view, glm::normalize(light + view));
-      // The tolerance covers the filter's eight bits again, and the rounding of |r| to floats. This rounding error of
-      // 1e-7 is one thousandth of the smallest spread here.
+      // The tolerance again covers the eight bits of the filter. It also covers the rounding of |r| to a float, whose
+      // error of 1e-7 is one thousandth of the smallest spread here.
       ASSERT_NEAR(values[i], exact, 0.03 * exact + 1e-5) << i << ", roughness " << roughness;
     }
   }
@@ -261,8 +262,8 @@ double sampled_highlight(double alpha, double kappa, const glm::dvec3& mu, const
   return sum / kSamples;
 }
 
-// Tests the highlight with visibility: relative L1 over half vectors within twice the highlight's width. Lights and
-// views are above the surface; lobes are tilted by up to 40 degrees.
+// Tests the highlight with visibility by its relative L1 error over half vectors within twice the width of the
+// highlight. Lights and views are above the surface; lobes are tilted by up to 40 degrees.
 TEST_F(GgxLobeTest, TheHighlightWithVisibilityIsNear) {
   std::mt19937 random(5);
   std::uniform_real_distribution<double> unit(0.0, 1.0);

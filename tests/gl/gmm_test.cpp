@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Draws planar Gaussians on both contexts and compares them with the reference where the model is (almost) exact.
+// Draws planar Gaussians in both contexts, and compares the pictures with the reference in cases where the model is
+// exact or almost exact.
 #include <gtest/gtest.h>
 
 #include <memory>
@@ -49,7 +50,8 @@ class GmmTest : public testing::TestWithParam<ContextBackend> {
 INSTANTIATE_TEST_SUITE_P(Backends, GmmTest, testing::ValuesIn(test_backends()),
                          [](const auto& test) { return std::string(context_backend_name(test.param)); });
 
-// All normals are upright, so only the Gaussian's shape differs from Blinn-Phong, by 6 % at s = 20 and 1 % at s = 100.
+// All normals are upright, so only the shape of the Gaussian differs from Blinn-Phong: by 6 % at s = 20 and by 1 % at s
+// = 100.
 TEST_P(GmmTest, AFlatMapIsNearTheReference) {
   const TestMap map = make_flat_map(16);
   RenderScene scene;
@@ -61,7 +63,8 @@ TEST_P(GmmTest, AFlatMapIsNearTheReference) {
   }
 }
 
-// Two tilts of 25 degrees in equal shares give two Gaussians, but averaged normals give one. Facets are foreshortened.
+// Two tilts of 25 degrees with equal shares give two Gaussians, but averaged normals give only one. Facets are
+// foreshortened.
 TEST_P(GmmTest, TwoTiltsAreNearTheReference) {
   for (const StorageEncoding encoding : {StorageEncoding::kSnorm16, StorageEncoding::kHalf, StorageEncoding::kFloat}) {
     const TestMap map = make_two_tilt_map(64, 25.0, encoding, true);
@@ -70,10 +73,10 @@ TEST_P(GmmTest, TwoTiltsAreNearTheReference) {
   }
 }
 
-// Compares pictures of Gaussians with those of lobes and with the reference, for BRDFs with Fresnel and shadowing, and
-// for Lambert's BRDF without a highlight. With 512 samples per pixel, the reference's noise is 0.4 % (Lambert's error).
-// A Gaussian is not exactly the shape of Torrance and Sparrow's facets, which causes an error of 2.1 %, even on a flat
-// map (AFlatMapIsNearTheReference).
+// Compares pictures of Gaussians with pictures of lobes and with the reference, for BRDFs with Fresnel and shadowing,
+// and for Lambert's BRDF without a highlight. With 512 samples per pixel, the reference's noise is 0.4 % (Lambert's
+// error). A Gaussian is not exactly the shape of Torrance and Sparrow's facets, which causes an error of 2.1 %, even on
+// a flat map (AFlatMapIsNearTheReference).
 TEST_P(GmmTest, OtherBrdfsAreNearLobesAndTheReference) {
   const TestMap map = make_two_tilt_map(16, 15.0, StorageEncoding::kFloat, false);
   RenderScene scene = distant_scene();
@@ -85,7 +88,7 @@ TEST_P(GmmTest, OtherBrdfsAreNearLobesAndTheReference) {
     EXPECT_LT(picture_error(found, lobes(map, scene)).relative_l1, 0.06) << static_cast<int>(kind);
     EXPECT_LT(picture_error(found, reference(map, scene, 512)).relative_l1, bound) << static_cast<int>(kind);
   }
-  // Without diffuse light the highlight's error is 3.8 %; most of the light is diffuse.
+  // Most of the light is diffuse. Without diffuse light, the error of the highlight is 3.8 %.
   scene.brdf.diffuse = glm::vec3(0.0f);
   scene.brdf.f0 = glm::vec3(0.3f);
   EXPECT_LT(picture_error(gaussians(map, scene), reference(map, scene, 512)).relative_l1, 0.06);
@@ -99,7 +102,7 @@ TEST_P(GmmTest, FilesThatBeginAtACoarserLevel) {
   EXPECT_LT(picture_error(gaussians(map, far, 1), gaussians(map, far)).relative_l1, 1e-5);
   const TestMap wave = make_wave_map(64, WrapMode::kPeriodic);
   RenderScene near = distant_scene();
-  near.uv_scale = 0.5f;  // magnified: single normals
+  near.uv_scale = 0.5f;  // the map is magnified, so pixels show single normals
   EXPECT_LT(picture_error(gaussians(wave, near, 1), gaussians(wave, near)).relative_l1, 0.02);
 }
 

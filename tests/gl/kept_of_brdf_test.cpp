@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests the cache of per-BRDF data: made once for several users, equal for all colours, and limited to a few entries.
+// Tests the cache of per-BRDF data. An entry is made once for several users and does not depend on colours, and the
+// cache keeps only a few entries.
 #include "runtime_gl/render/kept_of_brdf.h"
 
 #include <gtest/gtest.h>
@@ -52,7 +53,7 @@ TEST(KeptOfBrdfTest, TheLeastUsedIsForgotten) {
   Maker maker;
   const int most = static_cast<int>(kept.kMost);
   for (int i = 0; i < most; ++i) maker.of(kept, of_exponent(static_cast<float>(1 + i)));
-  maker.of(kept, of_exponent(1.0f));  // used again, so that 2 is the oldest
+  maker.of(kept, of_exponent(1.0f));  // is used again, so that 2 is now the oldest entry
   maker.of(kept, of_exponent(1e3f));  // replaces 2
   EXPECT_EQ(maker.made, most + 1);
   maker.of(kept, of_exponent(1.0f));

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Compares sums of images by the GPU with sums by the decoder: gamma-coded sums, radiance, every mip level.
+// Compares the sums of images that the GPU computes with the decoder's sums: gamma-coded sums, radiance, and every mip
+// level.
 #include "runtime_gl/animation/layer_sum.h"
 
 #include <gtest/gtest.h>
@@ -76,8 +77,8 @@ TEST_P(LayerSumTest, EqualsTheDecoderAndItsMipLevels) {
       for (std::size_t i = 0; i < found.size() / 4; ++i, ++at)
         for (std::size_t c = 0; c < 3; ++c) {
           const float value = expected[3 * at + c];
-          // Rounding to a half float changes a value by at most 2^-12 of itself, once more per level. llvmpipe's pow
-          // has an error of up to 2e-4.
+          // Rounding to a 16-bit float changes a value by at most 2^-12 of the value. Each further level rounds once
+          // more. llvmpipe's pow has an error of up to 2e-4.
           ASSERT_NEAR(found[4 * i + c], value, 1e-3f * value + 1e-6f) << "level " << l << " texel " << i;
           bias += static_cast<double>(found[4 * i + c] - value) / static_cast<double>(value + 1e-3f);
         }

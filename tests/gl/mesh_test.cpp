@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests the reading of meshes: frames, conventions, and refusals that name the file and the fault.
+// Tests the reading of meshes: tangent frames, conventions, and error messages that name the file and the fault.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -82,10 +82,11 @@ TEST(Mesh, RefusesWhatCannotCarryAMap) {
   EXPECT_NE(refusal(temporary_file("draco.gltf", draco)).find("KHR_draco_mesh_compression"), std::string::npos);
 }
 
-/// Returns glTF with an inline buffer: one right triangle and one whose last index is `index`.
+/// Returns glTF with an inline buffer and two triangles. The first is a right triangle, and the last index of the
+/// second is `index`.
 std::string two_triangles(char index) {
   const char indices[12] = {0, 0, 1, 0, 2, 0, 0, 0, 1, 0, index, 0};
-  // Positions (0,0,0) (1,0,0) (0,1,0) and uvs (0,0) (1,0) (0,1) take 60 bytes.
+  // The positions (0,0,0) (1,0,0) (0,1,0) and the texture coordinates (0,0) (1,0) (0,1) take 60 bytes.
   const std::string base64 =
       "AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAAAAAAAAAAAA"
       "AIA/AAAAAAAAAAAAAIA/" +

@@ -51,7 +51,7 @@ std::size_t pixel_count(const ProbeCase& probe) {
 
 int wrapped(int i, int count, WrapMode mode) { return mode == WrapMode::kPeriodic ? ((i % count) + count) % count : i; }
 
-// Writes an identifier into green and blue of a rectangle of texels of one level.
+// Writes an identifier into the green and blue channels of a rectangle of texels in one level.
 void mark(std::vector<float>& texels, const MipLevelPlace& level, const TextureMapping& mapping, int x0, int x1, int y0,
           int y1, std::size_t identifier) {
   if (x1 - x0 >= level.width) x0 = 0, x1 = level.width - 1;
@@ -66,8 +66,8 @@ void mark(std::vector<float>& texels, const MipLevelPlace& level, const TextureM
     }
 }
 
-// Sets the texels of one of the paper's renderings: every `step`-th texel from (ox, oy), in every third level from
-// `first_level`.
+// Sets the texels for one of the paper's renderings, which are every `step`-th texel from (ox, oy) in every third level
+// from `first_level`.
 std::vector<std::uint32_t> set_apart(const ProbeCase& probe, const MipLayout& layout, int first_level, int ox, int oy,
                                      int step, std::vector<float>& texels) {
   std::vector<std::uint32_t> identifiers = {0};

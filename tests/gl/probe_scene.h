@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Makes the scene on which tests measure filter matrices. Waves in perspective run towards the horizon, partly behind a
-// board, with every degree of minification and slant.
+// Makes the scene on which tests measure filter matrices. Waves in perspective run towards the horizon and are partly
+// behind a board. They have every degree of minification and slant.
 #pragma once
 
 #include <cmath>
@@ -53,7 +53,7 @@ inline glm::mat4 probe_camera(int width, int height) {
   return glm::perspective(0.9f, static_cast<float>(width) / static_cast<float>(height), 0.05f, 50.0f) * view;
 }
 
-/// Returns random RGBA in 0..1 for every texel of every level, in MipLayout's order.
+/// Returns random RGBA values in 0..1 for every texel of every level, in the order of MipLayout.
 inline std::vector<float> random_texels(int texel_count, std::uint64_t seed) {
   SplitMix64 random(seed);
   std::vector<float> texels(4u * static_cast<std::size_t>(texel_count));

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Draws maps whose mixtures are exact. On both back-ends, the baked map's picture must equal the reference picture.
+// Draws maps whose mixtures are exact. With both back-ends, the picture of the baked map must equal the reference
+// picture.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -85,7 +86,7 @@ Brdf metal(float roughness) {
   return brdf;
 }
 
-// The roughness is factor times texture, as in glTF.
+// The roughness is the factor times the texture value, as in glTF.
 TEST_P(RenderTest, ARoughnessTextureMultipliesTheBrdfs) {
   const TestMap map = make_two_tilt_map(16, 20.0, StorageEncoding::kFloat, false);
   RenderScene scene = distant_scene();
@@ -98,7 +99,7 @@ TEST_P(RenderTest, ARoughnessTextureMultipliesTheBrdfs) {
   EXPECT_GT(picture_error(movmf(map, scene), plain).relative_l1, 0.2);
 }
 
-// One half of the map is twice as rough as the other; each is shaded with its own roughness, near and far.
+// One half of the map is twice as rough as the other half. Each half is shaded with its own roughness, near and far.
 TEST_P(RenderTest, ARoughnessTextureEqualsTheReference) {
   const TestMap map = make_two_tilt_map(64, 20.0, StorageEncoding::kFloat, false);
   RenderScene scene = distant_scene();
@@ -118,7 +119,7 @@ TEST_P(RenderTest, ARoughnessTextureEqualsTheReference) {
 TEST_P(RenderTest, FlatMapEqualsReferenceFromNearAndFar) {
   const TestMap map = make_flat_map(16);
   for (const float exponent : {5.0f, 100.0f, 5000.0f}) {
-    RenderScene scene;  // the default view runs from magnified to far
+    RenderScene scene;  // the default view reaches from a magnified foreground to the far distance
     scene.uv_scale = 60.0f;
     scene.brdf.exponent = exponent;
     scene.lights = {{{0.0f, 1.0f, 0.4f}, glm::vec3(3.0f)}, {{-0.4f, 0.5f, 1.0f}, glm::vec3(1.0f)}};
@@ -137,21 +138,22 @@ TEST_P(RenderTest, TwoTiltsEqualReferenceWhereMipsFail) {
     const TestMap map = make_two_tilt_map(64, 25.0, encoding, false);
     const RenderScene scene = distant_scene();
     const FloatImage exact = reference(map, scene, 1024);
-    // The lobes are exact; 1024 samples estimate the shares of both kinds of texels to about 1 %.
+    // The lobes are exact. 1024 samples estimate the shares of both kinds of texels with an error of about 1 %.
     EXPECT_LT(picture_error(movmf(map, scene), exact).relative_l1, 0.02);
     EXPECT_GT(picture_error(baseline(map, scene, Baseline::kMip), exact).relative_l1, 0.10);
   }
 }
 
-// The filter's weights are known for linear quantities: colours under a flat map.
+// The weights of the filter are known for linear quantities, such as colours over a flat map.
 TEST_P(RenderTest, TheReferenceOfTexelsIsWhatTheFilterAverages) {
   for (const WrapMode wrap : {WrapMode::kPeriodic, WrapMode::kClamp, WrapMode::kMirror, WrapMode::kBlack}) {
-    TestMap map = make_flat_map(24);  // levels of 12, 6, 3 and 1
+    TestMap map = make_flat_map(24);  // the levels have 12, 6, 3 and 1 texels
     map.image.wrap_s = map.image.wrap_t = wrap;
     for (std::size_t i = 0; i < map.image.normals.size(); ++i)
       map.image.albedo.emplace_back(i % 2 == 0 ? 1.0f : 0.1f, i % 24 < 12 ? 0.8f : 0.2f, i % 7 < 3 ? 0.9f : 0.3f);
     RenderScene scene;
-    scene.uv_scale = wrap == WrapMode::kBlack ? 1.0f : 9.0f;  // a repeat ends at the near border of the plane
+    scene.uv_scale = wrap == WrapMode::kBlack ? 1.0f : 9.0f;  // a repeat of the map ends at the near border of the
+                                                              // plane
     scene.brdf.specular = glm::vec3(0.0f);
     const NormalMaterial texels(context_->functions(), map.image, NormalMaterial::Sampling::kFootprint, 1.0f);
     for (const TextureFilter& filter : {TextureFilter{}, TextureFilter{1, 0.0f, false, false}}) {
@@ -189,9 +191,9 @@ TEST_P(RenderTest, ColoursFollowTheirLobes) {
   const TestMap map = make_two_tilt_map(64, 40.0, StorageEncoding::kSnorm16, true);
   RenderScene scene = distant_scene();
   scene.brdf.specular = glm::vec3(0.0f);
-  scene.lights = {{{0.2f, 0.0f, 1.0f}, glm::vec3(3.0f)}};  // reaches both tilts
+  scene.lights = {{{0.2f, 0.0f, 1.0f}, glm::vec3(3.0f)}};  // this light reaches both tilts
   EXPECT_LT(picture_error(movmf(map, scene), reference(map, scene, 256)).relative_l1, 0.03);
-  scene.lights = {{{1.0f, 0.0f, 0.2f}, glm::vec3(3.0f)}};  // reaches only the red tilt
+  scene.lights = {{{1.0f, 0.0f, 0.2f}, glm::vec3(3.0f)}};  // this light reaches only the red tilt
   const FloatImage exact = reference(map, scene, 1024);
   const FloatImage drawn = movmf(map, scene);
   EXPECT_LT(picture_error(drawn, exact).relative_l1, 0.02);
@@ -201,8 +203,8 @@ TEST_P(RenderTest, ColoursFollowTheirLobes) {
 }
 
 TEST_P(RenderTest, FirstRowOfTheMapIsItsTop) {
-  // The view is from straight above, and v grows upwards in the picture. The map's first row, white, is in the
-  // picture's upper half. Normals that lean up (+Y) face a light that shines from the picture's upper edge.
+  // The view is from straight above, and v increases upwards in the picture. The white first row of the map is in the
+  // upper half of the picture. Normals that lean up (+Y) face a light that shines from the upper edge of the picture.
   TestMap map = make_flat_map(2);
   map.image.albedo = {glm::vec3(1.0f), glm::vec3(1.0f), glm::vec3(0.1f), glm::vec3(0.1f)};
   MovmfLevel& finest = map.mipmap.levels[0];
@@ -224,8 +226,9 @@ TEST_P(RenderTest, FirstRowOfTheMapIsItsTop) {
   }
 }
 
-// A picture drawn from a file of moments equals the picture that a baseline draws from the finest map. Both contexts
-// are llvmpipe on most machines, and compiling takes seconds, so one context draws only some of the cases.
+// A picture drawn from a file of moments equals the picture that the same baseline method draws from the finest map.
+// Both contexts are llvmpipe on most machines, and compiling takes seconds, so one context draws only some of the
+// cases.
 TEST_P(RenderTest, MomentsEqualTheBaselines) {
   const std::pair<MomentShading, Baseline> kWays[] = {{MomentShading::kToksvig, Baseline::kToksvig},
                                                       {MomentShading::kLean, Baseline::kLean},
@@ -236,9 +239,9 @@ TEST_P(RenderTest, MomentsEqualTheBaselines) {
       if (GetParam() == ContextBackend::kEgl && coloured != (wrap == WrapMode::kBlack)) continue;
       for (std::size_t i = 0; coloured && i < map.image.normals.size(); ++i)
         map.image.albedo.emplace_back(0.5f + 0.5f * map.image.normals[i]);
-      RenderScene scene;  // from magnified to far
+      RenderScene scene;  // the view reaches from magnified to far
       scene.uv_scale = wrap == WrapMode::kPeriodic ? 30.0f : 1.0f;
-      // Both exponents are drawn with colours and without, each under two wrap modes.
+      // Both exponents are drawn with and without colours, and with two wrap modes each.
       const bool is_sharp = coloured == (wrap == WrapMode::kMirror || wrap == WrapMode::kBlack);
       scene.brdf.exponent = is_sharp ? 500.0f : 20.0f;
       scene.lights = {{{0.3f, 0.7f, 1.0f}, glm::vec3(3.0f)}};
@@ -258,8 +261,8 @@ TEST_P(RenderTest, MomentsEqualTheBaselines) {
   }
 }
 
-/// Returns a plain from near to far with every level of detail, including magnification. Slopes of up to 0.8 are never
-/// in shadow.
+/// Returns a plain that reaches from near to far and shows every level of detail, including magnification. Slopes of up
+/// to 0.8 are never in shadow.
 RenderScene plain_scene() {
   RenderScene scene;
   scene.uv_scale = 60.0f;
@@ -330,9 +333,9 @@ TEST_P(RenderTest, WrapModesEqualReference) {
 TEST_P(RenderTest, TheNormalMapsLevelsMixWithTheLobesAsTrilinearFilteringMixes) {
   const TestMap map = make_noise_map(64, 0.4f, WrapMode::kPeriodic);
   RenderScene scene = plain_scene();
-  scene.uv_scale = 350.0f;  // never magnified: a magnified normal map is narrower
+  scene.uv_scale = 350.0f;  // The map is never magnified, because a magnified normal map has narrower highlights.
   const FloatImage whole = movmf(map, scene);
-  // As a control that the picture can show an error, levels are too coarse by one.
+  // This control checks that the picture can show an error: every level is one step too coarse.
   TestMap blurred = map;
   for (glm::vec4& lobe : blurred.mipmap.levels[0].lobes[0]) lobe = glm::vec4(0.0f, 0.0f, 0.95f, 1.0f);
   EXPECT_GT(picture_error(movmf(blurred, scene), whole).relative_l1, 0.002);
@@ -367,7 +370,7 @@ TEST_P(RenderTest, TheFinestLevelsTakeTheirColoursFromTheAlbedoMap) {
               filter_tolerance(*context_, 1e-5, 1e-3))
         << first_level;
   map.image.albedo.clear();
-  // Without the albedo map, level 3's colours are magnified.
+  // Without the albedo map, the colours of level 3 are magnified.
   const FloatImage without = movmf_from(3, map, scene);
   EXPECT_GT(picture_error(without, whole).relative_l1, 0.02);
   EXPECT_LT(picture_error(without, whole).relative_l1, 0.3);
@@ -379,7 +382,7 @@ TEST_P(RenderTest, BeyondABlackBorderTheNormalMapHasNoMaterialEither) {
   look_from_above(scene, 1.6, 16, kRenderHeight);
   scene.camera.eye = {-10.0f, 40.0f, 30.0f};
   scene.camera.target = {-10.0f, 40.0f, 0.0f};
-  scene.uv_scale *= 2.0f;  // from half the height
+  scene.uv_scale *= 2.0f;  // the view is from half the height
   const FloatImage whole = movmf(map, scene), coarse = movmf_from(1, map, scene);
   EXPECT_EQ(coarse.rgba[4 * (kRenderHeight / 4 * kRenderWidth + kRenderWidth * 3 / 4)], 0.0f);
   EXPECT_LT(picture_error(coarse, whole).relative_l1, 1e-5);
@@ -414,8 +417,8 @@ TEST_P(RenderTest, EveryVariantCompilesAndDraws) {
   }
 }
 
-// Both contexts are llvmpipe on most machines, which takes half a second per number of lobes, so only one context draws
-// all numbers.
+// Both contexts are llvmpipe on most machines, which takes half a second for each number of lobes. Hence only one
+// context draws all of them.
 TEST_P(RenderTest, EveryLobeCountDraws) {
   for (std::size_t lobes = 1; lobes <= kLobeCountMax; ++lobes) {
     if (GetParam() == ContextBackend::kEgl && lobes != 1 && lobes != 3 && lobes != kLobeCountMax) continue;
@@ -442,7 +445,7 @@ TEST_P(RenderTest, SameInputGivesSameBytes) {
 }
 
 TEST_P(RenderTest, NearerSurfacesHideWhatLiesBehind) {
-  // Draws two parallel quads, the farther one first. The reference's sum must hold only the nearer one.
+  // Draws two parallel quads, the farther one first. The sum of the reference must contain only the nearer one.
   MeshData two = make_quad(60.0f);
   for (std::size_t i = 0; i < 4; ++i) {
     two.vertices.push_back(two.vertices[i]);
@@ -474,7 +477,8 @@ TEST(Render, OsmesaEqualsEgl) {
     pictures.push_back(renderer.draw(mesh, material, scene).image);
     software += gl_string(context->functions(), GL_RENDERER).find("llvmpipe") != std::string::npos ? "s" : "g";
   }
-  // One rasteriser behind both contexts gives equal bits; a GPU behind EGL may differ in rounding and level of detail.
+  // If both contexts use the same rasteriser, the bits are equal. If EGL uses a GPU, rounding and the level of detail
+  // may differ.
   if (software == "ss") {
     EXPECT_EQ(pictures[0].rgba, pictures[1].rgba);
   } else {
@@ -497,8 +501,8 @@ TEST(Camera, FramesPointsFromTheirFront) {
   EXPECT_EQ(frame_points(points, {1.0f, 0.0f, 0.0f}, 1.0f).up.x, 1.0f);
 }
 
-// For random point sets of every shape and place, all points are seen and centred, and they touch two opposite sides of
-// the picture.
+// For random point sets of every shape and place, all points are visible and centred, and they touch two opposite sides
+// of the picture.
 TEST(Camera, PointsFillThePicture) {
   std::mt19937 random(7);
   std::uniform_real_distribution<float> unit(-1.0f, 1.0f);
@@ -599,7 +603,7 @@ TEST(ContactSheet, PlacesPicturesUnderTheirLabels) {
 }
 
 TEST(ContactSheet, LabelsAreWholeHoweverSmallThePictures) {
-  // A dash is five pixels of ink, or ten by two at the larger scale; no other pixel is white.
+  // A dash has five white pixels, or ten by two at the larger scale. No other pixel is white.
   const std::string label(20, '-');
   const auto ink = [&](int width) {
     const FloatImage dark{width, 4, std::vector<float>(static_cast<std::size_t>(16 * width), 0.0f)};

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Draws spherical harmonics on both contexts and compares them with the reference, lobes, and one another. Tests for GL
-// errors, the layers of an array as uploaded, levels that come from the normal map, and black borders.
+// Draws spherical harmonics in both contexts. Compares the pictures with the reference, with lobes, and with each
+// other. Also tests GL errors, the uploaded layers of a texture array, levels that come from the normal map, and black
+// borders.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -25,7 +26,7 @@ namespace {
 constexpr int kShWidth = 96, kShHeight = 72;
 
 RenderScene scene_of(float exponent, float uv_scale = 60.0f) {
-  RenderScene scene;  // far enough away that a pixel covers several texels at 32 texels per unit
+  RenderScene scene;  // so far away that a pixel covers several texels, of which there are 32 per unit
   scene.camera.eye = {0.0f, -8.0f, 12.0f};
   scene.camera.target = {0.0f, 8.0f, 0.0f};
   scene.uv_scale = uv_scale;
@@ -93,7 +94,7 @@ TEST_P(ShRenderTest, HalfsAreAsGoodAsFloats) {
   EXPECT_LT(error(draw(make_harmonics(map.image, 8, StorageEncoding::kHalf), scene), exact), 2e-3);
 }
 
-// Each level has one normal, so that all cosines of the highlight are equal.
+// Each level has only one normal, so that all cosines of the highlight are equal.
 TEST_P(ShRenderTest, AFlatMapIsItsBrdfCutOff) {
   const TestMap map = make_flat_map(8);
   const RenderScene scene = scene_of(10.0f);
@@ -128,7 +129,8 @@ TEST_P(ShRenderTest, BeyondABlackBorderThereIsNothing) {
   const auto lit = [&](WrapMode wrap) {
     TestMap map = make_flat_map(8);
     map.image.wrap_s = map.image.wrap_t = wrap;
-    // The plane shows two repeats: the left part of its far half, some rows below the horizon, is within the map.
+    // The plane shows two repeats of the map. The left part of the plane's far half, some rows below the horizon, is
+    // within the map.
     const FloatImage drawn = draw(make_harmonics(map.image, 4, StorageEncoding::kFloat), scene_of(10.0f, 2.0f));
     std::size_t count = 0;
     for (std::size_t i = 0; i < drawn.rgba.size(); i += 4) count += drawn.rgba[i] > 0.0f ? 1 : 0;
@@ -139,7 +141,8 @@ TEST_P(ShRenderTest, BeyondABlackBorderThereIsNothing) {
   EXPECT_LT(within, everywhere / 4);
 }
 
-// Both contexts are llvmpipe on most machines, which takes ten seconds for the longest shader: only one draws it.
+// Both contexts are llvmpipe on most machines, which takes ten seconds for the longest shader. Hence only one context
+// draws it.
 TEST_P(ShRenderTest, OrdersFromTheLeastToTheMost) {
   const int high = GetParam() == ContextBackend::kOsmesa ? 20 : 8;
   const TestMap map = make_two_tilt_map(8, 25.0, StorageEncoding::kFloat, false);
@@ -151,8 +154,8 @@ TEST_P(ShRenderTest, OrdersFromTheLeastToTheMost) {
   EXPECT_GT(least, most);
 }
 
-// Diffuse light up to l = 2 needs only E[n] and E[n n^T]; lobes of one direction are exact there too. If normals are
-// tilted by 60 degrees to both sides, a single lobe around the mean normal has a large error.
+// Diffuse light up to l = 2 depends only on E[n] and E[n n^T]. Lobes that hold a single direction are also exact there.
+// If normals are tilted by 60 degrees to both sides, a single lobe around the mean normal has a large error.
 TEST_P(ShRenderTest, DiffuseLightFromEverywhereIsThatOfLobes) {
   EnvironmentMap sky{32, 16, {}};
   for (int y = 0; y < sky.height; ++y)
@@ -172,8 +175,8 @@ TEST_P(ShRenderTest, DiffuseLightFromEverywhereIsThatOfLobes) {
   EXPECT_GT(error(draw(make_harmonics(map.image, 1, StorageEncoding::kFloat), scene), exact), 0.01);
 }
 
-// Lobes use the mean cosine of the normals that the light reaches (movmf_shading.glsl). The error of this choice is at
-// most as large as the error of the other cosines.
+// Lobes use the mean cosine of the normals that the light reaches (movmf_shading.glsl). The error with this cosine is
+// at most as large as the error with the other cosines.
 TEST_P(ShRenderTest, TheHighlightsCosineIsTheNearest) {
   const TestMap map = make_noise_map(64, 1.5f, WrapMode::kPeriodic);
   const ShMipmap harmonics = make_harmonics(map.image, 8, StorageEncoding::kFloat);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Makes a baked file of spherical harmonics from the definition in double, without a bake.
+// Makes a baked file of spherical harmonics without a bake, from their definition in double precision.
 #pragma once
 
 #include "host/formats/asset/averages/sh_mipmap.h"
@@ -7,8 +7,8 @@
 
 namespace multum::gl {
 
-/// Projects the image's normals; every level is an average of the finest level. The sides are powers of two. A
-/// mean_cosine below 1 includes the width of a BRDF with this mean cosine everywhere.
+/// Projects the normals of the image. Every level is an average of the finest level, and the sides are powers of two.
+/// If mean_cosine is below 1, every texel includes the width of a BRDF with this mean cosine.
 ShMipmap make_harmonics(const NormalImage& image, int order, StorageEncoding encoding, double mean_cosine = 1.0);
 
 }  // namespace multum::gl

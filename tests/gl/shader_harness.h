@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Evaluates a GLSL expression over arrays: one fragment per element, inputs and outputs in RGBA32F, read back exactly.
+// Evaluates a GLSL expression over arrays, with one fragment per element. Inputs and outputs are RGBA32F and are read
+// back exactly.
 #pragma once
 
 #include <functional>
@@ -16,17 +17,18 @@
 namespace multum::gl {
 
 struct ShaderHarnessInput {
-  std::string expression;               // a vec4 of the vec4s a and b; may call functions of common/ and brdf/
+  std::string expression;               // a vec4 expression in the vec4s a and b, which may call functions of common/
+                                        // and brdf/
   std::vector<glm::vec4> a;             // at most 16384 elements
   std::vector<glm::vec4> b;             // as many elements as `a`
   const Texture* texture = nullptr;     // bound to the sampler `map`
-  std::vector<SourceEdit> edits = {};   // edits of kGlslFormulas that remove a guard
+  std::vector<SourceEdit> edits = {};   // edits to kGlslFormulas that remove a guard
   std::vector<std::string> flags = {};  // #define lines
   std::string formulas = {};            // more shader text, which may read `map`
   std::function<void(const ShaderProgram& program)> set_uniforms = {};  // also binds textures, from unit 3 on
 };
 
-/// Edits refer to the text of all formulas by this name.
+/// This name refers to the text of all formulas in edits.
 constexpr char kGlslFormulas[] = "formulas";
 
 /// Evaluates the expression. The output is poisoned with NaN first, so that an element without a fragment is noticed.

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Compares the GLSL shading functions with double precision: the same formula, and the exact convolution by quadrature.
+// Compares the GLSL shading functions with two computations in double precision: the same formula, and the exact
+// convolution by quadrature.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -75,8 +76,8 @@ TEST_F(ShadingTest, BlinnPhongEqualsItsFormulaInDouble) {
       const std::vector<double> values = evaluate("multum_movmf_blinn_phong(a, b.xyz, b.w)", cases);
       for (std::size_t i = 0; i < values.size(); ++i) {
         const double expected = reference::product_blinn_phong(s, spread, cases[i].theta);
-        // The inverse's error of 2.3e-4 counts twice, in scale and exponent. The spread a - |a r| has a rounding error
-        // of 1e-7, which matters compared with 1/(s+2).
+        // The error of the inverse, 2.3e-4, counts twice because it changes both the scale and the exponent. The spread
+        // a - |a r| has a rounding error of 1e-7, which is not negligible compared with 1/(s+2).
         EXPECT_NEAR(values[i], expected, peak * (6e-4 + 4e-7 * (s + 2.0)))
             << "s " << s << " spread " << spread << " theta " << cases[i].theta;
       }
@@ -93,7 +94,8 @@ TEST_F(ShadingTest, CosinePowerKeepsItsPrecisionAtHighExponents) {
     const double s = static_cast<double>(input.b[i].x);
     const double e = static_cast<double>(input.b[i].y);
     const double expected = (s + 1.0) / (2.0 * std::numbers::pi) * std::exp(s * std::log1p(-e));
-    // The argument of exp() is up to 6 and rounded. A plain log(1 - e) would have an error of 6e-3 at s = 1e5.
+    // The argument of exp() is rounded and can be as large as 6. A plain log(1 - e) would have an error of 6e-3 at s =
+    // 1e5.
     EXPECT_NEAR(static_cast<double>(values[i].x) / expected, 1.0, 1e-5) << "s " << s << " e " << e;
   }
 }
@@ -111,8 +113,8 @@ double relative_l1(const std::vector<Case>& cases, const std::vector<double>& va
 }
 
 TEST_F(ShadingTest, BlinnPhongIsNearTheExactConvolution) {
-  // The bounds are the table of tools/lab/fit_shading.py, rounded up. The paper's equation 20 has errors of 3 to 70 %
-  // for kappa <= 50.
+  // The bounds are the rounded-up values of the table in tools/lab/fit_shading.py. The paper's equation 20 has errors
+  // of 3 to 70 % for kappa <= 50.
   const struct {
     double s;
     double bound;
@@ -146,8 +148,8 @@ TEST_F(ShadingTest, LambertIsNearTheExactConvolution) {
 TEST_F(ShadingTest, LambertIsExactAtBothEnds) {
   const std::vector<Case> sharp = angles(0.0, 0.0, std::numbers::pi, 50);
   const std::vector<double> values = evaluate("multum_movmf_lambert(a, b.xyz)", sharp);
-  // The length |r| = 1 is rounded, so the spread may be 1e-7. The square root of the spread shows where the cosine is
-  // 0.
+  // The length |r| = 1 is rounded, so the spread may be 1e-7 instead of 0. The result changes by the square root of the
+  // spread where the cosine is 0.
   for (std::size_t i = 0; i < values.size(); ++i) EXPECT_NEAR(values[i], std::max(std::cos(sharp[i].theta), 0.0), 3e-4);
   for (const double value : evaluate("multum_movmf_lambert(a, b.xyz)", angles(1.0, 0.0, std::numbers::pi, 50)))
     EXPECT_NEAR(value, 0.25, 1e-6);
@@ -172,7 +174,7 @@ TEST_F(ShadingTest, TorranceSparrowIsNearTheExactConvolution) {
 TEST_F(ShadingTest, HardCases) {
   std::vector<Case> cases;
   for (const double amplitude : {0.0, 1e-8, 1.0 / 32767.0, 1.0})
-    for (const double spread : {-1e-3, 0.0, 1e-7, 0.5, 1.0})  // below 0: rounding left |r| > 1
+    for (const double spread : {-1e-3, 0.0, 1e-7, 0.5, 1.0})  // The spread is below 0 because rounding left |r| > 1.
       for (const double theta : {0.0, 1e-4, 0.5 * std::numbers::pi, std::numbers::pi})
         for (const double s : {1.0, 100.0, 1e5}) cases.push_back({amplitude, spread, theta, s});
   for (const char* expression :
@@ -192,8 +194,8 @@ TEST_F(ShadingTest, HardCases) {
 }
 
 // Normals turn evenly from texel to texel, and pixels are placed at all positions between texels. On average, the lobe
-// has the same spread as the normals that a pixel sees. This holds for pixel sizes up to sqrt(2) texels, even far below
-// one texel.
+// has the same spread as the normals that a pixel sees. This holds for pixels of every size up to sqrt(2) texels, even
+// for pixels far smaller than one texel.
 TEST_F(ShadingTest, AMagnifiedNormalMapIsAsWideAsWhatAPixelSees) {
   const int places = 64;
   const double turn = 0.2;
@@ -213,8 +215,8 @@ TEST_F(ShadingTest, AMagnifiedNormalMapIsAsWideAsWhatAPixelSees) {
   }
 }
 
-// Tests the weight of the normal map at each level of detail, and that scaling a lobe scales its light by the same
-// factor.
+// Tests the weight of the normal map at each level of detail. Also tests that scaling a lobe scales its light by the
+// same factor.
 TEST_F(ShadingTest, TheNormalMapHasItsShare) {
   ShaderHarnessInput input{"vec4(multum_normal_map_share(b.x))", {}, {}, nullptr};
   const float lods[] = {-8.0f, -1.5f, -1.0f, -0.75f, -0.25f, 0.0f, 0.25f, 9.0f};
@@ -225,7 +227,7 @@ TEST_F(ShadingTest, TheNormalMapHasItsShare) {
   }
   const std::vector<glm::vec4> values = evaluate_shader(context_->functions(), input);
   for (std::size_t i = 0; i < values.size(); ++i) EXPECT_FLOAT_EQ(values[i].x, shares[i]) << lods[i];
-  // A lobe with half the amplitude reflects half the light, so that lobes and normals can be mixed by weights.
+  // A lobe with half the amplitude reflects half the light, so lobes and normals can be mixed with weights.
   ShaderHarnessInput halves{
       "vec4(multum_movmf_blinn_phong(a, b.xyz, 50.0), 2.0 * multum_movmf_blinn_phong(0.5 * a, b.xyz, 50.0),"
       " multum_movmf_lambert(a, b.xyz), 2.0 * multum_movmf_lambert(0.5 * a, b.xyz))",

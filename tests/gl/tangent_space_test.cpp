@@ -37,7 +37,7 @@ void expect_near(const glm::vec4& found, const glm::vec4& expected) {
       << expected.y << ", " << expected.z << ", " << expected.w;
 }
 
-// Two triangles share an edge; in each, u grows in its own direction.
+// Two triangles share an edge. In each triangle, u increases in a different direction.
 TEST(TangentSpace, CornersWeighByTheirAngles) {
   const Corner a{{0, 0, 0}, {0, 0}}, b{{1, 0, 0}, {1, 0}}, c{{0, 1, 0}, {0, 1}};
   const Corner d{{1, 1, 0}, {3, 1}};
@@ -45,7 +45,7 @@ TEST(TangentSpace, CornersWeighByTheirAngles) {
   // Second triangle: e1 = d - b = (0, 1), e2 = c - b = (-1, 1); duv1 = (2, 1), duv2 = (-1, 1).
   // T ~ duv2.v e1 - duv1.v e2 = (0, 1) - (-1, 1) = (1, 0). Both agree: +x everywhere.
   for (const glm::vec4& t : tangents) expect_near(t, {1, 0, 0, 1});
-  // If v grows too, T leans: duv1 = (2, 2), so T ~ 1 (0, 1) - 2 (-1, 1) = (2, -1).
+  // If v increases too, T leans: duv1 = (2, 2), so T ~ 1 (0, 1) - 2 (-1, 1) = (2, -1).
   const Corner e{{1, 1, 0}, {3, 2}};
   const std::vector<glm::vec4> leaning = mikk_tangents(flat({a, b, c, b, e, c}));
   const glm::vec2 second = glm::normalize(glm::vec2(2, -1));
@@ -57,7 +57,7 @@ TEST(TangentSpace, CornersWeighByTheirAngles) {
   expect_near(leaning[1], mixed(45, 45));
   expect_near(leaning[2], mixed(45, 45));
   expect_near(leaning[4], glm::vec4(second, 0, 1));
-  // A sharper corner counts for less. Here b is moved far out along x, and u is still x.
+  // A sharper corner counts for less. Here b is moved far out along x, and u still equals x.
   const Corner far{{2, 0, 0}, {2, 0}};
   const std::vector<glm::vec4> weighed = mikk_tangents(flat({a, far, c, far, e, c}));
   // far: first triangle between (-2, 0) and (-2, 1), second between (-1, 1) and (-2, 1).
@@ -68,17 +68,18 @@ TEST(TangentSpace, CornersWeighByTheirAngles) {
   expect_near(weighed[1], glm::vec4(glm::normalize(first_angle * glm::vec2(1, 0) + second_angle * third), 0, 1));
 }
 
-// A chart and its mirror image share all attributes of the seam's vertices: positions, normals, coordinates.
+// A chart and its mirror image share all attributes of the vertices on the seam: positions, normals, and texture
+// coordinates.
 TEST(TangentSpace, MirroredChartsDoNotMix) {
   const Corner top{{0, 1, 0}, {0, 1}}, bottom{{0, 0, 0}, {0, 0}}, right{{1, 0, 0}, {1, 0}}, left{{-1, 0, 0}, {1, 0}};
   const std::vector<glm::vec4> tangents = mikk_tangents(flat({bottom, right, top, bottom, top, left}));
   for (int i = 0; i < 3; ++i) expect_near(tangents[static_cast<std::size_t>(i)], {1, 0, 0, 1});
   for (int i = 3; i < 6; ++i) expect_near(tangents[static_cast<std::size_t>(i)], {-1, 0, 0, -1});
-  // Both bitangents point along growing v.
+  // Both bitangents point in the direction of increasing v.
   for (const glm::vec4& t : tangents) EXPECT_GT((t.w * glm::cross(glm::vec3(0, 0, 1), glm::vec3(t))).y, 0.99f);
 }
 
-// Triangles that touch only in a vertex are two groups: nothing is averaged across the gap.
+// Triangles that share only a vertex form two groups, and tangents are not averaged across the gap between them.
 TEST(TangentSpace, AVertexAloneJoinsNothing) {
   const Corner middle{{0, 0, 0}, {0, 0}};
   const Corner a{{1, 0, 0}, {1, 0}}, b{{0, 1, 0}, {0, 1}};     // u along +x
@@ -90,10 +91,11 @@ TEST(TangentSpace, AVertexAloneJoinsNothing) {
 
 TEST(TangentSpace, TrianglesWithoutDirectionTakeANeighbours) {
   const Corner a{{0, 0, 0}, {0, 0}}, b{{1, 0, 0}, {1, 0}}, c{{0, 1, 0}, {0, 1}};
-  const Corner d{{1, 1, 0}, {1, 0}};  // same u, v as b: no area with b and b
+  const Corner d{{1, 1, 0}, {1, 0}};  // this vertex has the same u and v as b, so the triangle has no area in texture
+                                      // space
   const Corner stray{{5, 5, 0}, {0, 0}}, stray2{{6, 5, 0}, {0, 0}}, stray3{{5, 6, 0}, {0, 0}};
   const std::vector<glm::vec4> tangents = mikk_tangents(flat({a, b, c, b, d, d, stray, stray2, stray3}));
-  expect_near(tangents[3], {1, 0, 0, 1});  // b of the empty triangle
+  expect_near(tangents[3], {1, 0, 0, 1});  // the vertex b of the empty triangle
   for (const glm::vec4& t : tangents) {
     EXPECT_NEAR(glm::length(glm::vec3(t)), 1.0f, 1e-5f);
     EXPECT_NEAR(t.z, 0.0f, 1e-6f);
@@ -101,7 +103,8 @@ TEST(TangentSpace, TrianglesWithoutDirectionTakeANeighbours) {
   }
 }
 
-// The conformance model stores no tangents. The model's bumps are steep, and smooth normals lean with the bumps.
+// The conformance model stores no tangents. The bumps of the model are steep, and its smooth normals lean with the
+// bumps.
 TEST(TangentSpace, OfTheConformanceModel) {
   if (shared_data().empty()) GTEST_SKIP() << "MULTUM_SHARED_DATA is not set";
   const TriangleMesh mesh = read_mesh(shared_data() + "/mesh/pc_NormalTangentTest.glb");

@@ -8,7 +8,8 @@
 
 namespace multum::gl {
 
-/// Makes a square of side `size` that faces +Z; its near edge is along X through the origin. Its uv go from 0 to 1.
+/// Makes a square with sides of length `size` that faces +Z. Its near edge runs along X through the origin, and its
+/// texture coordinates go from 0 to 1.
 MeshData make_quad(float size);
 
 struct TestMap {
@@ -19,30 +20,32 @@ struct TestMap {
 /// Every normal is (0, 0, 1), which gives one lobe of |r| = 1.
 TestMap make_flat_map(int size);
 
-/// Returns one lobe per texel, from unit normals with a box filter. The sides are equal powers of two.
+/// Returns one lobe per texel, which a box filter makes from unit normals. The sides are equal powers of two.
 TestMap make_one_lobe_map(NormalImage image);
 
-/// Returns random normals with slopes of at most `slope` along each axis, as one lobe. `size` is a power of two.
+/// Returns random normals with slopes of at most `slope` along each axis, as one lobe per texel. `size` is a power of
+/// two.
 TestMap make_noise_map(int size, float slope, WrapMode wrap);
 
-/// Returns one wave along each axis, 0 at the borders, as one lobe. It is smooth under every wrap mode, but mirroring
-/// makes a different map. `size` is a power of two.
+/// Returns one wave along each axis, which is 0 at the borders, as one lobe per texel. The map is smooth with every
+/// wrap mode, but mirroring makes a different map. `size` is a power of two.
 TestMap make_wave_map(int size, WrapMode wrap);
 
-/// Returns a checkerboard of texels tilted by +angle and -angle (degrees) about Y, red and blue if `coloured`. It has
-/// two lobes of |r| = 1, whose amplitudes are 1/2 from level 1 on. `size` is a power of two.
+/// Returns a checkerboard of texels that are tilted by +angle and -angle (degrees) about Y. If `coloured`, the texels
+/// are red and blue. There are two lobes of |r| = 1. In level 1 and all coarser levels, both amplitudes are 1/2. `size`
+/// is a power of two.
 TestMap make_two_tilt_map(int size, double angle_degrees, StorageEncoding encoding, bool coloured);
 
-/// Makes a baked file of moments of the image's normals; every level is the mean of the finest. The sides are powers of
-/// two.
+/// Makes a baked file of moments from the normals of the image. Every level is the mean of the finest level, and the
+/// sides are powers of two.
 MomentMipmap make_moments(const NormalImage& image, StorageEncoding encoding);
 
 /// Converts lobes of single directions to planar Gaussians. Their variance is 0 or, with roughness, the variance of the
 /// facets.
 MovmfMipmap as_gaussians(MovmfMipmap mipmap);
 
-/// Returns a view from so far away that every pixel covers several texels, at 64 texels per unit, and shows level 1 or
-/// coarser.
+/// Returns a view from so far away that every pixel covers several texels and shows level 1 or a coarser level. The map
+/// has 64 texels per unit.
 RenderScene distant_scene();
 
 /// Points the camera straight down at the plane from a height of 60. In a picture of `height` pixels, each pixel covers

@@ -55,7 +55,7 @@ class TextureFilterTest : public testing::TestWithParam<ContextBackend> {
   std::unique_ptr<Renderer> renderer_;
 };
 
-// Returns random colours under a flat map, because filtering is linear in colours and no highlight hides them.
+// Returns random colours under a flat map, because filtering is linear in colours and no highlight hides the colours.
 NormalImage coloured_image(int size) {
   NormalImage image{size, size, {}, {}};
   std::mt19937 random(3);
@@ -89,7 +89,7 @@ glm::dvec4 bilinear(const std::vector<float>& texels, int size, glm::dvec2 st) {
   return sum;
 }
 
-// Compares the shader's lookups for given footprints with their definition in double.
+// Compares the shader's lookups for given footprints with the definition in double precision.
 TEST_P(TextureFilterTest, TapsAreTheirsInDouble) {
   constexpr int kSize = 16, kLevels = 5;
   TexelPlane plane{kSize, kSize, {}};
@@ -130,7 +130,7 @@ TEST_P(TextureFilterTest, TapsAreTheirsInDouble) {
   }
 }
 
-// One tap without a bias is the driver's trilinear filter, except for the driver's approximation of the level.
+// One tap without a bias equals the driver's trilinear filter, except that the driver approximates the level.
 TEST_P(TextureFilterTest, OneTapIsTheDriversTrilinear) {
   const NormalImage image = coloured_image(64);
   NormalMaterial material(context_->functions(), image, NormalMaterial::Sampling::kMipmapped, 1.0f);
@@ -148,7 +148,8 @@ TEST_P(TextureFilterTest, TapsComeNearerThePixel) {
   double before = error_of(drawn(material, scene, kPlain), exact);
   for (const int taps : {2, 4, 16}) {
     const double error = error_of(drawn(material, scene, {taps, 0.0f, false, false}), exact);
-    EXPECT_LT(error, (taps > 4 ? 1.0 : 0.95) * before) << taps << " taps";  // few pixels are longer than 4 to 1
+    // Only few pixels are more than 4 times as long as wide.
+    EXPECT_LT(error, (taps > 4 ? 1.0 : 0.95) * before) << taps << " taps";
     // Linear quantities do not depend on whether taps are shaded before or after averaging.
     EXPECT_NEAR(error_of(drawn(material, scene, {taps, 0.0f, true, false}), exact), error, 1e-4) << taps << " taps";
     before = error;
@@ -188,7 +189,7 @@ TEST_P(TextureFilterTest, ColoursOfAnotherSizeHaveTheirOwnLevel) {
 }
 
 // Magnifies two tilts. Lobes blend the light of the surrounding texels, as the blended reference does. Facets have
-// edges, and the normal between two opposite tilts is upright.
+// visible edges, and the normal midway between two opposite tilts is upright.
 TEST_P(TextureFilterTest, ReferencesBetweenTexels) {
   using Sampling = NormalMaterial::Sampling;
   const TestMap map = make_two_tilt_map(16, 25.0, StorageEncoding::kFloat, false);
@@ -211,8 +212,8 @@ TEST_P(TextureFilterTest, ReferencesBetweenTexels) {
   EXPECT_LT(nearest, 0.02);
 }
 
-// Draws four quarters of one normal each, or alternating texels, from very near. Lobes match the interpolation of
-// engines as closely as averaged normals do.
+// Draws a map from very near. The map has four quarters with one normal each, or alternating texels. Lobes match the
+// interpolation of engines as closely as averaged normals do.
 TEST_P(TextureFilterTest, AMagnifiedSurfaceIsThatOfAveragedNormals) {
   NormalImage quarters = make_flat_map(16).image;
   const double tilt = glm::radians(25.0);
@@ -236,7 +237,8 @@ TEST_P(TextureFilterTest, AMagnifiedSurfaceIsThatOfAveragedNormals) {
   }
 }
 
-// The difference from a picture with sixteen times as many samples is equal to the stated noise, within a small factor.
+// The picture's difference from a picture with sixteen times as many samples equals the stated noise, within a small
+// factor.
 TEST_P(TextureFilterTest, TheNoiseOfAReferenceIsWhatItSays) {
   const TestMap map = make_noise_map(64, 0.5f, WrapMode::kPeriodic);
   RenderScene scene;
@@ -257,7 +259,7 @@ INSTANTIATE_TEST_SUITE_P(Backends, TextureFilterTest, testing::ValuesIn(test_bac
                          [](const auto& test) { return std::string(context_backend_name(test.param)); });
 
 TEST(ReferenceSampling, OffsetsHaveTheirFiltersVariance) {
-  // A Gaussian with the standard deviation 1/2 that is cut off at three standard deviations has the variance 1/4 (1 - 6
+  // If a Gaussian with a standard deviation of 1/2 is cut off at three standard deviations, its variance is 1/4 (1 - 6
   // phi(3) / (2 Phi(3) - 1)).
   const double phi = std::exp(-4.5) / std::sqrt(2.0 * M_PI);
   const double cut = 0.25 * (1.0 - 6.0 * phi / std::erf(3.0 / std::sqrt(2.0)));

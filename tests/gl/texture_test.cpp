@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests that uploads keep the encoding's precision, and that hardware filtering equals filtering in double precision.
+// Tests that uploads keep the precision of the encoding, and that the hardware filters like a filter in double
+// precision.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -151,8 +152,8 @@ TEST_P(TextureTest, FiltersLikeDoublePrecision) {
         error_max = std::max(error_max, std::abs(off));
         ASSERT_FALSE(std::isnan(off));
       }
-    // s * width, up to 2.5 * 37 texels, is rounded by 8e-6 texels. This error is multiplied by differences of up to 2
-    // and occurs a few times.
+    // s * width is at most 2.5 * 37 texels, and its rounding error is 8e-6 texels. This error is multiplied by
+    // differences of up to 2 and occurs a few times.
     EXPECT_LT(error_max, filter_tolerance(*context_, 3e-5, 2e-2)) << wrap_mode_name(wrap);
   }
 }
@@ -181,7 +182,8 @@ TEST(Half, ClampedOnesAreTheSameUpToTheLargest) {
 }
 
 TEST(Half, RoundsToNearestEvenOverAllExponents) {
-  // Tests every half float, and floats just below, at and just above the middle to the next half.
+  // Tests every 16-bit float. Also tests the 32-bit floats just below, at and just above the midpoint between each pair
+  // of neighbouring 16-bit floats.
   for (std::uint32_t h = 0; h < 0x7bff; ++h) {
     const auto low = static_cast<std::uint16_t>(h);
     const auto high = static_cast<std::uint16_t>(h + 1);

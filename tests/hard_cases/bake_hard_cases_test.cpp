@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bakes the hard cases of fitting. Results are finite, conserve the averages, and are right where the answer is known
-// in closed form.
+// Bakes the hard cases of fitting. The results must be finite, conserve the averages, and be correct where a closed
+// form gives the answer.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -47,7 +47,7 @@ Baked bake(const NormalMap& map, int lobes, Variant variant) {
   return baked;
 }
 
-// Returns the weighted 1 - |r| of the mixture of lobes that point in one direction.
+// Returns the weighted mean of 1 - |r| over the lobes that point in one direction.
 double spread_of(const MovmfLevel& level, std::size_t texel) {
   double spread = 0.0;
   for (const auto& lobe : level.lobes) {
@@ -62,7 +62,7 @@ glm::dvec3 tilted(double degrees, double azimuth = 0.3) {
   return {std::sin(t) * std::cos(azimuth), std::sin(t) * std::sin(azimuth), std::cos(t)};
 }
 
-class HardCaseTest : public ::testing::TestWithParam<Variant> {};  // both variants of the kernels
+class HardCaseTest : public ::testing::TestWithParam<Variant> {};  // tests both variants of the kernels
 INSTANTIATE_TEST_SUITE_P(Variants, HardCaseTest,
                          ::testing::Values(Variant::kVector, Variant::kScalar, Variant::kReference),
                          [](const ::testing::TestParamInfo<Variant>& variant) {
@@ -80,8 +80,8 @@ TEST_P(HardCaseTest, AllNormalsEqual) {
       for (std::size_t i = 0; i < level.lobes[0].size(); ++i) {
         EXPECT_LT(spread_of(level, i), 1e-6) << degrees << " degrees, level of width " << level.width;
         for (const auto& lobe : level.lobes)
-          // A thousand additions of equal numbers may all round in the same direction. Their relative error is then up
-          // to 1024 * 2^-25 = 3.1e-5, which is one storage step. The measured error is 1.1e-5.
+          // When a thousand equal numbers are added, all additions may round in the same direction. The relative error
+          // of the sum is then up to 1024 * 2^-25 = 3.1e-5, which is one storage step. The measured error is 1.1e-5.
           if (lobe[i].w > 1e-3f) {
             EXPECT_LT(glm::length(glm::dvec3(lobe[i]) / glm::length(glm::dvec3(lobe[i])) - n), 3.1e-5);
           }
@@ -89,7 +89,7 @@ TEST_P(HardCaseTest, AllNormalsEqual) {
   }
 }
 
-// Two lobes must find two tilts in equal shares, whatever the angle between the tilts.
+// Two lobes must find two tilts with equal shares, whatever the angle between the tilts is.
 TEST_P(HardCaseTest, TwoOppositeTilts) {
   for (double degrees : {10.0, 45.0, 80.0, 89.9}) {
     const glm::dvec3 a = tilted(degrees, 0.0), b = tilted(degrees, M_PI);
@@ -102,7 +102,7 @@ TEST_P(HardCaseTest, TwoOppositeTilts) {
   }
 }
 
-// One lobe for two opposite normals on the equator has no direction: r -> 0 and kappa -> 0.
+// A single lobe for two opposite normals on the equator has no direction, so r -> 0 and kappa -> 0.
 TEST_P(HardCaseTest, OppositeNormalsOnTheEquatorWithOneLobe) {
   const Baked baked =
       bake(make_map(16, 16, [](int x, int) { return glm::dvec3((x & 1) != 0 ? 1.0 : -1.0, 0.0, 0.0); }), 1, GetParam());
@@ -114,7 +114,8 @@ TEST_P(HardCaseTest, OppositeNormalsOnTheEquatorWithOneLobe) {
     }
 }
 
-// Normals below the horizon reach the kernels only if a caller skips the reader's repair; the result must stay finite.
+// Normals below the horizon reach the kernels only if a caller skips the repair by the reader. Even then, the result
+// must be finite.
 TEST_P(HardCaseTest, NormalsOverTheWholeSphere) {
   const Baked baked =
       bake(make_map(64, 64,
@@ -128,7 +129,7 @@ TEST_P(HardCaseTest, NormalsOverTheWholeSphere) {
   EXPECT_LT(glm::length(glm::vec3(top)), 1e-3f);
 }
 
-// Returns the share of a texel that points within a degree of n.
+// Returns the sum of the amplitudes of the lobes that point within one degree of n.
 double share_towards(const MovmfLevel& level, std::size_t texel, const glm::dvec3& n) {
   double share = 0.0;
   for (const auto& lobe : level.lobes) {
@@ -144,9 +145,9 @@ glm::dvec3 mean_of(const MovmfLevel& level, std::size_t texel) {
   return sum;
 }
 
-// There are N = 1, 2 or 3 normals in all. With N lobes, each lobe finds one normal; a single lobe has their mean. Sums
-// of three floats and EM's last step round by 1e-6. Two of these normals in one lobe would give a spread of at least
-// 0.01.
+// The map has only N = 1, 2 or 3 different normals. With N lobes, each lobe finds one normal. A single lobe has their
+// mean. Sums of three floats and the last step of EM have a rounding error of 1e-6. If a lobe had two of these normals,
+// its spread would be at least 0.01.
 TEST_P(HardCaseTest, MapsOfOneTwoAndThreeTexels) {
   const auto normal = [](int x) { return tilted(20.0 * x, 1.0 * x); };
   for (int width : {1, 2, 3})
@@ -173,14 +174,14 @@ TEST_P(HardCaseTest, NearlyEqualNormalsKeepTheirSpread) {
   for (std::size_t i = 0; i < map.x.size(); ++i)
     mean += glm::normalize(glm::dvec3(map.x[i], map.y[i], map.z[i])) / 4096.0;
   const double exact = 1.0 - glm::length(mean);
-  // The kernels store 1 - |r| next to r. Their result is a r itself in floats, which keeps this spread of 1.2e-5 to
-  // within 3e-7.
+  // The kernels store 1 - |r| in addition to r. The result contains only a r in single precision, which changes this
+  // spread of 1.2e-5 by at most 3e-7.
   EXPECT_NEAR(spread_of(top, 0) / exact, 1.0, 0.05) << "exact spread " << exact;
 }
 
-// Tests very small amplitudes: one normal in 4096 differs from the others. On every level this normal keeps its own
-// lobe, whose share is right to within one per cent, although sums of floats have errors of 1e-6. The mean includes
-// this normal; without it, the coarsest mean would have an error of 2.6e-4.
+// Tests very small amplitudes: one normal in 4096 differs from the others. On every level, this normal keeps its own
+// lobe. The share of this lobe has an error of at most one per cent, although sums of floats have errors of 1e-6. The
+// mean includes this normal; without it, the coarsest mean would have an error of 2.6e-4.
 TEST_P(HardCaseTest, ALobeOfOneNormalInThousands) {
   const auto normal = [](int x, int y) { return x == 5 && y == 7 ? tilted(70) : tilted(5, 0.01 * x); };
   const Baked baked = bake(make_map(64, 64, normal), 4, GetParam());
@@ -199,14 +200,15 @@ TEST_P(HardCaseTest, ALobeOfOneNormalInThousands) {
   }
 }
 
-// The spread of samples shorter than 1 (mean vectors of rough places) is kept: |r| = 0.9 everywhere stays 0.9.
+// Samples that are shorter than 1 (mean vectors of rough texels) keep their spread. If |r| is 0.9 everywhere, it stays
+// 0.9.
 TEST_P(HardCaseTest, SamplesShorterThanOne) {
   const Baked baked = bake(make_map(32, 32, [](int, int) { return 0.9 * tilted(30); }), 3, GetParam());
   const MovmfLevel& top = baked.mipmap.levels.back();
   EXPECT_NEAR(spread_of(top, 0), 0.1, 1e-4);
 }
 
-// Tests strips of 1 x N and N x 1, with powers of two and other sizes, down to one texel.
+// Tests strips of 1 x N and N x 1 texels, where N is any number down to 1, with powers of two and other sizes.
 TEST_P(HardCaseTest, Strips) {
   for (int length : {2, 3, 37, 64, 1000, 2048})
     for (bool upright : {false, true}) {

@@ -17,7 +17,7 @@ namespace {
 using testing::decades;
 using testing::test_device;
 
-// Rows have any length and may be empty. Weights of either sign cover twelve decades.
+// Rows have any length and may be empty. Weights have either sign, and their magnitudes cover twelve decades.
 RC_GTEST_PROP(InferenceProperty, ProductsAreSums, ()) {
   SparseRows rows;
   const auto lengths = *rc::gen::nonEmpty(rc::gen::container<std::vector<int>>(rc::gen::inRange(0, 20)));

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests properties of kernels on random inputs, which RapidCheck shrinks after a failure. The seed is fixed, so every
-// run is the same. RC_PARAMS="seed=N max_success=3000" in the environment sets another seed; a failure prints the seed
-// that it used.
+// Tests properties of kernels on random inputs, which RapidCheck shrinks after a failure. The seed is fixed, so that
+// every run is the same. RC_PARAMS="seed=N max_success=3000" in the environment sets another seed. A failure prints its
+// seed.
 #include <gtest/gtest.h>
 #include <rapidcheck.h>
 #include <rapidcheck/gtest.h>
@@ -29,7 +29,7 @@ namespace {
 using testing::decades;
 using testing::test_device;
 
-// Generates directions of the whole sphere, often the poles and the equator.
+// Generates directions on the whole sphere, often at the poles and on the equator.
 rc::Gen<glm::dvec3> directions() {
   return rc::gen::map(rc::gen::pair(rc::gen::oneOf(rc::gen::inRange(0, 1801), rc::gen::element(0, 900, 1800)),
                                     rc::gen::inRange(0, 3600)),
@@ -47,7 +47,8 @@ EmTexel random_texel(int kappa_decades) {
   return texel;
 }
 
-// For any start, shares sum to 1, no r is longer than 1, and first moments equal those of the normals.
+// For any initial lobes, the shares sum to 1, no r is longer than 1, and the first moments equal the first moments of
+// the normals.
 RC_GTEST_PROP(EmProperty, MomentsAreKept, ()) {
   const EmTexel texel = random_texel(6);
   EmSettings settings;
@@ -80,8 +81,8 @@ RC_GTEST_PROP(EmProperty, OneStepEqualsTheReference, ()) {
   RC_ASSERT(worst.value() <= 5e-5);
 }
 
-// Compares with the formula in double, for any lobe, exponent and direction. Rounding (a r, a) to floats moves a spread
-// by 1.2e-7.
+// Compares with the formula in double precision, for any lobe, exponent and direction. Rounding (a r, a) to floats
+// changes the spread by 1.2e-7.
 RC_GTEST_PROP(ShadingProperty, EqualsItsFormula, ()) {
   const glm::dvec3 mu = *directions();
   const double spread = *rc::gen::oneOf(decades(-6, 0), rc::gen::element(0.0, 0.5, 1.0)), s = *decades(0, 5);
@@ -106,7 +107,7 @@ RC_GTEST_PROP(ShadingProperty, LambertIsBetweenNothingAndOne, ()) {
     RC_ASSERT(value >= -1e-6 && value <= 1.0 + 1e-6);
 }
 
-// Amplitudes of a stored texel sum to 1, and a lobe of a single direction keeps its length.
+// The amplitudes of a stored texel sum to 1, and a lobe with a single direction keeps its length.
 RC_GTEST_PROP(StorageProperty, SnormSumsToOneAndKeepsDirections, ()) {
   MovmfLevel level;
   level.width = level.height = 1;
@@ -125,7 +126,7 @@ RC_GTEST_PROP(StorageProperty, SnormSumsToOneAndKeepsDirections, ()) {
   RC_ASSERT(steps == 32767.0);
 }
 
-// Tests every block of a row of any width, with values of either sign over forty decades.
+// Tests every block of a row of any width. The values have either sign and cover forty decades.
 RC_GTEST_PROP(BoxProperty, BlocksAreSums, ()) {
   const RowBlocks blocks(*rc::gen::inRange(1, 400));
   std::vector<float> row(static_cast<std::size_t>(blocks.block_count(0)));
@@ -143,7 +144,8 @@ RC_GTEST_PROP(BoxProperty, BlocksAreSums, ()) {
     }
 }
 
-// A normal of any direction and length gives slopes of at most 20 and no variance below 0, and stays unchanged.
+// A normal of any direction and length gives slopes of at most 20 and a variance of at least 0. The normal itself does
+// not change.
 RC_GTEST_PROP(MomentProperty, SlopesHaveTheirBounds, ()) {
   const double length = *rc::gen::oneOf(decades(-30, 0), rc::gen::element(0.0, 0.5, 1.0, 1.0 + 0x1p-20));
   const bool shortened = *rc::gen::arbitrary<bool>();
@@ -158,7 +160,7 @@ RC_GTEST_PROP(MomentProperty, SlopesHaveTheirBounds, ()) {
   for (int k = 0; k < 3; ++k) RC_ASSERT(m[static_cast<std::size_t>(MULTUM_MOMENT_NORMAL + k)] == n[k]);
 }
 
-// For any moments, even impossible ones, and any half vector, the value is never below 0 or above the BRDF's peak.
+// For any moments (even impossible ones) and any half vector, the value is never below 0 or above the peak of the BRDF.
 RC_GTEST_PROP(MomentProperty, LeanIsBetweenNothingAndItsPeak, ()) {
   const auto any = [](double low) {
     return static_cast<float>(*rc::gen::oneOf(decades(-6, 2), rc::gen::element(0.0, 1.0)) *
@@ -173,7 +175,7 @@ RC_GTEST_PROP(MomentProperty, LeanIsBetweenNothingAndItsPeak, ()) {
   RC_ASSERT(values[0] >= 0.0 && values[0] <= peak * (1.0 + 1e-5));
 }
 
-// For any lobes, sizes and chunks, the lobes together get all of a texel's colours.
+// For any lobes, sizes and chunks, the lobes of a texel together get all of its colours.
 RC_GTEST_PROP(FeatureProperty, LobesShareOutAllColours, ()) {
   const EmTexel texel = random_texel(6);
   FeatureMap map{*rc::gen::inRange(1, 30), *rc::gen::inRange(1, 30), 1, 1, *rc::gen::inRange(1, 9), 1, {}, {}};

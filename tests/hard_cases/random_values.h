@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Draws random values for the properties of this folder.
+// Generates random values for the property tests in this folder.
 #pragma once
 
 #include <rapidcheck.h>
@@ -9,7 +9,7 @@
 
 namespace multum::testing {
 
-// Must be set before the first property runs, because RapidCheck reads it then.
+// This must be set before the first property runs, because RapidCheck reads it at that time.
 inline const int g_seeded = setenv("RC_PARAMS", "seed=20261122 max_success=300", 0);
 
 // Generates numbers from 10^low to 10^high.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Every numerical case of the kernels stays within its bound, and exceeds the bound without its guard. A case that
-// could not fail would prove nothing. docs/contributing/STABILITY.md has exactly these cases.
+// Every numerical case of the kernels must stay within its bound, and must exceed the bound without its guard. A case
+// that could not fail would prove nothing. docs/contributing/STABILITY.md lists exactly these cases.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -29,7 +29,7 @@ namespace {
 using testing::test_device;
 
 #ifdef MULTUM_HAS_FIELDS
-// The cases are registered before the suite below asks for them.
+// The cases must be registered before the suite below uses them.
 const bool g_has_field_cases = (register_field_cases(), true);
 #else
 const bool g_has_field_cases = false;
@@ -47,7 +47,7 @@ std::string text_of_file(const std::filesystem::path& path) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
-// Returns the names of all kernels, from the kernels' sources.
+// Returns the names of all kernels in the kernel sources.
 std::set<std::string> all_kernels() {
   std::set<std::string> kernels;
   const std::regex head("__kernel void (\\w+)\\(");
@@ -89,7 +89,7 @@ TEST_P(SelftestCases, HoldWithTheirGuardsAndBreakWithout) {
           << c.text.name << " does not launch " << kernel;
     EXPECT_TRUE(verdict.holds()) << c.text.name << ": worst " << error_text(verdict.worst) << " at "
                                  << verdict.worst_input << ", bound " << error_text(c.text.bound);
-    // With PoCL, a case fails without its guard; the arithmetic of another device may not need the guard.
+    // With PoCL, a case fails without its guard. The arithmetic of another device may not need the guard.
     if (!test_device().info().is_cpu) continue;
     EXPECT_TRUE(verdict.can_fail()) << c.text.name << ": without its guard the worst error is "
                                     << tried_text(verdict.without_guard) << ", with its bug "
@@ -176,7 +176,7 @@ TEST(SelftestRegistry, TopicsNameWhatThereIs) {
   }
 }
 
-// Simulates a driver that breaks a guard: the kernel differs from its source.
+// Simulates a driver that removes a guard, so that the compiled kernel differs from its source.
 TEST(SelftestRun, NamesABrokenGuard) {
   Device device = Device::open("");
   device.edit_kernels({{"probe_numerics", "isnan(x) ? 1.0f : 0.0f", "0.0f"}});

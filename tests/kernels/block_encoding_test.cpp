@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests kernels/block_encoding.cl by the errors of its blocks, decoded on the host. Compares the errors with the lowest
-// possible error (BC4), a search from many starts (BC7), and libsquish.
+// Tests kernels/block_encoding.cl by the errors of its blocks, which are decoded on the host. Compares these errors
+// with the lowest possible error (BC4), with a search from many starting points (BC7), and with libsquish.
 #include <gtest/gtest.h>
 
 #include <squish.h>
@@ -26,9 +26,9 @@ using reference::BlockValues;
 using testing::test_device;
 using testing::uniform24;
 
-constexpr std::size_t kBlocks = 24;  // blocks of each kind
+constexpr std::size_t kBlocks = 24;  // the number of blocks of each kind
 
-// Describes one channel of a kind of blocks: a place on a slope with waves, and noise.
+// Describes one channel of a kind of blocks, which is a position on a slope with waves, plus noise.
 struct Relief {
   double middle, range, noise;  // 0 to 255
 };
@@ -52,7 +52,7 @@ BlockValues constant_values(double value) {
   return values;
 }
 
-// Places the blocks in one row, which is 4 rows of texels.
+// Places the blocks in one row of blocks, which is 4 texels high.
 std::vector<glm::vec4> texels_of(const std::vector<BlockColours>& blocks) {
   std::vector<glm::vec4> texels(16 * blocks.size());
   for (std::size_t b = 0; b < blocks.size(); ++b)
@@ -63,7 +63,7 @@ std::vector<glm::vec4> texels_of(const std::vector<BlockColours>& blocks) {
   return texels;
 }
 
-// Returns sums of squared differences over the format's channels.
+// Returns sums of squared differences over the channels of the format.
 std::vector<double> errors_of(TexelFormat format, const std::vector<BlockColours>& blocks) {
   BlockEncoder encoder(test_device());
   const std::vector<std::uint8_t> bytes =
@@ -138,9 +138,9 @@ double squish_error(const BlockValues& values) {
   return sum;
 }
 
-// The error of each kind is within 1 % of the lowest possible error. Every block has at most 1.5 times the lowest
-// error, or exceeds it by at most twice the rounding error of 8 bits. Errors are lower than those of libsquish, which
-// reads only values of 8 bits.
+// For each kind, the error is within 1 % of the lowest possible error. The error of every block is at most 1.5 times
+// the lowest error, or exceeds it by at most twice the rounding error of 8 bits. The errors are lower than the errors
+// of libsquish, which reads only 8-bit values.
 TEST(BlockEncoding, Bc4IsNearTheLeast) {
   std::mt19937 random(31);
   for (const ScalarKind& kind : scalar_kinds()) {
@@ -190,7 +190,7 @@ TEST(BlockEncoding, Bc5IsTwoOfBc4) {
 
 struct ColourKind {
   std::string name;
-  double ratio_most;  // largest error of the kind relative to the search
+  double ratio_most;  // the largest allowed error of this kind, as a multiple of the error of the search
   std::function<BlockColours(std::mt19937&)> make;
 };
 
@@ -239,7 +239,7 @@ const std::vector<ColourKind>& colour_kinds() {
 
 TEST(BlockEncoding, Bc7IsNearWhatASearchFinds) {
   std::mt19937 random(33);
-  constexpr std::size_t kSearched = 6;  // the search takes half a second per block
+  constexpr std::size_t kSearched = 6;  // the search takes half a second for each block
   for (const ColourKind& kind : colour_kinds()) {
     std::vector<BlockColours> blocks;
     for (std::size_t b = 0; b < kSearched; ++b) blocks.push_back(kind.make(random));
@@ -252,8 +252,8 @@ TEST(BlockEncoding, Bc7IsNearWhatASearchFinds) {
   }
 }
 
-// Repeats the search with the third channel in alpha. The error equals the error of blocks of colours if both searches
-// choose modes 4, 5 or 6 and blue is 1.
+// Repeats the search with the third channel in alpha. The error equals the error of colour blocks if both searches
+// choose mode 4, 5 or 6 and blue is 1.
 TEST(BlockEncoding, Bc7HasTheThirdChannelAsAlpha) {
   std::mt19937 random(34);
   BlockEncoder encoder(test_device());
@@ -279,12 +279,12 @@ TEST(BlockEncoding, Bc7HasTheThirdChannelAsAlpha) {
       EXPECT_FALSE(has_two_lines) << "mode 1 has no alpha";
       sum += error;
     }
-    // Without mode 1, which has two lines, the error is 4.4 times as high at the edge of a metal.
+    // Mode 1 has two lines of colours. Without it, the error at the edge of a metal area is 4.4 times as high.
     EXPECT_LT(sum, 6.0 * sum_of(as_colours) + 1.0) << kind.name;
   }
 }
 
-// If sides are not multiples of 4, the rows and columns that fill up blocks repeat the last texel.
+// If the sides are not multiples of 4, the last texel is repeated to fill the last blocks.
 TEST(BlockEncoding, FillsUpBlocks) {
   BlockEncoder encoder(test_device());
   std::vector<glm::vec4> texels(15, glm::vec4(0.25f));

@@ -5,7 +5,7 @@ SPIR-V's validator checks, and to NVPTX, whose listing shows the GPU resources t
 
 Usage: check_compilers.py KERNEL_FOLDER FLATTENED_FOLDER [--ptxas PTXAS] [--table]
 A kernel may keep STACK_MAX bytes outside registers; if ptxas is installed, it may spill nothing. --table prints
-the resources of each kernel. A missing compiler is reported and skipped. Exit code 1 when a kernel fails.
+the resources of each kernel. A missing compiler is reported and skipped. The exit code is 1 if a kernel fails.
 """
 import argparse
 import concurrent.futures
@@ -18,12 +18,13 @@ import sys
 import tempfile
 
 HERE = pathlib.Path(__file__).resolve().parent
-# movmf_bin_axes counts 63 bins and movmf_bin_cells stores 64 cells in arrays; the sums of 8 lobes take 320 bytes.
+# movmf_bin_axes counts 63 bins and movmf_bin_cells stores 64 cells in arrays. The sums of 8 lobes take 320 bytes.
 STACK_MAX = 512
-# movmf_refine solves for 4 numbers per lobe: the triangle of 32 x 32 sums of 8 lobes, and five sets of lobes. The sets
-# are the lobes of EM, of neighbours and of the step, the best lobes, and the pooled lobes with their derivatives.
+# movmf_refine solves for 4 numbers per lobe. It stores the triangle of 32 x 32 sums of 8 lobes, and five sets of lobes:
+# the lobes of EM, the lobes of the neighbours, the lobes of the step, the best lobes, and the pooled lobes with their
+# derivatives.
 STACK_MAX_OF = {"movmf_refine": 5120}
-REGISTERS_MAX = 255  # registers of one work-item on NVIDIA's GPUs
+REGISTERS_MAX = 255  # the number of registers per work-item on NVIDIA's GPUs
 CLANG = ["clang", "-x", "cl", "-Xclang", "-finclude-default-header", "-Wall", "-Werror", "-Wno-unused-function"]
 
 
@@ -69,7 +70,7 @@ def spirv(source, definitions, standard, folder):
 def nvptx(source, definitions, ptxas, folder):
     """Returns (error or '', rows of kernel, bytes of stack, registers, bytes spilled)."""
     listing = folder / "kernel.ptx"
-    # clang knows no extensions of this target, but the driver's compiler has this one.
+    # clang does not know any extensions of this target, but the driver's compiler supports this one.
     definitions = [*definitions, "-DMULTUM_VECTOR_WIDTH=1", "-include", str(HERE / "nvptx_builtins.clh")]
     result = run(CLANG + ["-cl-std=CL1.2", "-target", "nvptx64-unknown-unknown", "-Xclang", "-target-cpu", "-Xclang",
                           "sm_75", "-O2", "-S", *definitions, str(source), "-o", str(listing)])

@@ -17,7 +17,8 @@
 namespace multum::testing {
 namespace {
 
-// Makes a window of planes of rows from `bytes`, one whole plane after the other, or from zeros.
+// Makes a window of planes of rows. The planes come from `bytes`, one whole plane after the other, or are filled with
+// zeros.
 RowWindow window_of(Device& device, int plane_count, std::size_t row_bytes, int rows, const void* bytes) {
   RowWindow window(device, plane_count, row_bytes, rows, "test");
   const std::size_t plane_bytes = row_bytes * static_cast<std::size_t>(rows);
@@ -67,7 +68,7 @@ MipSchedule one_level_schedule(const NormalMap& map, const MovmfSettings& settin
   return schedule;
 }
 
-// Appends the initial lobe of a texel, which is the parent's lobe `from`, and the prior that follows from the parent.
+// Appends the initial lobe of a texel, which is the lobe `from` of the parent, and the prior that the parent gives.
 void append_start(const MultumVmfLobe& from, double alignment, std::vector<reference::Lobe>& lobes,
                   reference::EmOptions& options) {
   const double a = static_cast<double>(from.amplitude);
@@ -100,7 +101,7 @@ std::vector<MultumVmfLobe> fit_with_kernels(const NormalMap& map, const std::vec
   const MultumMovmfFit& fit = level.fit;
   const std::size_t texels = static_cast<std::size_t>(fit.width) * static_cast<std::size_t>(fit.height);
   const std::size_t lobe_row = static_cast<std::size_t>(fit.width) * sizeof(MultumVmfLobe);
-  // Neighbours of lower colour rank are read as if they were fitted, so the prior sees only zeros there.
+  // Neighbours with a lower colour rank are read as if they were already fitted, so the prior finds only zeros there.
   StepWindows windows;
   windows.lobes = window_of(device, lobe_count, lobe_row, fit.height, nullptr);
   windows.alignment_vectors = window_of(device, lobe_count, lobe_row, fit.height, nullptr);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Runs the EM kernels on the texels of one level of a map from given starts, and the reference on the same texels.
+// Runs the EM kernels on the texels of one level of a map from given initial lobes. Runs the reference on the same
+// texels.
 #pragma once
 
 #include <vector>
@@ -20,24 +21,24 @@ struct LevelFit {
   float kappa_cap = 500.0f;
   float kappa_cap_slope = 10.0f;
   bool scalar = false;
-  bool shortened = false;                 // the lengths of normals hold a BRDF's width
+  bool shortened = false;                 // the lengths of normals encode the width of a BRDF
   FitMethod method = FitMethod::kTexels;  // kTexels: levels of up to 1024 normals per texel
-  int bin_rows = 1 << 15;                 // rows of the map per band of binning
+  int bin_rows = 1 << 15;                 // the number of map rows in each band of binning
   float convergence_tolerance = 0.0f;
-  // For kGmm, lobes and the reference's r are (mean x, mean y, sigma^2, amplitude).
+  // For kGmm, the lobes and the r of the reference are (mean x, mean y, sigma^2, amplitude).
   Representation representation = Representation::kMovmf;
 };
 
-/// Fits every texel of a level in one step from `parent` lobes [lobe][parent texel]. No neighbours are fitted yet, so
-/// the prior comes only from the parent. Returns [lobe][texel].
+/// Fits every texel of a level in one step from the lobes `parent` [lobe][parent texel]. The neighbours are not fitted
+/// yet, so the prior comes only from the parent. Returns [lobe][texel].
 std::vector<MultumVmfLobe> fit_with_kernels(const NormalMap& map, const std::vector<MultumVmfLobe>& parent,
                                             int lobe_count, const LevelFit& how);
 
-/// Fits the same texels by the reference.
+/// Fits the same texels with the reference.
 std::vector<reference::Moments> fit_with_reference(const NormalMap& map, const std::vector<MultumVmfLobe>& parent,
                                                    int lobe_count, const LevelFit& how);
 
-/// Returns the finest texels that texel (x, y) of a level covers, with their exact shares.
+/// Returns the texels of the finest level that texel (x, y) of a level covers, with their exact shares.
 std::vector<reference::Sample> covered_samples(const NormalMap& map, int level, int x, int y);
 
 }  // namespace multum::testing

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Compares kernels/image_transform.cl, run by host/fields/codec/transforms, with double precision and with the
-// decoder's transforms.
+// Compares kernels/image_transform.cl, which host/fields/codec/transforms runs, with double precision and with the
+// transforms of the decoder.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -65,9 +65,9 @@ std::vector<CoefficientLayout> layouts() {
   return all;
 }
 
-// The largest error relative to the largest magnitude of the plane's transform. Two passes add up 32 terms each, of
-// rounded cosines and of samples up to 650 that may cancel. There are at most 64 roundings of 6e-8, whose sum is
-// typically as large as 8 of them.
+// This is the largest error, relative to the largest magnitude in the transform of the plane. Each of two passes adds
+// up 32 terms, which are rounded cosines times samples of up to 650 that may cancel. There are at most 64 roundings of
+// 6e-8. Their sum is typically as large as 8 of them.
 constexpr double kTransformError = 1e-6;
 
 void expect_reference(const CoefficientLayout& layout, std::size_t count, std::mt19937& random) {
@@ -98,7 +98,7 @@ TEST(ImageTransformTest, CoefficientsEqualTheReference) {
   for (const CoefficientLayout& layout : layouts()) expect_reference(layout, 3, random);
 }
 
-// Textures are small enough for a simulator (tests/cli/oclgrind_test.cpp).
+// The textures are small enough for a simulator (tests/cli/oclgrind_test.cpp).
 TEST(ImageTransformTest, CoefficientsOfASmallTextureEqualTheReference) {
   std::mt19937 random(55);
   expect_reference({ImageCoder::kDct, 9, 7, 8}, 1, random);

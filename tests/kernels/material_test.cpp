@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests weights of basis BRDFs and roughness in both bakes. Compares EM of shortened normals and averages with double
-// precision, and lobe features with values from the lobes' mean vectors. Also tests uniform maps.
+// Tests the weights of basis BRDFs and the roughness in both kinds of bakes. Compares averages, and EM of shortened
+// normals, with double precision. Compares the features of lobes with values that are computed from the mean vectors of
+// the lobes. Also tests uniform maps.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -33,7 +34,7 @@ NormalMap bumpy_map(int width, int height, unsigned seed) {
   });
 }
 
-// Makes three facets with some noise and different widths, which lobes should find.
+// Makes three facets with some noise and different widths, which the lobes should find.
 NormalMap facets(int width, int height, unsigned seed) {
   std::mt19937 random(seed);
   return make_map(width, height, [&](int x, int y) {
@@ -44,7 +45,7 @@ NormalMap facets(int width, int height, unsigned seed) {
   });
 }
 
-// Scales each normal by 1/2 to 1, mostly near 1.
+// Scales each normal by a factor between 1/2 and 1, which is mostly near 1.
 NormalMap shortened(NormalMap map, unsigned seed) {
   std::mt19937 random(seed);
   for (std::size_t i = 0; i < map.x.size(); ++i) {
@@ -56,7 +57,8 @@ NormalMap shortened(NormalMap map, unsigned seed) {
   return map;
 }
 
-// Makes parent lobes tilted by 24 degrees to all sides, with third component 0.7 (vMF) or sigma^2 0.04 (Gaussians).
+// Makes parent lobes that are tilted by 24 degrees to all sides. Their third component is 0.7 (vMF), or their sigma^2
+// is 0.04 (Gaussians).
 std::vector<MultumVmfLobe> spread_parent(const NormalMap& map, int level, int lobes,
                                          Representation representation = Representation::kMovmf) {
   const std::size_t texels = static_cast<std::size_t>(mip_level_size(map.width, level + 1)) *
@@ -97,8 +99,8 @@ TEST_P(Families, EmOfShortenedNormalsEqualsReference) {
       how.scalar = scalar;
       const auto found = fit_with_kernels(map, parent, 3, how);
       ASSERT_EQ(found.size(), expected.size());
-      // The bounds are those of movmf_em_test times the number of copies, by which differences of log densities are
-      // multiplied.
+      // The bounds are the bounds of movmf_em_test times the number of copies, because the copies multiply the
+      // differences of log densities.
       for (std::size_t i = 0; i < found.size(); ++i)
         EXPECT_LT(error_of(found[i], expected[i]), 4e-4) << level << ": " << i;
     }
@@ -258,8 +260,8 @@ TEST_P(Families, MomentsOverAllLobesAreThoseOfTheRoughNormals) {
   }
 }
 
-// Half the texels of a flat map are sharp and half are rough. Lobes separate the two halves at fine levels and at
-// binned ones.
+// Half of the texels of a flat map are sharp, and the other half are rough. The lobes separate the two halves in fine
+// levels and in binned levels.
 TEST_P(Families, LobesTellSharpFromRough) {
   const bool planar = GetParam() == Representation::kGmm;
   double sharp = mean_cosine_of_roughness(0.2), rough = mean_cosine_of_roughness(0.8);
@@ -270,7 +272,7 @@ TEST_P(Families, LobesTellSharpFromRough) {
     if (planar) *third = reference::planar_sample({0.0, 0.0, *third}, true).z;
   for (std::size_t l = 3; l < mipmap.levels.size(); ++l)
     for (std::size_t i = 0; i < mipmap.levels[l].lobes[0].size(); ++i) {
-      double near = 0.0;  // share of lobes with one of the two widths
+      double near = 0.0;  // the share of lobes that have one of the two widths
       for (const auto& lobes : mipmap.levels[l].lobes) {
         const double length = static_cast<double>(lobes[i].z / std::max(lobes[i].w, 1e-6f));
         if (std::abs(length - sharp) < 0.02 || std::abs(length - rough) < 0.03) near += static_cast<double>(lobes[i].w);
@@ -328,7 +330,8 @@ TEST(Roughness, MomentsHoldTheFacetsSlopes) {
       EXPECT_NEAR(none.levels[l].slopes[i].ss, plain.levels[l].slopes[i].ss, 1e-6);
 }
 
-// A finest texel is a vMF whose mean cosine is its normal's length; coarser texels are means of finest texels.
+// A texel of the finest level is a vMF whose mean cosine is the length of its normal. Coarser texels are means of
+// texels of the finest level.
 TEST(Roughness, HarmonicsAreThoseOfTheFacets) {
   constexpr int kOrder = 7;
   NormalMap unit = bumpy_map(8, 6, 45);
@@ -350,7 +353,7 @@ TEST(Roughness, HarmonicsAreThoseOfTheFacets) {
       for (int m = -l; m <= l; ++m) {
         const auto k = static_cast<std::size_t>(sh_coefficient(l, m));
         const double expected = zonal[static_cast<std::size_t>(l)] * basis[k];
-        // The tolerance is the quadrature's own error. The case harmonics-of-rough-normals
+        // The tolerance is the error of the quadrature. The case harmonics-of-rough-normals
         // (host/lab/selftest/sh_cases.cpp) limits the kernel's error to 5e-5.
         EXPECT_NEAR(rough.levels[0].value(static_cast<int>(k), i), expected, 5e-4) << kappa << ": " << l << ", " << m;
         means[k] += expected / static_cast<double>(map.x.size());
@@ -358,8 +361,8 @@ TEST(Roughness, HarmonicsAreThoseOfTheFacets) {
   }
   for (std::size_t k = 0; k < means.size(); ++k)
     EXPECT_NEAR(rough.levels.back().value(static_cast<int>(k), 0), means[k], 2e-4) << k;
-  // A roughness of 0 everywhere gives the same bytes as no roughness, because a normal of length 1 is a single
-  // direction.
+  // If the roughness is 0 everywhere, the bytes are the same as without a roughness map, because a normal of length 1
+  // is a single direction.
   unit.is_shortened = true;
   const ShMipmap none = bake_sh(test_device(), kOrder, unit, nullptr, inputs, report, nullptr);
   unit.is_shortened = false;
@@ -367,7 +370,7 @@ TEST(Roughness, HarmonicsAreThoseOfTheFacets) {
   for (std::size_t l = 0; l < plain.levels.size(); ++l) EXPECT_TRUE(none.levels[l].parts == plain.levels[l].parts) << l;
 }
 
-// Diffuse light removes the mean roughness from the bands again.
+// Mean roughness scales the bands of the harmonics. The code for diffuse light removes this factor again.
 TEST(Roughness, HarmonicsOfRoughNormalsAreLitAsSmoothOnesAre) {
   const NormalMap unit = bumpy_map(32, 32, 47);
   for (const double c : {1.0, 0.98, 0.7, 0.5}) {
@@ -387,10 +390,10 @@ TEST(Roughness, HarmonicsOfRoughNormalsAreLitAsSmoothOnesAre) {
   }
 }
 
-// Tests errors at texel centres of levels 2 and 5 of the four-quarter map of 256 with 4 lobes. The table is in
-// docs/contributing/ALGORITHMS.md, "Roughness and material features"; its figures are rounded and use another seed of
-// noise. Varying roughness multiplies the error by up to four. If a sample were one facet, the error would be 12.4 %
-// instead of the stated 6.8 %.
+// Tests errors at texel centres in levels 2 and 5 of the four-quarter map, which has 256 texels per side, with 4 lobes.
+// The table is in docs/contributing/ALGORITHMS.md, "Roughness and material features". Its figures are rounded, and
+// their noise has another seed. Varying roughness multiplies the error by up to four. If each sample were one facet,
+// the error would be 12.4 % instead of the stated 6.8 %.
 TEST(Roughness, ErrorsAreThoseOfTheTable) {
   const NormalMap quarters = make_four_quarter_map(256, 7).normals;
   const auto error_with = [&](const std::function<double(int, int)>& roughness) {
@@ -419,7 +422,7 @@ TEST(Roughness, ErrorsAreThoseOfTheTable) {
   EXPECT_NEAR(constant.second / 0.068, 1.0, kOfTable);
   EXPECT_NEAR(noise.first / 0.256, 1.0, kOfTable);
   EXPECT_NEAR(noise.second / 0.275, 1.0, kOfTable);
-  EXPECT_NEAR(waves.second / 0.228, 1.0, kOfTable);  // the table has another wavelength, which matters here
+  EXPECT_NEAR(waves.second / 0.228, 1.0, kOfTable);  // the table uses another wavelength, which changes this result
   EXPECT_GT(waves.first, 1.5 * constant.first);
   EXPECT_LT(waves.first, noise.first);
 }
@@ -451,7 +454,7 @@ TEST(Roughness, OfNoisyNormalsAVaryingMapIsAsGoodAsAConstantOne) {
   };
   const double constant = error_with([](int, int) { return 0.45; });
   const double varying = error_with([](int x, int y) { return 0.45 + 0.2 * std::sin(x * 0.3) * std::cos(y * 0.2); });
-  EXPECT_NEAR(constant, 0.183, 0.02);  // the measured error for these bumps
+  EXPECT_NEAR(constant, 0.183, 0.02);  // the error that was measured for these bumps
   EXPECT_LT(varying, constant + 0.02) << "constant: " << constant;
 }
 

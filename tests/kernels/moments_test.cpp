@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Compares kernels/moments.cl with averages in double. Sizes nest or do not nest, and bands have any height.
+// Compares kernels/moments.cl with averages in double precision. The sizes of levels nest or do not nest, and bands
+// have any height.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -28,8 +29,8 @@ MomentMipmap bake(const NormalMap& map, const ColourMap* albedo = nullptr, const
   return bake_moments(test_device(), map, albedo, inputs, report, nullptr);
 }
 
-// Sums are pairwise along a row of up to 2^15 texels and compensated down the rows, with two roundings at the ends.
-// Each step has an error of about 2^-24 of the largest term that the texel covers.
+// The kernel uses pairwise sums along a row of up to 2^15 texels and compensated sums over the rows, with two roundings
+// at the ends. Each step has an error of about 2^-24 of the largest term that the texel covers.
 constexpr double kMomentTolerance = 1.5e-6;
 
 void expect_near_reference(const NormalMap& map, const ColourMap* albedo, const MomentMipmap& baked) {
@@ -99,7 +100,7 @@ TEST_P(MomentKernelTest, BandsOfAnyHeightAreTheSameBytes) {
       std::optional<MomentMipmap> baked;
       try {
         baked = bake(map, &colours, inputs);
-      } catch (const Error& error) {  // the memory does not hold a single row
+      } catch (const Error& error) {  // this memory is too small for a single row
         ASSERT_EQ(error.code(), ErrorCode::kUsage) << error.what();
         ASSERT_NE(std::string(error.what()).find("--memory"), std::string::npos) << error.what();
         continue;
@@ -119,7 +120,8 @@ TEST_P(MomentKernelTest, BandsOfAnyHeightAreTheSameBytes) {
   }
 }
 
-// Every finest texel counts once per level, so that all levels have the same mean, weighted by covered area.
+// Every texel of the finest level counts once in each level. Hence all levels have the same mean if texels are weighted
+// by the covered area.
 TEST_P(MomentKernelTest, EveryLevelHasTheSameMean) {
   const auto [width, height] = GetParam();
   const NormalMap map = random_map(width, height, 0.3, 29);
@@ -129,7 +131,8 @@ TEST_P(MomentKernelTest, EveryLevelHasTheSameMean) {
   for (std::size_t l = 0; l < baked.levels.size(); ++l) {
     glm::dvec3 mean(0.0);
     double square = 0.0;
-    const auto count = static_cast<double>(baked.levels[l].normals.size());  // texels of a level have equal areas
+    // All texels of this level have equal areas.
+    const auto count = static_cast<double>(baked.levels[l].normals.size());
     for (const glm::vec3& n : baked.levels[l].normals) mean += glm::dvec3(n) / count;
     for (const SlopeMoments& m : baked.levels[l].slopes) square += static_cast<double>(m.ss) / count;
     if (l == 0) {
@@ -150,7 +153,7 @@ TEST(MomentClosedFormTest, AConstantMapHasNoVariance) {
         const SlopeMoments& m = level.slopes[i];
         EXPECT_NEAR(static_cast<double>(m.s), -n.x / n.z, 1e-6);
         EXPECT_NEAR(static_cast<double>(m.t), -n.y / n.z, 1e-6);
-        // The square of a hundredth of the least slope deviation that is documented for floats.
+        // A hundredth of the smallest standard deviation of slopes that the documentation states for floats, squared.
         EXPECT_NEAR(static_cast<double>(m.ss - m.s * m.s), 0.0, 1e-6);
         EXPECT_NEAR(static_cast<double>(m.tt - m.t * m.t), 0.0, 1e-6);
         EXPECT_NEAR(static_cast<double>(glm::length(level.normals[i])), 1.0, 1e-6);
@@ -175,9 +178,9 @@ TEST(MomentClosedFormTest, AGrooveHasTheSquareOfItsSlope) {
     }
 }
 
-// On a cap of a sphere around the pole, the slope at distance r from the pole is r / sqrt(1 - r^2). Over the disc of
-// radius R the mean of |b|^2 is -1 - ln(1 - R^2) / R^2, and the mean of n_z is 2 (1 - (1 - R^2)^1.5) / (3 R^2). The
-// square around the disc is flat outside it. 256 texels across resolve the disc's edge to about 1 %.
+// On a spherical cap around the pole, the slope at distance r from the pole is r / sqrt(1 - r^2). Over the disc of
+// radius R, the mean of |b|^2 is -1 - ln(1 - R^2) / R^2, and the mean of n_z is 2 (1 - (1 - R^2)^1.5) / (3 R^2). The
+// square around the disc is flat outside it. With 256 texels per side, the edge of the disc is resolved to about 1 %.
 TEST(MomentClosedFormTest, AHemispheresCapHasItsIntegrals) {
   constexpr int kSize = 256;
   constexpr double kRadius = 0.9;
@@ -197,7 +200,8 @@ TEST(MomentClosedFormTest, AHemispheresCapHasItsIntegrals) {
   EXPECT_NEAR(static_cast<double>(baked.levels.back().normals[0].z), z, 1e-3);
 }
 
-// Slopes have no bound, but their moments do: |b| <= 20, products <= 400, and every clamped one is counted.
+// Slopes have no bound, but stored moments do: |b| is at most 20, and products are at most 400. Every clamped slope is
+// counted.
 TEST(MomentHardCaseTest, NormalsAtTheRimAreBoundedAndCounted) {
   AverageReport report;
   const NormalMap map = make_map(8, 4, [](int x, int y) {
@@ -215,14 +219,14 @@ TEST(MomentHardCaseTest, NormalsAtTheRimAreBoundedAndCounted) {
       EXPECT_LE(m.ss + m.tt, 400.0f * 1.000001f);
     }
   EXPECT_EQ(baked.levels[0].slopes[0].s, -20.0f);
-  EXPECT_GT(baked.levels[0].slopes[1].t, 19.99f);  // -y is up: the surface rises along +t
+  EXPECT_GT(baked.levels[0].slopes[1].t, 19.99f);  // -y is up, so the surface rises along +t
   expect_near_reference(map, nullptr, baked);
 }
 
 TEST(MomentHardCaseTest, CancellingIsHeard) {
   const NormalMap map = random_map(64, 64, 0.3, 31);
   AverageInputs inputs;
-  inputs.memory_bytes = 40 * 1024;  // a few rows per band
+  inputs.memory_bytes = 40 * 1024;  // enough for a few rows per band
   int calls = 0;
   std::uint64_t done = 0, total = 0;
   Progress cancels([&](const ProgressEvent& event) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Compares movmf_choose with the double reference, which tries every assignment of normals to lobes, on random texels
-// with random neighbours. The scalar and the vector variant must agree bit for bit.
+// with random neighbours. The results of the scalar and the vector variant must be equal bit for bit.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -35,7 +35,7 @@ void PrintTo(const ChoiceCase& c, std::ostream* out) {
        << (c.order == MULTUM_ORDER_AGAIN ? ", again" : "");
 }
 
-// Holds a level whose texels of colour (1, 0) are to be fitted; some texels of other colours are already fitted.
+// Holds a level in which the texels of colour (1, 0) are fitted next. Some texels of other colours are already fitted.
 struct ChoiceLevel {
   ChoiceCase which;
   int parent_width, parent_height;
@@ -69,7 +69,7 @@ ChoiceLevel random_level(const ChoiceCase& c, unsigned seed) {
   ChoiceLevel level{c, std::max(1, c.width / 2), std::max(1, c.height / 2), {}, {}, {}, {}};
   glm::dvec3 last(0.0, 0.0, 1.0);
   for (int i = 0; i < 4 * c.width * c.height; ++i) {
-    // One normal in four equals the previous one, which gives ties.
+    // One normal in four equals the previous normal, which causes ties.
     const double x = uniform(), y = uniform();
     if (random() % 4 != 0) last = glm::normalize(glm::dvec3(2.0 * x - 1.0, 2.0 * y - 1.0, 0.7));
     const glm::dvec3 n = c.shortened ? last * (0.6 + 0.4 * uniform()) : last;
@@ -147,7 +147,7 @@ reference::SampleSums sums_of(const MultumVmfLobe& lobe, bool planar) {
   return reference::sums_of_lobe({lobe.mean_x, lobe.mean_y, lobe.mean_z}, static_cast<double>(lobe.amplitude), planar);
 }
 
-// Returns position i in `size`: clamped, or wrapped if the level repeats.
+// Returns position i within `size`. The position is wrapped if the level repeats, and clamped otherwise.
 int inside(int i, int size, bool periodic) { return periodic ? (i + size) % size : std::clamp(i, 0, size - 1); }
 
 // Returns the sums of the neighbours of texel (x, y).
@@ -172,7 +172,7 @@ std::vector<reference::SampleSums> around_texel(const ChoiceLevel& level, int x,
     for (int dx = -1; dx <= 1; ++dx) {
       if (!c.periodic && (x + dx < 0 || x + dx >= c.width || y + dy < 0 || y + dy >= c.height)) continue;
       const int nx = inside(x + dx, c.width, true), ny = inside(y + dy, c.height, true);
-      // Colours (0, 0) and (1, 1) are done before (1, 0), and (0, 1) is done after it.
+      // Texels of colours (0, 0) and (1, 1) are fitted before (1, 0), and texels of (0, 1) are fitted after it.
       const bool done = nx % 2 == ny % 2 || (c.order == MULTUM_ORDER_AGAIN && !is_fitted(nx, ny));
       if (!done) continue;
       neighbours.emplace_back();
@@ -194,8 +194,9 @@ std::vector<glm::dvec3> covered(const ChoiceLevel& level, const std::vector<floa
 
 class MovmfChooseTest : public ::testing::TestWithParam<ChoiceCase> {};
 
-// Rounding moves an assignment's cost by about 1e-6 from the reference's cost, so either of two assignments may win if
-// their costs are closer than this. Whichever assignment wins, lobes are the means of their normals.
+// Rounding changes the cost of an assignment by about 1e-6, compared with the reference. Hence either of two
+// assignments may win if their costs differ by less. Whichever assignment wins, the lobes are the means of their
+// normals.
 TEST_P(MovmfChooseTest, TakesTheLeastOfAllWays) {
   const ChoiceCase c = GetParam();
   const ChoiceLevel level = random_level(c, 20061u + static_cast<unsigned>(c.lobes));

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Compares the EM kernels with the double reference on random maps; scalar and vector variants must agree bit for bit.
+// Compares the EM kernels with the double reference on random maps. The results of the scalar and vector variants must
+// be equal bit for bit.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -17,7 +18,7 @@ namespace {
 
 constexpr Representation kGmm = Representation::kGmm;
 
-// Makes three facets with some roughness, which EM should find.
+// Makes three slightly rough facets, which EM should find.
 NormalMap random_map(int width, int height, unsigned seed) {
   std::mt19937 random(seed);
   return make_map(width, height, [&](int, int) {
@@ -60,9 +61,9 @@ void PrintTo(const Case& c, std::ostream* out) {
 
 class MovmfEmTest : public ::testing::TestWithParam<Case> {};
 
-// The reasons for the tolerances: one E-step in single precision has an error of about 1e-6 in each sum. Over 4
-// iterations on these maps, EM amplifies differences by less than 10. Hence 2e-5 would be enough; the bound is 1e-4 for
-// (a r, a). For one lobe in 200, which may compete evenly with another lobe, the bound is 1e-2.
+// These are the reasons for the tolerances. One E-step in single precision has an error of about 1e-6 in each sum. In 4
+// iterations on these maps, EM amplifies differences by a factor below 10. Hence 2e-5 would be enough, and the bound
+// for (a r, a) is 1e-4. One lobe in 200 may compete evenly with another lobe, so its bound is 1e-2.
 TEST_P(MovmfEmTest, EqualsReference) {
   const Case c = GetParam();
   const unsigned seed = 20061u + static_cast<unsigned>(c.width * 7 + c.level);
@@ -122,7 +123,8 @@ INSTANTIATE_TEST_SUITE_P(
                       Case{37, 21, 2, 3, FitMethod::kTexels, kGmm}, Case{1, 37, 1, 4, FitMethod::kTexels, kGmm},
                       Case{64, 64, 5, 4, FitMethod::kChunks, kGmm}, Case{21, 37, 3, 4, FitMethod::kChunks, kGmm}));
 
-// There are two ways of summing, and a texel's size decides which one is used. Both ways must agree.
+// There are two ways of summing, and the size of a texel decides which one is used. Both ways must give the same
+// result.
 TEST(MovmfEmPathTest, ChunkedAgreesWithUnchunked) {
   const NormalMap map = random_map(64, 64, 5);
   const auto parent = random_parent(map, 4, 4, 6);
@@ -183,9 +185,9 @@ class BinnedTest : public ::testing::TestWithParam<BinnedCase> {
 };
 
 // Binned texels lose only the place of a normal within its cell, so 4 iterations end close to the reference, which uses
-// every normal. The width of a cell is 1/31 of the mean extent, and the width of a lobe is about a quarter. This blurs
-// a lobe by about 1/100 of its spread, and moves the share of two competing lobes by less. Each texel's mean normal is
-// exact.
+// every normal. The width of a cell is 1/31 of the mean extent, and the width of a lobe is about a quarter. Binning
+// blurs a lobe by about 1/100 of its spread, and changes the shares of two competing lobes by less than that. Each
+// texel's mean normal is exact.
 TEST_P(BinnedTest, EqualsReferenceClosely) {
   how_.iterations = 4;
   const auto expected = fit_with_reference(map_, parent_, lobes_, how_);
@@ -216,7 +218,7 @@ TEST_P(BinnedTest, ScalarEqualsVectorBitForBit) {
   EXPECT_EQ(0, std::memcmp(vector.data(), scalar.data(), vector.size() * sizeof(MultumVmfLobe)));
 }
 
-// The map is read in bands of rows. Sums are whole numbers, so the bands' height does not change the result.
+// The map is read in bands of rows. The sums are integers, so the height of the bands does not change the result.
 TEST_P(BinnedTest, BandsOfAnyHeightGiveTheSameBytes) {
   const int all_rows = how_.bin_rows;
   for (const bool scalar : {false, true}) {
@@ -255,7 +257,8 @@ TEST(CondensedFlatTest, OneNormalStaysWhole) {
   }
 }
 
-// A texel stops once it has settled, whatever its group does. Hence variants agree, and fewer iterations change little.
+// The iterations of a texel stop once it has converged, whatever the other texels of its group do. Hence the variants
+// agree, and fewer iterations change the result only a little.
 TEST(SettledTest, ScalarEqualsVectorAndTheLongRunIsNear) {
   const NormalMap map = random_map(128, 128, 15);
   const auto parent = random_parent(map, 3, 4, 16);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Compares movmf_refine with the double reference on random texels and hard ones; scalar and vector variants must agree
-// bit for bit.
+// Compares movmf_refine with the double reference on random texels and on hard ones. The results of the scalar and
+// vector variants must be equal bit for bit.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -24,7 +24,7 @@ namespace {
 
 constexpr std::size_t kLanes = MULTUM_GROUP;
 
-using reference::RefinedTexel;  // here with samples and lobes rounded to float
+using reference::RefinedTexel;  // here with samples and lobes that are rounded to floats
 
 double as_float(double value) { return static_cast<double>(static_cast<float>(value)); }
 glm::dvec3 as_float(const glm::dvec3& v) { return {as_float(v.x), as_float(v.y), as_float(v.z)}; }
@@ -43,7 +43,7 @@ std::vector<reference::MeanLobe> random_lobes(const std::vector<glm::dvec3>& fac
   return lobes;
 }
 
-// Makes facets with some roughness, lobes near them, and up to four neighbours with similar facets.
+// Makes slightly rough facets, lobes near them, and up to four neighbours with similar facets.
 RefinedTexel random_texel(std::size_t sample_count, std::size_t lobe_count, std::mt19937& random) {
   const auto uniform = [&] { return static_cast<double>(random() >> 8) * 0x1p-24 * 2.0 - 1.0; };
   std::vector<glm::dvec3> facets;
@@ -65,8 +65,8 @@ double weight_of(const RefinedTexel& texel) {
   return total;
 }
 
-// Describes a place in a level at which a texel has this number of neighbours, in the order of movmf_refine.cl: left,
-// right, above, below. In a level that repeats, all four exist.
+// Returns a position in a level at which a texel has this number of neighbours. The order is that of movmf_refine.cl:
+// left, right, above, below. In a level that repeats, all four exist.
 struct Place {
   int width, height, x, y;
   bool repeats;
@@ -161,8 +161,8 @@ double difference(const std::vector<MultumVmfLobe>& found, const std::vector<ref
 }
 
 // A step in single precision has two errors: about 1e-6 from sums of up to 300 samples, and 3e-5 of kappa from
-// kappa_of_mean_length. These errors add up over damped steps. Near the minimum of the energy, one side may accept a
-// step that the other side rejects.
+// kappa_of_mean_length. These errors add up over the damped steps. Near the minimum of the energy, the kernel may
+// accept a step that the reference rejects, or the other way round.
 TEST(MovmfRefineTest, EqualsReference) {
   constexpr unsigned kSeed = 20271;
   std::mt19937 random(kSeed);
@@ -176,8 +176,8 @@ TEST(MovmfRefineTest, EqualsReference) {
     }
 }
 
-// Refining lowers the highlights' error and nearly keeps the samples' mean normal. A texel never gets worse than EM's
-// result.
+// Refining lowers the error of highlights and hardly changes the mean normal of the samples. A texel never gets worse
+// than the result of EM.
 TEST(MovmfRefineTest, ComesNearerAndKeepsTheMeanNormal) {
   std::mt19937 random(31);
   int nearer = 0;
@@ -232,7 +232,8 @@ TEST(MovmfRefineTest, HardCases) {
       {{{{1.0, 0.0, 0.0}, 1.0}, {{-1.0, 0.0, 0.0}, 1.0}}, {{{0.0, 0.0, 0.0}, 0.5}, {{0.0, 0.0, 0.0}, 0.5}}, {}},
       {{{up, 1.0}}, {{up, 0.5}, {0.3 * tilted, 0.5}}, {}},
       {{{{0.0, 1.0, 0.0}, 1.0}, {{0.0, -1.0, 0.0}, 3.0}}, {{{0.0, 0.9, 0.0}, 0.25}, {{0.0, -0.9, 0.0}, 0.75}}, {}}};
-  // Refines the same texels next to a flat texel, and next to an opposite one, so that pooled lobes have no direction.
+  // Refines the same texels next to a flat texel and next to an opposite texel, so that the pooled lobes have no
+  // direction.
   for (std::size_t i = 0, count = texels.size(); i < count; ++i) {
     texels.push_back(texels[i]);
     texels.back().beside = {{{up, 1.0}, {up, 0.0}}, texels[i].lobes};
@@ -248,7 +249,7 @@ TEST(MovmfRefineTest, HardCases) {
     for (const MultumVmfLobe& lobe : found)
       refined.push_back({{lobe.mean_x, lobe.mean_y, lobe.mean_z}, static_cast<double>(lobe.amplitude)});
     EXPECT_LE(reference::refined_energy(texel, refined), reference::refined_energy(texel, texel.lobes) + 2e-6) << i;
-    // Rounding decides how equal lobes separate.
+    // If lobes are equal, rounding decides how they separate.
     if (texel.lobes[0].r != texel.lobes[1].r) {
       EXPECT_LT(difference(found, reference::refine(texel, MULTUM_REFINE_STEPS)), 2e-3) << i;
     }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Compares the kernels' own exp2, log2 and inverse of A(kappa) with double. Tests structs shared with the device, and
-// guards that relaxed mathematics would delete.
+// Compares the kernels' own exp2, log2 and inverse of A(kappa) with double precision. Tests the structs that host and
+// device share, and the guards that relaxed mathematics would delete.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -50,8 +50,8 @@ TEST(NumericsTest, Log2) {
   }
 }
 
-// From kappa 0.003 (spread 0.999) to 1e6 the error is at most 4e-5 of kappa. Banerjee's formula has errors of up to
-// several per cent.
+// For kappa from 0.003 (spread 0.999) to 1e6, the error is at most 4e-5 of kappa. Banerjee's formula has errors of up
+// to several per cent.
 TEST(NumericsTest, KappaOfMeanLength) {
   std::vector<float> spreads;
   for (double spread = 1e-6; spread < 0.999; spread *= 1.0117) spreads.push_back(static_cast<float>(spread));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Compares kernels/one_lobe.cl with double precision, and tests known properties of its results. Sizes nest or do not
-// nest, and bands have any height.
+// Compares kernels/one_lobe.cl with double precision, and tests known properties of its results. The sizes of levels
+// nest or do not nest, and bands have any height.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -49,7 +49,7 @@ class Levels : public MaterialSink {
   std::vector<MaterialRows> levels;
 };
 
-// Holds the other planes of a map: alpha^2, occlusion, metalness.
+// Holds the other planes of a map: alpha^2, occlusion and metalness.
 struct Material {
   std::vector<float> base_squared, occlusion, metalness;
 };
@@ -86,7 +86,8 @@ Material random_material(int width, int height, unsigned seed) {
   return material;
 }
 
-// Decodes an exported texel as a renderer does. Returns alpha along and across the axis, and the axis in space.
+// Decodes an exported texel as a renderer does. Returns alpha along the axis, alpha across the axis, and the axis in
+// space.
 reference::OneLobe lobe_of(const MaterialRows& level, std::size_t i) {
   reference::OneLobe lobe;
   lobe.normal = glm::dvec3(level.normals[i]);
@@ -100,8 +101,9 @@ reference::OneLobe lobe_of(const MaterialRows& level, std::size_t i) {
   return lobe;
 }
 
-// EM in float and EM in double converge to the same place. Rounding, also of sums of 1024 terms, moves each step by
-// about 1e-6 of the lobe's width. The rounder a lobe is, the less certain its axis is.
+// EM in single precision and EM in double precision converge to the same result. Rounding, including that of sums of
+// 1024 terms, changes each step by about 1e-6 of the width of the lobe. The rounder a lobe is, the less certain its
+// axis is.
 constexpr double kTolerance = 2e-4;
 
 void expect_near_reference(const NormalMap& map, const Material* material, const OneLobeSettings& settings) {
@@ -168,7 +170,7 @@ TEST_P(OneLobeTest, RandomNormalsEqualTheReference) {
     }
 }
 
-// The bytes do not depend on the available memory or on how the work is divided: by bands, by lanes, by copies.
+// The bytes do not depend on the available memory or on how the work is divided into bands, lanes and copies.
 TEST_P(OneLobeTest, BandsAndShapesAreTheSameBytes) {
   const auto [width, height] = GetParam();
   const NormalMap map = random_map(width, height, 0.3, 23);
@@ -191,7 +193,7 @@ TEST_P(OneLobeTest, BandsAndShapesAreTheSameBytes) {
     std::vector<MaterialRows> levels;
     try {
       levels = fit(map, settings, &material, memory_bytes);
-    } catch (const Error& error) {  // the memory does not hold a single row
+    } catch (const Error& error) {  // this memory is too small for a single row
       ASSERT_EQ(error.code(), ErrorCode::kUsage) << error.what();
       continue;
     }
@@ -227,7 +229,7 @@ TEST(OneLobe, OneNormalKeepsItsRoughness) {
       }
 }
 
-// The fitted lobe gives the samples a higher likelihood than any lobe near it.
+// The samples have a higher likelihood with the fitted lobe than with any lobe near it.
 TEST(OneLobe, IsTheLikeliest) {
   const NormalMap map = random_map(16, 16, 0.7, 31);
   OneLobeSettings settings;
@@ -239,7 +241,7 @@ TEST(OneLobe, IsTheLikeliest) {
   const int grid = sample_grid(3);
   const std::vector<glm::dvec2> slopes = reference::sampled_slopes(texel, facet_samples(grid), grid);
   const reference::OneLobe lobe = lobe_of(levels[3], 1);
-  // Uses the frame of the mean normal, in which the slopes are given.
+  // Uses the tangent frame of the mean normal, to which the slopes refer.
   glm::dvec3 z(0.0);
   for (int y = 0; y < 8; ++y)
     for (int x = 8; x < 16; ++x) {
@@ -269,7 +271,8 @@ TEST(OneLobe, IsTheLikeliest) {
   }
 }
 
-// In a map of grooves, the axis is across the grooves, as normals tilt, with one sign all over the map.
+// In a map of grooves, the axis points across the grooves, which is the direction in which normals tilt. It has the
+// same sign in the whole map.
 TEST(OneLobe, GroovesHaveOneAxis) {
   for (const double degrees : {0.0, 40.0, 90.0, 135.0}) {
     const double angle = degrees * M_PI / 180.0;

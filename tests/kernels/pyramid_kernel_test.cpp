@@ -32,7 +32,8 @@ std::vector<float> random_planes(const BoxMap& map, unsigned seed) {
   return planes;
 }
 
-// Averages the finest texels that texel (x, y) of a level of w x h covers, weighted by the covered area of each.
+// Averages the texels of the finest level that texel (x, y) of a level of w x h covers. The weights are the covered
+// areas.
 double covered_mean(const std::vector<float>& planes, const BoxMap& map, int plane, int w, int h, int x, int y) {
   const double x0 = static_cast<double>(x) * map.width / w, x1 = static_cast<double>(x + 1) * map.width / w;
   const double y0 = static_cast<double>(y) * map.height / h, y1 = static_cast<double>(y + 1) * map.height / h;
@@ -52,7 +53,8 @@ INSTANTIATE_TEST_SUITE_P(Sizes, MipBoxTest,
                          ::testing::Values(Size{1, 1}, Size{2, 2}, Size{1, 17}, Size{33, 1}, Size{16, 64}, Size{11, 7},
                                            Size{63, 65}, Size{37, 100}));
 
-// Sums are pairwise along a row and compensated down the rows, so the error is a few roundings of numbers up to 1.5.
+// The kernel uses pairwise sums along a row and compensated sums over the rows, so the error is a few roundings of
+// numbers up to 1.5.
 TEST_P(MipBoxTest, EveryTexelIsTheMeanOfWhatItCovers) {
   for (const int plane_count : {1, 3}) {
     const BoxMap map = {GetParam().width, GetParam().height, plane_count, 0};
@@ -81,15 +83,15 @@ TEST_P(MipBoxTest, BandsOfAnyHeightAreTheSameBytes) {
       const Pyramid banded = box_pyramid(test_device(), map, planes.data(), bytes);
       for (std::size_t l = 0; l < whole.levels.size(); ++l) EXPECT_EQ(banded.levels[l].values, whole.levels[l].values);
       ++bakes;
-    } catch (const Error& error) {  // the memory does not hold a single row
+    } catch (const Error& error) {  // this memory is too small for a single row
       EXPECT_EQ(error.code(), ErrorCode::kUsage);
     }
   }
   EXPECT_GT(bakes, 3);
 }
 
-// Tests the longest possible column. A plain float sum of its 32768 numbers near 0.1 has a relative error of about
-// 1e-4.
+// Tests the longest possible column. If its 32768 numbers near 0.1 were simply added in single precision, the relative
+// error would be about 1e-4.
 TEST(MipBoxHardTest, LongColumnsKeepTheirDigits) {
   const BoxMap map = {1, 32768, 1, 0};
   std::vector<float> column;
@@ -102,8 +104,8 @@ TEST(MipBoxHardTest, LongColumnsKeepTheirDigits) {
   EXPECT_NEAR(static_cast<double>(pyramid.levels.back().values[0]), sum / map.height, 1e-8);
 }
 
-// Tests zero light, and lights behind the surface, in the viewer's direction and opposite to it. Results are finite and
-// not negative.
+// Tests zero light, and lights behind the surface, in the viewer's direction and opposite to it. The results must be
+// finite and not negative.
 TEST(ReflectanceKernelTest, LightsFromAnywhere) {
   ReflectanceJob job;
   job.size = 16;
@@ -140,8 +142,9 @@ std::vector<reference::DistantLight> reference_lights(const ReflectanceJob& job)
   return lights;
 }
 
-// Compares with the same normals in double. The remaining error is the rounding of the cosine times the exponent s. At
-// the foot of a lobe this error is 1.2e-7 s times the value, which is about 1e-6 of the lobe's peak for every s.
+// Compares with the same normals in double precision. The remaining error is the rounding error of the cosine times the
+// exponent s. At the foot of a lobe, this error is 1.2e-7 s times the value, which for every s is about 1e-6 of the
+// peak of the lobe.
 TEST(ReflectanceKernelTest, TexelsEqualTheReference) {
   for (const float exponent : {1.0f, 30.0f, 1000.0f, 1e5f}) {
     const ReflectanceJob job = job_of(exponent, 37);
@@ -170,14 +173,14 @@ TEST(ReflectanceKernelTest, TexelsEqualTheReference) {
   }
 }
 
-// Levels are averages over equal solid angles, so the highlight keeps its energy, however sharp it is.
+// Each level averages over equal solid angles, so the highlight keeps its energy, however sharp it is.
 TEST(ReflectanceKernelTest, EnergyStays) {
   ReflectanceJob job = job_of(1000.0f, 128);
   job.lights.resize(1);
   job.diffuse = glm::dvec3(0.0);
   const Pyramid pyramid = reflectance_pyramid(job, test_device());
   const ReflectanceFrame frame = reflectance_frame(job.viewer, job.up);
-  // Integrates over normals by quadrature about the half vector.
+  // Integrates over normals by quadrature around the half vector.
   const glm::dvec3 l = glm::normalize(job.lights[0].direction), h = glm::normalize(l + frame.viewer);
   const reference::PhongSurface surface = {1000.0, job.diffuse, job.specular};
   const ReflectanceFrame about = reflectance_frame(h, {0.0, 1.0, 0.0});
@@ -216,7 +219,8 @@ TEST(ReflectanceMappingTest, PlacesAndNormalsAreEachOthersInverse) {
   EXPECT_THROW(parse_reflectance_frame("{}", "x"), Error);
 }
 
-// Every texel has the solid angle 8 / size^2, computed from the spherical quadrilateral of its corners.
+// Every texel has the solid angle 8 / size^2. The test computes it from the spherical quadrilateral of the texel's
+// corners.
 TEST(ReflectanceMappingTest, AreasAreEqual) {
   const ReflectanceFrame frame;
   const auto normal = [&](int x, int y) { return reflectance_normal(frame, glm::dvec2(x / 64.0, y / 64.0)); };
@@ -239,7 +243,8 @@ TEST(EnvironmentLightsTest, AWhiteFurnace) {
   for (const float v : pyramid.levels[0].values) EXPECT_NEAR(v, 0.8f, 0.004f);
 }
 
-// A single bright texel shines from its own direction: the middle of the map is -Z, and a quarter to the right is +X.
+// A single bright texel shines from its own direction. The middle of the map is -Z, and the point a quarter of the
+// width to the right is +X.
 TEST(EnvironmentLightsTest, DirectionsAreTheMaps) {
   using Case = std::pair<int, glm::dvec3>;
   for (const auto& [column, direction] : {Case{32, {0, 0, -1}}, Case{48, {1, 0, 0}}}) {
@@ -261,7 +266,8 @@ Pyramid tiny(WrapMode wrap) {
 }
 
 TEST(PyramidSampleTest, BordersAreAsTheHeaderSays) {
-  // Half a texel left of the first centre, the value is the mean of the first texel and its left neighbour.
+  // Half a texel to the left of the first texel centre, the value is the mean of the first texel and its left
+  // neighbour.
   EXPECT_NEAR(sample_level(tiny(WrapMode::kPeriodic), 0, 0.0, 0.25)[0], 1.5, 1e-12);
   EXPECT_NEAR(sample_level(tiny(WrapMode::kClamp), 0, 0.0, 0.25)[0], 0.0, 1e-12);
   EXPECT_NEAR(sample_level(tiny(WrapMode::kMirror), 0, 1.0, 0.25)[0], 3.0, 1e-12);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Compares kernels/sh_project.cl, run with mip_box.cl, with averages of the basis in double. Sizes nest or do not nest,
-// and bands have any height. host/lab/selftest/sh_cases.cpp has numerical cases of both kernels.
+// Runs kernels/sh_project.cl with mip_box.cl, and compares the result with averages of the basis functions in double
+// precision. The sizes of levels nest or do not nest, and bands have any height. host/lab/selftest/sh_cases.cpp has
+// numerical cases of both kernels.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -36,7 +37,8 @@ glm::dvec3 normal(const NormalMap& map, std::size_t i) {
   return {static_cast<double>(map.x[i]), static_cast<double>(map.y[i]), static_cast<double>(map.z[i])};
 }
 
-// At order 20 the basis is within 1e-5 of its bound (selftest); averaging adds an error of about 2^-24 per step.
+// At order 20, the error of the basis functions is within 1e-5 of their bound (selftest). Averaging adds an error of
+// about 2^-24 per step.
 constexpr double kShTolerance = 1e-5;
 
 void expect_near_reference(const NormalMap& map, const ColourMap* albedo, const ShMipmap& baked) {
@@ -106,7 +108,7 @@ TEST_P(ShKernelTest, BandsOfAnyHeightAreTheSameBytes) {
   const ColourMap colours = random_colours(width, height, 24);
   WeightMap weights;
   weights.count = 2;
-  const ColourMap weighted = random_colours(width, height, 25);  // owns the memory of the planes
+  const ColourMap weighted = random_colours(width, height, 25);  // this object owns the memory of the planes
   weights.rgb_planes.push_back(planes_of(weighted));
   map.is_shortened = true;
   AverageInputs inputs;
@@ -121,7 +123,7 @@ TEST_P(ShKernelTest, BandsOfAnyHeightAreTheSameBytes) {
       std::optional<ShMipmap> baked;
       try {
         baked = bake(order, map, &colours, inputs);
-      } catch (const Error& error) {  // the memory does not hold a single row
+      } catch (const Error& error) {  // this memory is too small for a single row
         ASSERT_EQ(error.code(), ErrorCode::kUsage) << error.what();
         continue;
       }
@@ -136,7 +138,8 @@ TEST_P(ShKernelTest, BandsOfAnyHeightAreTheSameBytes) {
   }
 }
 
-// On a checkerboard of two opposite tilts, terms odd in x cancel to the last bit, and even terms stay.
+// On a checkerboard of two opposite tilts, terms that are odd in x cancel to the last bit, and even terms do not
+// change.
 TEST(ShClosedFormTest, OppositeTiltsCancelWhatIsOdd) {
   constexpr int kOrder = 8;
   const ShMipmap baked =
@@ -166,7 +169,8 @@ TEST(ZonalTest, RecurrencesEqualQuadrature) {
   EXPECT_EQ(zonal_lambert(0).size(), 1u);
 }
 
-// According to section 5 of Han et al., 9 coefficients suffice for Lambert, and l up to 2 sqrt(s) for Blinn-Phong.
+// According to section 5 of Han et al., 9 coefficients are enough for Lambert, and bands up to l = 2 sqrt(s) are enough
+// for Blinn-Phong.
 TEST(ShAccuracyTest, AnOrderThatSufficesIsNear) {
   const NormalMap map = random_map(64, 64, 0.0, 41);
   const auto worst = [&](int order, const AccuracyBrdf& brdf, double exponent) {
@@ -187,7 +191,7 @@ TEST(ShAccuracyTest, AnOrderThatSufficesIsNear) {
 TEST(ShHardCaseTest, CancellingIsHeardAndOrdersAreChecked) {
   const NormalMap map = random_map(64, 64, 0.0, 31);
   AverageInputs inputs;
-  inputs.memory_bytes = 96 * 1024;  // a few rows per band
+  inputs.memory_bytes = 96 * 1024;  // enough for a few rows per band
   int calls = 0;
   std::uint64_t done = 0;
   Progress cancels([&](const ProgressEvent& event) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Compares texture inference with its objective in double precision and with Eigen's direct solution. Tests the
+// Compares texture inference with its objective in double precision and with Eigen's direct solution. Also tests the
 // conditions at the bounds, and texels that no pixel sees.
 #include <gtest/gtest.h>
 
@@ -31,7 +31,7 @@ struct Case {
   InferenceForm form;
 };
 
-// A problem with several views of one texture, and with pixels that no texture fits exactly.
+// Holds a problem with several views of one texture, and with pixels that no texture can fit exactly.
 struct Problem {
   std::vector<FilterMatrix> matrices;
   std::vector<InferenceView> views;
@@ -68,7 +68,7 @@ std::vector<double> colour_of(const std::vector<float>& texels, std::size_t colo
   return values;
 }
 
-// Returns half the gradient by central differences, which are exact for the quadratic part.
+// Returns half of the gradient, computed by central differences, which are exact for the quadratic part.
 double half_slope(const InferenceProblem& problem, std::vector<double> texels, std::size_t t, double h) {
   const double at = texels[t];
   texels[t] = at + h;
@@ -77,7 +77,7 @@ double half_slope(const InferenceProblem& problem, std::vector<double> texels, s
   return (above - objective(problem, texels)) / (4.0 * h);
 }
 
-// Returns the minimum without bounds: the normal equations in double, by Cholesky factorisation.
+// Returns the minimum without bounds. Solves the normal equations in double precision by Cholesky factorisation.
 Eigen::VectorXd direct_solution(const InferenceProblem& problem) {
   const FilterMatrix& first = *problem.matrices.front();
   const int n = first.layout().texel_count;
@@ -134,14 +134,15 @@ TEST_P(TextureInferenceTest, FindsWhatEigenFinds) {
     double worst = 0.0;
     for (std::size_t t = 0; t < found.size(); ++t)
       worst = std::max(worst, std::abs(found[t] - expected[static_cast<Eigen::Index>(t)]));
-    // The tolerance is the rounding of single precision times the condition number of the coarse levels, about 1e3.
+    // The tolerance is the rounding error of single precision times the condition number of the coarse levels, which is
+    // about 1e3.
     EXPECT_LE(worst, 5e-4) << "colour " << colour;
   }
 }
 
 // Tests the Kuhn-Tucker conditions: the slope is 0 inside the bounds and points outwards at them. Range regularisation
-// keeps texels away from the bounds. Where pixels pull hard, a few texels may reach the bounds, because the term g is
-// finite there (d is not 0).
+// keeps texels away from the bounds. A few texels may reach the bounds where the pixels demand it strongly, because the
+// term g is finite there (d is not 0).
 TEST_P(TextureInferenceTest, EndsWhereNothingLeadsDown) {
   const Case& c = GetParam();
   std::size_t at_bounds[2] = {0, 0};
@@ -163,7 +164,7 @@ TEST_P(TextureInferenceTest, EndsWhereNothingLeadsDown) {
         // The third derivative of g is 6 / d^4 at the bounds, so differences over 1e-6 have an error of 1e-7 of the
         // range term.
         const double slope = half_slope(reference, texels, t, 1e-6);
-        const double tolerance = 3e-3;  // slopes at x = 0 are about 10
+        const double tolerance = 3e-3;  // the slopes at x = 0 are about 10
         EXPECT_TRUE(high || slope >= -tolerance) << "texel " << t << " slope " << slope;
         EXPECT_TRUE(low || slope <= tolerance) << "texel " << t << " slope " << slope;
       }
@@ -215,7 +216,7 @@ TEST(TextureInference, ExactPicturesGiveTheirTextureBack) {
   TextureInference inference(test_device(), {{&matrix, std::vector<float>(matrix.row_count(), 1.0f)}}, settings, 1);
   const std::vector<float> picture = inference.picture(texels);
   const InferenceResult result = inference.solve(picture, {});
-  // Compares only the finest level, because all of its texels are seen.
+  // Compares only the finest level, because pixels see all of its texels.
   for (std::size_t i = 0; i < 3 * 64; ++i) ASSERT_NEAR(result.texels[i], texels[i], 2e-3) << i;
 }
 
@@ -264,8 +265,8 @@ TEST(TextureInference, BlackPicturesAreBlackTextures) {
   for (const float value : result.texels) ASSERT_EQ(value, 0.0f);
 }
 
-// Without regularisation the system is singular for unseen texels. Seen texels are still solved, and the others stay
-// finite.
+// Without regularisation, the system is singular for unseen texels. The solver still finds the seen texels, and the
+// others stay finite.
 TEST(TextureInference, SingularSystemsStayFinite) {
   const FilterMatrix matrix = random_matrix(64, 64, kClamp, 40, 3);
   InferenceSettings settings;

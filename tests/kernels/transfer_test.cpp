@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests copies between host and device: mapped copies, as on a CPU, and plain copies, as on a GPU, give equal bytes.
+// Tests copies between host and device. Mapped copies (as on a CPU) and plain copies (as on a GPU) must give the same
+// bytes.
 #include <gtest/gtest.h>
 
 #include <cstring>
@@ -126,7 +127,7 @@ TEST(LaunchShape, FollowsFromTheDevice) {
   EXPECT_FALSE(shape.atomic_cells);
   EXPECT_EQ(shape.window_bytes_max, info.buffer_bytes_max);
   EXPECT_EQ(shape.window_bytes_useful, std::uint64_t{1} << 30);
-  // Teams need work-groups of their own size and memory for a block of samples.
+  // Teams need work-groups of a certain size, and memory for a block of samples.
   info.work_group_max = 32;
   EXPECT_EQ(LaunchShape::of(info).team_texels_max, 0u);
   EXPECT_EQ(LaunchShape::of(info).local_size, 32u);

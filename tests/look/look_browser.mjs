@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Shared parts of the tests of multum look's page: programs in a folder of their own, headless Chromium, open pages.
-// Exits with code 77 (skipped) if something is missing.
+// Contains the shared parts of the tests of multum look's page: programs in a folder of their own, headless Chromium,
+// and open pages. Exits with code 77 (skipped) if something is missing.
 import { execFileSync } from "node:child_process";
 import { existsSync, mkdtempSync, rmSync } from "node:fs";
 import os from "node:os";
@@ -19,7 +19,7 @@ export async function startLook(bin) {
   const folder = mkdtempSync(path.join(os.tmpdir(), "multum-look-"));
   const browser = await chromium.launch({ executablePath, args: ["--no-sandbox", "--headless=new",
     "--disable-dev-shm-usage", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"] });
-  const complaints = []; // errors of pages, and requests to other hosts
+  const complaints = []; // errors on pages, and requests to other hosts
   const inFolder = (name) => path.join(folder, name);
   const plainPage = async ({ before, ...options }) => {
     const context = await browser.newContext(options);
@@ -40,7 +40,7 @@ export async function startLook(bin) {
     open: async (file, hash = "", { width = 344, height = 700, ...more } = {}) => {
       const page = await plainPage({ viewport: { width, height }, ...more });
       await page.goto(pathToFileURL(inFolder(file)).href + hash);
-      // Polls by a timer, because some test pages have no animation frames.
+      // Polls with a timer, because some test pages have no animation frames.
       await page.waitForFunction(() => globalThis.multumLook?.frameMs !== undefined, undefined, { polling: 50 });
       return page;
     },

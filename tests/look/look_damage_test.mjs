@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Damages baked files and reads them with the decoder of multum look's page, without a browser. Findings are errors
-// that do not say what was found and expected, NaN or infinite numbers, and files that take seconds.
+// Damages baked files and reads them with the decoder of multum look's page, without a browser. A finding is an error
+// message that does not say what was found and what was expected, a number that is NaN or infinite, or a file that
+// takes
+// seconds.
 //
 //   node look_damage_test.mjs BIN_FOLDER [RUNS] [SEED]
 import assert from "node:assert/strict";
@@ -11,7 +13,7 @@ import path from "node:path";
 import vm from "node:vm";
 
 const [bin, runs = "1000", seedText = String(Date.now() % 1e9)] = process.argv.slice(2);
-const SLOW_MS = 5000; // the machine may be busy; a file of 16 x 16 takes some milliseconds
+const SLOW_MS = 5000; // a file of 16 x 16 texels takes some milliseconds, but the machine may be busy
 const EXTREMES = [0, 1, -1, 2, 16, 255, 256, 65535, 0x7fffffff, -0x80000000, 0x7fc00000, 0x7f800000, 0x3f800000];
 let state = Number(seedText) >>> 0;
 console.log(`  seed ${state}`);
@@ -37,7 +39,7 @@ try {
       compression, "--force");
     return readFileSync(path.join(folder, "map.ndf.exr"));
   });
-  // Damages only bytes that are read: headers without their padding, tables, tiles.
+  // Damages only bytes that the decoder reads: headers without their padding, tables, and tiles.
   const isRead = files.map((file) => {
     const [room, end] = [file.indexOf("[]   "), file.lastIndexOf("periodic,periodic\0\0")];
     return (at) => at < room || at > room + 33000 || at > end;

@@ -14,14 +14,14 @@ import { lowContrasts } from "../service/page_contrast.mjs";
 const [bin, screenshots] = process.argv.slice(2);
 const look = await startLook(bin);
 const { inFolder, run, complaints } = look;
-// The window is small, because drawing a picture takes long on a processor.
+// The window is small, because a processor needs a long time to draw a picture.
 const open = (file, hash = "", more = {}) => look.open(file, hash, { width: 240, height: 600, ...more });
 mkdirSync(screenshots, { recursive: true });
-// The limit is in units of 1/255. multum look's page has lobes in BC5 and 8-bit normals, whereas the decoded file has
-// half floats and full normals.
+// The limit is in units of 1/255. The page of multum look has lobes in BC5 and 8-bit normals, whereas the decoded file
+// has 16-bit floats and normals of full precision.
 const CLOSE = 8;
 const MEAN_MOST = 2.5, CLOSE_LEAST = 0.95;
-const SAME_MOST = 0.5; // the limit for a page whose lobes are half floats too
+const SAME_MOST = 0.5; // the limit for a page whose lobes are also 16-bit floats
 const bake = (name, ...words) => run("multum", "bake", "map_normal.png", "-o", name, "--no-measure", "-q", ...words);
 const bytesOf = (name) => readFileSync(inFolder(name));
 const dropped = (page, ...names) => drop(page, ...names.map((name) => [name, bytesOf(name)]));
@@ -73,7 +73,7 @@ try {
   run("multum", "look", "other.ndf.exr", "map.ndf.exr", "--no-open", "-o", "both.html");
   run("multum", "export", "map.ndf.exr", "--lobes", "--texels", "rgba16f", "-o", "halves.ktx2");
 
-  // Refusals of the command.
+  // Tests the refusals of the command.
   const refused = (words, ...more) => assert.throws(() => run("multum", "look", ...more, "--no-open", "-o", "no.html"),
     (error) => error.status !== 0 && error.stderr.includes(words) && !existsSync(inFolder("no.html")));
   bake("rest.ndf.exr", "--first-level", "1");
@@ -84,7 +84,7 @@ try {
   refused("is not the file that other.ndf.exr was baked from", "other.ndf.exr", "--source", "map_normal.png",
     "--same-source");
 
-  // On a page of two maps, the list chooses one, and the address keeps the choice.
+  // On a page with two maps, the user chooses one from a list, and the address stores the choice.
   const both = await open("both.html");
   assert.match(await factsOf(both), /96 x 96, 2 lobes/);
   assert.deepEqual(await both.locator("#map option").allTextContents(), ["other.ndf.exr", "map.ndf.exr"]);
@@ -99,12 +99,12 @@ try {
   await kept.evaluate(() => { location.hash = "map=40"; });
   await settled(kept);
   assert.equal((await viewOf(kept)).map, 1, "values of a foreign address must be clamped");
-  // The picture equals the picture of a page with only this map, which reads the map instead of level 0.
+  // The picture equals the picture on a page that has only this map and reads the map instead of level 0.
   const page = await open("map.html");
   const same = await apart(page, kept, "left=export&right=lobes&map=1");
   assert.ok(same.mean < 0.05, `maps of several: ${same.mean}`);
 
-  // A file dropped onto another map's page is drawn as its own page draws it.
+  // A file that is dropped onto the page of another map looks the same as on its own page.
   const other = await open("both.html");
   assert.equal(await dropped(other, "map.ndf.exr"), "");
   assert.equal(await other.textContent("#about"), "map.ndf.exr, decoded here");
@@ -121,7 +121,8 @@ try {
     assert.ok(mean <= MEAN_MOST && close > CLOSE_LEAST, `${hash}: mean ${mean}, within ${CLOSE}: ${close}`);
     assert.ok(same.mean <= SAME_MOST, `${hash}: mean ${same.mean} against half floats`);
   }
-  // The lobes equal the lobes of multum export --texels rgba16f, except for the rounding of float and double sums.
+  // The lobes equal the lobes of multum export --texels rgba16f, except that sums are rounded differently in single and
+  // double precision.
   const [count, far] = await other.evaluate((base64) => {
     const halvesOf = (file) => file.levels.map((bytes) => new Uint16Array(bytes.slice().buffer));
     const value = (bits) => (bits & 0x8000 ? -1 : 1) * ((bits & 0x7c00) === 0 ? (bits & 1023) * 2 ** -24
@@ -133,7 +134,7 @@ try {
   }, bytesOf("halves.ktx2").toString("base64"));
   assert.equal(count, 4 * 4 * (64 * 64 * 4 - 1) / 3);
   assert.ok(far < count / 1000, `${far} of ${count} half floats differ`);
-  // The dropped file is now in the list, next to the page's own maps.
+  // The dropped file is now in the list with the page's own maps.
   assert.equal(await other.locator("#map option").last().textContent(), "map.ndf.exr (dropped)");
   await other.selectOption("#map", "0");
   assert.match(await factsOf(other), /96 x 96, 2 lobes/);
@@ -156,7 +157,7 @@ try {
     assert.equal(await dropped(other, "packed.ndf.exr"), "", compression);
     assert.equal(await texture(), hash, compression);
   }
-  // Tests half floats, floats and colours.
+  // Tests 16-bit floats, 32-bit floats and colours.
   for (const words of [["-d", "half"], ["-d", "float"], ["--albedo", "map_albedo.png"]]) {
     bake("kind.ndf.exr", ...words, "--force");
     assert.equal(await dropped(other, "kind.ndf.exr"), "", words.join(" "));
@@ -164,10 +165,10 @@ try {
     assert.ok(mean <= 1, `${words}: mean ${mean}`);
   }
 
-  // Files without level 0 wait for their map, in any order, and recognise it. A green channel that points down is
-  // inverted.
+  // A file without level 0 waits for its map and recognises it. The map and the file can be dropped in any order. A
+  // green channel that points down is inverted.
   for (const green of ["up", "down"]) {
-    bake("one.ndf.exr", "--lobes", "1", "--first-level", "2", "--green", green, "--force"); // a file of one part
+    bake("one.ndf.exr", "--lobes", "1", "--first-level", "2", "--green", green, "--force"); // a file that has one part
     bake("full.ndf.exr", "--green", green, "--force");
     const full = await open("both.html");
     assert.equal(await dropped(full, "full.ndf.exr"), "");
@@ -192,11 +193,11 @@ try {
   const good = bytesOf("map.ndf.exr");
   const windowAt = valueAt(good, "dataWindow", "box2i"), tilesAt = valueAt(good, "tiles", "tiledesc");
   const widthAt = valueAt(good, "multum:mapWidth", "int"), channelsAt = valueAt(good, "channels", "chlist");
-  // The table of the finest level's tile follows the empty header, which ends the list of headers.
+  // The list of headers ends with an empty header. The offset table of the finest level follows it.
   const tableOf = (file) => file.lastIndexOf(Buffer.from("periodic,periodic\0\0", "latin1")) + 19;
   const tileOf = (file) => Number(file.readBigUInt64LE(tableOf(file)));
   const [tableAt, tileAt] = [tableOf(good), tileOf(good)];
-  // This place is after the tile's head and a row of lobe values, which are half floats.
+  // This position is after the header of the tile and after one row of lobe values, which are 16-bit floats.
   const valuesAt = tileOf(plain) + 24 + 2 * 128;
   const bomb = deflateSync(Buffer.alloc(50e6));
   assert.equal(good.readInt32LE(tileAt), 0, "the first tile's part");
@@ -238,7 +239,7 @@ try {
     ["NaN in channel finest.normalX.X", changed(plain, (b) => { b.writeFloatLE(NaN, valuesAt); })],
     ["5 in channel finest.normalX.X", changed(plain, (b) => { b.writeFloatLE(5, valuesAt); })],
     ["a tile of more than", changed(good, (b) => {
-      const begin = b.length; // a tile after all others that decompresses to 50 MB
+      const begin = b.length; // the last tile, which decompresses to 50 MB
       b.writeBigUInt64LE(BigInt(begin), tableAt);
       const head = Buffer.alloc(24);
       head.writeInt32LE(bomb.length, 20);
@@ -252,7 +253,7 @@ try {
   assert.equal(await pixelsOf(other), shown);
   assert.equal(await other.textContent("#reading"), "");
 
-  // Opens a file with the page's button in a small window, in light and dark mode.
+  // Opens a file with the button of the page, in a small window, in light and dark mode.
   for (const colorScheme of ["light", "dark"]) {
     const small = await open("both.html", "", { width: 360, height: 740, colorScheme, hasTouch: true, isMobile: true });
     await small.setInputFiles("#open", [inFolder("map.ndf.exr")]);

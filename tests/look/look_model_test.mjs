@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests models on multum look's page: a square model compared with the plane that the page draws by rays, a ball, a
-// model's own normal map, and damaged or hostile files. Exits with 77 (skipped) if something is missing.
+// Tests models on multum look's page: a square model, which is compared with the plane that the page draws by ray
+// casting, a ball, a model with its own normal map, and damaged or hostile files. Exits with 77 (skipped) if something
+// is missing.
 //
 //   node look_model_test.mjs BIN_FOLDER SCREENSHOTS
 import assert from "node:assert/strict";
@@ -13,7 +14,8 @@ const look = await startLook(bin);
 const { inFolder, run, complaints, open } = look;
 mkdirSync(screenshots, { recursive: true });
 const MEAN_MOST = 0.5; // in units of 1/255, within the square
-const HALF_SIDE = 0.6 / Math.SQRT2; // half the side of a square with corners at the radius of models on the page
+const HALF_SIDE = 0.6 / Math.SQRT2; // half of the side of a square whose corners are at the radius of models on the
+                                    // page
 
 /** A binary glTF: `vertices` are [position, normal or null, texture coordinates], `image` the normal map's bytes. */
 function glb(vertices, indices, { image = null, change = () => {} } = {}) {
@@ -60,7 +62,8 @@ function gltf(bytes, change = () => {}) {
   return [["model.gltf", Buffer.from(JSON.stringify(json))], ["the buffer.bin", parts.buffer]];
 }
 
-// Coordinates equal those of the page's plane, up to whole numbers: u = x, v = -y. glTF's z is the page's -y.
+// The texture coordinates equal those of the page's plane, except for whole numbers: u = x, v = -y. The z of glTF is -y
+// on the page.
 const square = (options) => glb([[-1, -1], [1, -1], [1, 1], [-1, 1]].map(([x, z]) =>
   [[7 * x, 2, 7 * z], options?.isFlat ? null : [0, 1, 0], [HALF_SIDE * x, HALF_SIDE * z - 0.76]]),
 [0, 2, 1, 0, 3, 2], options);
@@ -77,7 +80,8 @@ function ball(rings = 32) {
         indices.push(corner, corner + 2 * rings + 1, corner + 1, corner + 1, corner + 2 * rings + 1,
           corner + 2 * rings + 2);
     }
-  return glb(vertices, indices, { change: (json) => { // two unnamed nodes of one mesh, one smaller and to the side
+  return glb(vertices, indices, { change: (json) => { // two unnamed nodes with the same mesh, one of them smaller and
+                                                      // to the side
     json.nodes = [{ mesh: 0 }, { mesh: 0, scale: [0.5, 0.5, 0.5], translation: [1.4, 0.3, 0] }];
     json.scenes[0].nodes = [0, 1];
   } });
@@ -141,7 +145,7 @@ try {
       assert.ok(mean <= MEAN_MOST, `${hash}: ${mean}`);
     }
   }
-  // Returns to the plane by keys; the model stays in the list.
+  // Returns to the plane with the keyboard. The model stays in the list.
   await page.focus("#shape");
   await page.keyboard.press("ArrowUp");
   await settled(page);
@@ -151,13 +155,13 @@ try {
   const withMap = await at(views[0]);
   assert.notEqual(withMap, planes[0]);
 
-  // A model's own normal map is drawn if it fits.
+  // The page draws the normal map of the model if it fits.
   assert.equal(await drop(page, ["own.glb", square({ image: readFileSync(inFolder("own_normal.png")) })]), "");
   assert.notEqual(await at(views[0]), withMap);
   run("multum", "testmap", "large", "--size", "160");
   assert.equal(await drop(page, ["large.glb", square({ image: readFileSync(inFolder("large_normal.png")) })]), "");
 
-  // A model in JSON, with separate files or embedded data, is drawn alike, including its own normal map.
+  // A model in JSON looks the same, whether it has separate files or embedded data. Its own normal map is also drawn.
   const own = square({ image: readFileSync(inFolder("own_normal.png")) });
   assert.equal(await drop(page, ["own.glb", own]), "");
   const withOwn = await at(views[0]);
@@ -181,7 +185,7 @@ try {
     ["view beyond its buffer", gltf(own, ({ json }) => { json.bufferViews[0].byteLength = 1e9; })],
     ["not in base64", gltf(own, ({ json }) => { json.buffers[0].uri = "data:,abc"; })],
     ["of version 1.0", gltf(own, ({ json }) => { json.asset.version = "1.0"; })],
-    // A picture that belongs to such a model is not added to the page's maps.
+    // A picture that belongs to such a model is not added to the list of maps.
     ["JSON is damaged", [["colour.png", map], ["model.gltf", Buffer.from("{ \"asset\": ")]]],
     ["names 50%.bin, which was not dropped", gltf(own, ({ json }) => { json.buffers[0].uri = "50%.bin"; })],
   ]) {

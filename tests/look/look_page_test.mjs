@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Walks through multum look's page in headless Chromium: pictures compared with those of multum-view, every control,
-// keys, touch, the address, dropped lobe textures, damaged files, 360 px, light and dark. Exits with 77 (skipped) if
+// Walks through the page of multum look in headless Chromium. Compares pictures with those of multum-view, and tests
+// every
+// control, keys, touch, the address, dropped lobe textures, damaged files, a width of 360 px, and light and dark mode.
+// Exits with 77 (skipped) if
 // something is missing. look_files_test.mjs tests the other files.
 //
 //   node look_page_test.mjs BIN_FOLDER SCREENSHOTS
@@ -15,7 +17,8 @@ const [bin, screenshots] = process.argv.slice(2);
 const look = await startLook(bin);
 const { inFolder, run, complaints } = look;
 mkdirSync(screenshots, { recursive: true });
-const CLOSE = 8; // in units of 1/255; this GL and llvmpipe round differently when they filter blocks and half floats
+const CLOSE = 8; // in units of 1/255; this GL and llvmpipe round differently when they filter compressed blocks and
+                 // 16-bit floats
 const MEAN_MOST = 1.5;
 
 const open = (hash, more) => look.open("map.html", hash, more);
@@ -37,7 +40,7 @@ try {
   const page = await open("#left=lobes&split=1");
   const [width, height] = await page.evaluate(() => globalThis.multumLook.gl.size);
   const beside = async (file, hash) => {
-    // These are multum-view's camera and light, unless `hash` sets others.
+    // These are the camera and the light of multum-view, unless `hash` sets others.
     const defaults = "elevation=21.5&distance=-0.288&exposure=0&x=0.303&y=0.808&z=0.505";
     await goTo(page, `${defaults}&${hash}`);
     await settled(page);
@@ -108,8 +111,9 @@ try {
   const facts = await factsOf(page);
   assert.match(facts, /128 x 128, 4 lobes.*all mip levels.*roughness as BC4.*lobes 0.06 MB \(BC5.*takes [\d.]+ ms/);
 
-  // The page shows the picture's error compared with the map itself. The error is almost 0 where texels are larger than
-  // pixels, and low for distant lobes. The page removes the number when the view changes.
+  // The page shows the error of the picture, compared with a picture of the normal map itself. The error is almost 0
+  // where texels are larger than pixels, and it is low for distant lobes. When the view changes, the page removes the
+  // number.
   const errors = async (hash) => {
     await goTo(page, hash);
     await settled(page);
@@ -122,12 +126,12 @@ try {
   };
   const [near, far] = [await errors("#distance=-2"), await errors("")];
   assert.ok(near[0] < 3 && near[1] < 3 && near[2] < 1, near);
-  // One evaluation per lobe is used. If two taps were shaded separately, the ratio would be below 0.6.
+  // Each lobe is evaluated once. If two taps were shaded separately, the ratio would be below 0.6.
   assert.ok(far[1] < 0.7 * far[0] && far[2] < far[1], far);
   await changes(page, "a view after its error", () => page.locator("#exposure").fill("0"));
   assert.equal(await page.textContent("#error"), "");
 
-  // The address keeps the view; values of a foreign address are clamped.
+  // The address stores the view. Values from addresses that the page did not make are clamped.
   const kept = await page.evaluate(() => location.hash);
   const again = await open(kept);
   const [one, other] = [await view(page), await view(again)];
@@ -138,13 +142,13 @@ try {
   const odd = await open("#left=%3Cscript%3E&rule=__proto__&split=9e99&lock=1e9&azimuth=NaN&distance=-Infinity&x=abc");
   assert.deepEqual([(await view(odd)).left, (await view(odd)).rule, (await view(odd)).split], ["mip", "unreal", 1]);
 
-  // Files dropped onto the page.
+  // Tests files that are dropped onto the page.
   assert.equal(await drop(again, ["halves.ktx2", readFileSync(inFolder("halves.ktx2"))]), "");
   assert.equal(await again.evaluate(() => globalThis.multumLook.file.format), 97);
   assert.equal(await drop(again, ["map_normal.png", readFileSync(inFolder("map_normal.png"))]), "");
   const good = readFileSync(inFolder("map.ktx2"));
   const changed = (at, value) => { const bytes = Buffer.from(good); bytes[at] = value; return bytes; };
-  const rough = Buffer.from(good); // replaces a key by one of the same length
+  const rough = Buffer.from(good); // replaces a key by another key of the same length
   rough.write('"meanCosine"   ', good.indexOf('"layersPerLobe"'), "latin1");
   for (const [bytes, words] of [[rough, "found roughness"], [changed(12, 99), "VkFormat 99"],
     [changed(24, 3), "bytes of level"], [changed(32, 200), "layers"], [changed(40, 30), "levels"],
@@ -155,7 +159,7 @@ try {
   }
   assert.equal(await again.locator("#problem").isVisible(), true);
 
-  // Uses the page by touch in a small window, in light and dark mode.
+  // Uses the page with touch input in a small window, in light and dark mode.
   for (const colorScheme of ["light", "dark"]) {
     const small = await open("", { width: 360, height: 740, colorScheme, hasTouch: true, isMobile: true });
     const [scroll, client] = await small.evaluate(() =>
@@ -180,7 +184,8 @@ try {
     assert.deepEqual(await misplaced(narrow), [], `${viewport.width} px`);
   }
 
-  // A lost context is reported, and its picture comes back. Errors measured meanwhile are not shown.
+  // The page reports a lost GL context and later restores its picture. The page does not show errors that were measured
+  // in the meantime.
   const lost = await open("#left=export&right=lobes");
   const picture = await pixels(lost);
   await lost.click("#measure");
@@ -200,7 +205,7 @@ try {
   await lost.waitForFunction(() => !document.getElementById("measure").disabled);
   assert.doesNotMatch(await lost.textContent("#error"), /noise|cannot/);
 
-  // A background tab has no animation frames, and the page still works.
+  // The page works even in a background tab, which has no animation frames.
   const behind = await open("", { before: () => { globalThis.requestAnimationFrame = () => 0; } });
   await behind.click("#measure");
   await behind.waitForFunction(() => /noise/.test(document.getElementById("error").textContent), undefined,
@@ -208,7 +213,7 @@ try {
   const hidden = await open("", { before: () => Object.defineProperty(document, "hidden", { value: true }) });
   await hidden.getByText("is not timed while this page is in the background").waitFor();
 
-  // Every thrown error is shown.
+  // The page shows every error that is thrown.
   assert.deepEqual(complaints, []);
   for (const thrown of [undefined, null, "", {}, new Error("")]) {
     await behind.evaluate((one) => { say(""); setTimeout(() => Promise.reject(one)); }, thrown);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Checks the other pages of multum and its tools in headless Chromium, in narrow windows and at 200 %: no part is cut,
-// covered or beyond the window, no text reads "undefined", and the demo's figures add up. Exits with 77 (skipped) if
+// Checks the other pages of multum and its tools in headless Chromium, in narrow windows and at a zoom of 200 %. No
+// part may be
+// cut, covered or beyond the window, no text may be "undefined", and the figures of the demo must add up. Exits with 77
+// (skipped) if
 // something is missing.
 //
 //   node pages_test.mjs BIN_FOLDER SCREENSHOTS
@@ -57,7 +59,7 @@ async function checkDemo() {
   }));
   assert.ok(rows.length >= 3);
   for (const [shown, differences] of rows) {
-    assert.deepEqual(differences, shown); // each difference is below its picture
+    assert.deepEqual(differences, shown); // each difference picture is below its picture
     assert.ok(shown.every(({ isAbove }) => isAbove));
   }
 }

@@ -10,7 +10,7 @@ COMPRESSIONS = ("none", "rle", "zips", "zip:1", "zip:4", "zip:9", "piz")
 
 
 def parse_result(text, benchmark):
-    """Returns the result after checking its first part: what was run, and on which machine."""
+    """Checks the first part of the result, which says what was run and on which machine. Returns the result."""
     result = json.loads(text)
     assert result["benchmark"] == benchmark, result["benchmark"]
     assert result["command"].startswith(f"multum-bench {benchmark} --") and "json" not in result["command"], result
@@ -29,7 +29,7 @@ def check_spread(spread):
 def check_costs(costs, cores):
     for key in ("wall_s", "cpu_s", "peak_mib", "output_mb"):
         check_spread(costs[key])
-    # The bounds are wide on purpose: libraries and sanitizers decide the peak, not maps of these sizes.
+    # The bounds are wide on purpose. With maps this small, libraries and sanitizers decide the peak.
     assert 1 < costs["peak_mib"]["median"] < 4096, costs
     assert costs["cpu_s"]["median"] <= costs["wall_s"]["median"] * cores + 0.1, costs
 
@@ -128,7 +128,7 @@ def check_document(text):
 
 
 def check_accuracy(text):
-    # The first figure of a summary line is for s = 100 at the centres of level 3.
+    # The first figure of a summary line is the error for s = 100 at the texel centres of level 3.
     error = {name: float(value) for name, value in re.findall(r"^\| ([^|]+) \| ([0-9.]+) /", text, re.MULTILINE)}
     assert error["8 lobes"] < error["4 lobes"] < error["2 lobes"] < error["1 lobe"], error
     assert text.count("| fit, processor s | elapsed, s |") == 1, "only the summary may have times"
@@ -141,7 +141,7 @@ def check_accuracy(text):
     assert [row[:2] for row in rows] == [(level, s) for level in "012" for s in ("20", "100", "500")], rows
     stored = {row[:2]: [float(cell) for cell in row[2].split("|")] for row in rows}
     for s in ("20", "100", "500"):
-        # Level 2 is stored for every L, and level 1 for L up to 1; files get smaller.
+        # Level 2 is stored for every L, and level 1 is stored for L up to 1. Files get smaller as L increases.
         assert stored["0", s][6] == stored["1", s][6] == stored["2", s][6], rows
         assert stored["0", s][3:6] == stored["1", s][3:6], rows
         assert stored["0", s][7:] > stored["1", s][7:] > stored["2", s][7:], rows

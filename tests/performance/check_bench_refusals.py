@@ -23,7 +23,7 @@ def expect(exit_code, parts, arguments, **options):
 
 def check_programs(folder):
     here = ["--folder", str(folder)]
-    # multum-bench finds maketx by PATH, and multum in its own folder.
+    # multum-bench finds maketx through PATH, and finds multum in its own folder.
     expect(4, ["maketx", "openimageio-tools"], ["bake", "--size", "16", *here],
            env={**os.environ, "PATH": str(folder)})
     expect(2, ["exit code 2", "--nonsense"], ["bake", "--size", "16", *here, "--", "--nonsense"])
@@ -51,7 +51,7 @@ def check_documents(folder):
            ["document", "-o", str(output), "--json", str(bad)])
     expect(3, ["none.json"], ["document", "-o", str(output), "--json", str(folder / "none.json")])
     expect(2, [str(bad)], ["document", "-o", str(bad), "--json", str(bad)])
-    # Results of uncommitted sources are refused unless they are allowed; then the document says so.
+    # Results of uncommitted sources are refused unless an option allows them. In that case the document says so.
     dirty = folder / "dirty.json"
     for commit in ("0123abc-dirty", "unknown"):
         dirty.write_text(json.dumps({**json.loads(pathlib.Path(RESULT).read_text()), "commit": commit}))

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Documents are made from committed sources, or say that they are not.
+// Tests that documents are made from committed sources, or otherwise say that they are not.
 #include "tools/lab/bench/documents/committed_tree.h"
 
 #include <gtest/gtest.h>

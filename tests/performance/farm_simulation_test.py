@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Runs multum-farm-simulation with some hundred maps: every map ends, whatever fails. Also tests the page that
-tools/lab/farm_document.py makes from such runs.
+"""Runs multum-farm-simulation with some hundred maps. Every map must be finished, whatever fails. Also tests the page
+that tools/lab/farm_document.py makes from such runs.
 
   farm_simulation_test.py SIMULATION
 """
@@ -52,7 +52,7 @@ class FarmSimulationTest(unittest.TestCase):
         self.assertEqual(run["states"], {"succeeded": 600})
         self.assertEqual((run["failed_attempts"], run["node_failures"]), (0, 0))
         self.assertGreater(run["busy_share"], 0.8)
-        # Some nodes get no job.
+        # Some nodes do not get a job.
         self.assertLess(self.simulate(*options, "--jobs", "5")["busy_share"], 0.55)
 
     def test_lists_of_folders_are_quicker_than_files_one_by_one(self):

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests medians, quartiles, tables and commands as text, as in docs/evidence/BENCHMARKS.md.
+// Tests the text of medians, quartiles, tables and commands, as in docs/evidence/BENCHMARKS.md.
 #include <gtest/gtest.h>
 
 #include "tools/lab/bench/documents/markdown_table.h"

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests the player's modules that need no browser, in Node: checksums, cameras and positions between samples, binary
-// glTF, the memory budget, paths, and hostile descriptions and indices.
+// Tests in Node those modules of the player that do not need a browser: checksums, cameras and positions between
+// samples,
+// binary glTF, the memory budget, paths, and hostile descriptions and indices.
 //
 //   node modules_test.mjs [STEP [SEED]]
 import assert from "node:assert/strict";
@@ -21,7 +22,7 @@ import { descriptionSection, fileOf } from "./mpt_writing.mjs";
 
 const [only = "", seedText = String(Date.now() % 1e9)] = process.argv.slice(2);
 let state = Number(seedText) >>> 0;
-const random = () => { // a linear congruential generator: its upper bits are random enough here
+const random = () => { // This is a linear congruential generator, whose upper bits are random enough here.
   state = (Math.imul(state, 1664525) + 1013904223) >>> 0;
   return state / 2 ** 32;
 };
@@ -39,7 +40,7 @@ function spoil(json) {
         random() < 0.8)
       [place, key] = [place[key], among(Object.keys(place[key]))];
     if (random() < 0.2) delete place[key];
-    else place[key] = structuredClone(among(JUNK)); // a clone, because an object might come to contain itself
+    else place[key] = structuredClone(among(JUNK)); // uses a clone, because otherwise an object might contain itself
   }
 }
 
@@ -126,10 +127,11 @@ const steps = {
     Object.assign(globalThis, { document: { hidden: true }, cancelAnimationFrame: (frame) => cancelled.push(frame),
       requestAnimationFrame: (draw) => frames.push(draw) });
     const drawn = [];
-    await new Promise((resolve) => onNextFrame((now) => { drawn.push(now); resolve(); })); // no animation frame comes
+    // Simulates a page that gets no animation frame.
+    await new Promise((resolve) => onNextFrame((now) => { drawn.push(now); resolve(); }));
     assert.deepEqual(cancelled, [1]);
     onNextFrame((now) => drawn.push(now));
-    frames[1](7); // an animation frame comes, and no timer after it
+    frames[1](7); // simulates an animation frame with no timer after it
     onNextFrame((now) => drawn.push(now))(); // is cancelled
     await new Promise((resolve) => setTimeout(resolve, 120));
     assert.deepEqual([drawn.length, drawn[1]], [2, 7]);
@@ -137,7 +139,8 @@ const steps = {
   },
 
   checksumsAreThoseOfCrc64() {
-    assert.equal(sectionChecksum(Buffer.from("123456789")), 0xdf1939fa); // lower half of CRC-64/XZ's check value
+    // The lower half of the check value of CRC-64/XZ.
+    assert.equal(sectionChecksum(Buffer.from("123456789")), 0xdf1939fa);
     assert.equal(sectionChecksum(Buffer.alloc(0)), 0);
   },
 
@@ -175,7 +178,7 @@ const steps = {
     const thing = objects.get("thing");
     near(thing.positions, [0, 2, 0, 0, 0, 0, 1, 0, 0], 0, "corners in the indices' order");
     near(thing.uvs, [32768 / 65535, 0, 0, 0, 16384 / 65535, 0], 1e-6, "texture coordinates, upwards");
-    // The node is rotated by 90 degrees about y, so x goes to -z. It is scaled by 2, and moved by the parent.
+    // The node is rotated by 90 degrees about y, so x goes to -z. The node is scaled by 2, and the parent moves it.
     const corner = [0, 1, 2].map((row) => thing.objectToWorld[row] + thing.objectToWorld[12 + row]);
     near(corner, [1, 2, 3 - 2], 1e-12, "where (1, 0, 0) is");
     for (const [change, pattern] of [
@@ -222,7 +225,7 @@ const steps = {
 
   cutsGoToTheTrianglesSide() {
     const mapping = { linear: [0.5, 0, 0, 2], offset: [0.25, 0], hasCut: [true, false], cut: [0.6, 0] };
-    // One triangle left of the cut and one right of it; neither is split.
+    // One triangle is left of the cut, and one is right of it. Neither triangle is split.
     near(mappedCorners([0.1, 0, 0.2, 0, 0.3, 1, 0.7, 0, 0.8, 0, 0.9, 1], mapping),
       [0.8, 0, 0.85, 0, 0.9, 2, 0.6, 0, 0.65, 0, 0.7, 2], 1e-6, "mapped");
   },
@@ -280,7 +283,7 @@ const steps = {
   fewerSubPixelsAreDrawnWhereFramesAreSlow() {
     const quality = new DrawingQuality(4);
     let now = 1e6;
-    // Simulates frames that take 10 ms, plus `ms` for each sub-pixel of a pixel.
+    // Simulates frames that take 10 ms, plus `ms` for each sub-pixel per pixel.
     const move = (ms, frames) => {
       const sides = [];
       for (let i = 0; i < frames; ++i) {
@@ -291,7 +294,7 @@ const steps = {
       return sides;
     };
     assert.deepEqual(new Set(move(0.1, 100)), new Set([4]), "a fast machine uses the finest images");
-    const slow = move(30, 40); // 490 ms at first, which is fewer than 3 frames per second
+    const slow = move(30, 40); // frames first take 490 ms, which gives fewer than 3 frames per second
     assert.equal(slow.at(-1), 1);
     assert.ok(slow.indexOf(1) < 10, `${slow}`);
     assert.ok(Math.abs(quality.framesPerSecond - 25) < 1, `${quality.framesPerSecond}`);
@@ -320,7 +323,8 @@ const steps = {
   async requestsAreTriedAgain() {
     const bytes = Uint8Array.from({ length: 100 }, (_, i) => i);
     const { fetch: realFetch, setTimeout: realTimeout } = globalThis;
-    globalThis.setTimeout = (run, ms, ...more) => realTimeout(run, ms / 1000, ...more); // 20 s of silence take 20 ms
+    // 20 s without an answer take 20 ms in this test.
+    globalThis.setTimeout = (run, ms, ...more) => realTimeout(run, ms / 1000, ...more);
     const part = (range, more = {}) => {
       const [, first, last] = /^bytes=(\d+)-(\d+)$/.exec(range).map(Number);
       const body = bytes.slice(first, last + 1);
@@ -372,7 +376,7 @@ const steps = {
       await source.read(0, 5);
       globalThis.fetch = async (_, { headers }) => part(headers.Range, { size: 120 });
       await assert.rejects(source.read(5, 5), /has 120 bytes now, had 100 before/);
-      // A cancelled request waits for nothing more.
+      // A cancelled request does not wait for anything.
       const abort = new AbortController();
       realTimeout(() => abort.abort(), 5);
       await assert.rejects(read([bad.mute], abort.signal), (error) => !(error instanceof FieldError));
@@ -422,7 +426,7 @@ const steps = {
       if (random() < 0.7) bytes[at] ^= 1 << Math.floor(8 * random());
       else if (random() < 0.5) bytes = bytes.subarray(0, at);
       else bytes = Buffer.concat([bytes.subarray(0, at), bytes.subarray(at >> 1)]);
-      if (random() < 0.5 && bytes.length > 13) { // and corrects the index's checksum
+      if (random() < 0.5 && bytes.length > 13) { // and corrects the checksum of the index
         const end = 9 + bytes.readUInt32LE(5);
         if (end + 4 <= bytes.length) bytes.writeUInt32LE(sectionChecksum(bytes.subarray(0, end)), end);
       }

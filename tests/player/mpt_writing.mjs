@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Takes packed fields (docs/reference/packed_fields.md) apart and puts them together again, with right checksums for
+// Splits packed fields (docs/reference/packed_fields.md) into parts and joins them again. The checksums are correct for
 // any contents.
 import { deflateSync, inflateSync } from "node:zlib";
 import { sectionChecksum } from "../../runtime_gl/web/checksum.js";

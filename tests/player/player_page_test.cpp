@@ -34,7 +34,7 @@ class PlayerPageTest : public TracedSceneTest {
     expect_says(packed.out, {"player: written", "page.html: written"});
   }
 
-  /// Draws every sample by multum-view, and writes a list of the pictures for the browser.
+  /// Draws every sample with multum-view, and writes a list of the pictures for the browser.
   void draw_samples() {
     ASSERT_EQ(multum({"unpack", path("field.mpt"), "-o", path("unpacked")}).exit_code, 0);
     std::vector<std::string> command = {std::string(MULTUM_BIN_DIR) + "/multum-view", "sample", path("unpacked"),
@@ -76,11 +76,11 @@ TEST_F(PlayerPageTest, AFieldIsPublishedLater) {
         << entry.path();
   EXPECT_EQ(multum({"player", path("field.mpt"), "-o", path("again.html")}).exit_code, 0);
   EXPECT_TRUE(read_bytes(path("again.html")) == read_bytes(path("page.html")));
-  // This title would end the script that contains it.
+  // Without escaping, this title would end the script that contains it.
   fs::copy_file(path("field.mpt"), path("<!--<script>.mpt"));
   ASSERT_EQ(multum({"player", path("<!--<script>.mpt"), "-o", path("named.html")}).exit_code, 0);
   EXPECT_EQ(read_bytes(path("named.html")).find("<!--<script>"), std::string::npos);
-  // This geometry differs from the textures' geometry.
+  // This geometry differs from the geometry for which the textures were made.
   write_bytes(path("renders/geometry.obj"), read_bytes(path("renders/geometry.obj")) + "\n# changed\n");
   expect_refusal(multum({"player", path("field.mpt"), "-o", path("other")}), kInput,
                  {"geometry.obj", "not the geometry", "SHA-256"});
@@ -113,7 +113,7 @@ TEST_F(PlayerPageTest, APageThatWouldBeTooLargeIsRefused) {
   const std::vector<std::uint8_t> large = packed_file(sections);
   write_bytes(path("large.mpt"), std::string(large.begin(), large.end()));
   expect_refusal(multum({"player", path("large.mpt"), "-o", path("large.html")}), kUsage,
-                 {"large.html", "a page holds at most 16777216", "expected a folder"});
+                 {"large.html", "a page can hold at most 16777216", "expected a folder"});
   EXPECT_FALSE(fs::exists(path("large.html")));
   EXPECT_EQ(multum({"player", path("large.mpt"), "-o", path("large")}).exit_code, 0);
 }
@@ -129,7 +129,7 @@ TEST_F(PlayerPageTest, WithoutADecoderForBrowsersThatIsSaid) {
   expect_refusal(multum({"player", path("field.mpt"), "-o", path("player")}), kEnvironment, {"apt-get install clang"});
 }
 
-// Compares with assimp's reading: the browser draws the same geometry as multum-view.
+// Compares the model with the result of assimp, because the browser must draw the same geometry as multum-view.
 TEST_F(PlayerPageTest, TheGeometryIsReadBackAsItWas) {
   write_scene(TracedScene{});
   const std::vector<ObjectMesh> objects = read_object_meshes(path("renders/geometry.obj"), 0);

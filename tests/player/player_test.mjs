@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Walks through the player of packed fields in headless Chromium. player_page_test.cpp starts this script and makes
-// FOLDER: player/, page.html, expected.json and the pictures that it names.
+// FOLDER, which has player/, page.html, expected.json, and the pictures that expected.json names.
 //
 //   node player_test.mjs CHROMIUM FOLDER SCREENSHOTS [STEP [SECONDS_OF_WANDERING]]
 import assert from "node:assert/strict";
@@ -15,9 +15,9 @@ import { RangeServer } from "./range_server.mjs";
 
 const [executablePath, folder, screenshots, only = "", seconds = "10"] = process.argv.slice(2);
 const PATIENCE = 30000; // ms; the machine may be busy
-// The allowed difference from multum-view's pictures, in 8-bit values. This GL has 4 bits of sub-pixel position and
-// multum-view's GL has 8, so pixels at edges differ by their coverage. Other pixels differ by rounding of half floats
-// and of sRGB.
+// This is the allowed difference from the pictures of multum-view, in 8-bit values. This GL has 4 bits of sub-pixel
+// position, and the GL of multum-view has 8, so the coverage of pixels at edges differs. Other pixels differ by the
+// rounding of 16-bit floats and of sRGB.
 const NEAR = 2;
 const NEAR_SHARE_LEAST = 0.995;
 const MEAN_MOST = 0.15;
@@ -31,7 +31,7 @@ const browser = await chromium.launch({
 const field = (await readdir(path.join(folder, "player"))).find((name) => name.endsWith(".mpt"));
 const bytes = await readFile(path.join(folder, "player", field));
 const expected = JSON.parse(await readFile(path.join(folder, "expected.json")));
-const complaints = []; // errors of all pages
+const complaints = []; // the errors of all pages
 const expectedNoise = /GL Driver Message|Failed to load resource|GPU stall/;
 
 async function openPage(url, { width = 1280, height = 800, colorScheme = "light", hasTouch = false } = {}) {
@@ -138,7 +138,7 @@ const steps = {
     await comparePictures(page);
     await goTo(page, [0.5, 0]);
     assert.deepEqual(await problems(page), []);
-    // The picture in between differs from both neighbours.
+    // The picture between two samples differs from the pictures of both samples.
     for (const { picture } of expected.slice(0, 2)) {
       const found = await difference(page, await readFile(path.join(folder, picture)));
       assert.ok(found.mean > 0.3, `half way is ${picture}`);
@@ -197,7 +197,7 @@ const steps = {
     await page.waitForFunction(() => globalThis.multumPlayer !== undefined);
     await comparePictures(page, expected.slice(0, 1));
     await close(page);
-    // If a single chunk fails, the rest plays, and a later request gets the chunk.
+    // If the download of a single chunk fails, the rest plays, and a later request gets the chunk.
     let isThere = false;
     let failed = null;
     const other = await openPlayer(variant("chunkless", farApart, (file, count) => {
@@ -225,7 +225,7 @@ const steps = {
       Math.max(...globalThis.multumPlayer.pixels().filter((_, i) => i % 4 === 1)));
     assert.ok(picture > 60, "nothing is drawn");
     await shoot(page, "damaged");
-    // The decoder decodes or refuses damaged data whose checksum is correct, and the page survives.
+    // If data is damaged but its checksum is correct, the decoder decodes or refuses it, and the page survives.
     for (const change of [(b) => { b[9] ^= 64; }, (b) => b.fill(255, 1, 8), (b) => { b[1] = 1; }]) {
       const own = sectionsOf(bytes);
       own[place].bytes = Buffer.from(own[place].bytes);
@@ -266,7 +266,7 @@ const steps = {
       assert.equal(await page.evaluate(() => globalThis.multumPlayer), undefined, name);
       await close(page);
     }
-    // Damaged geometry is refused too.
+    // Damaged geometry is also refused.
     const geometry = await readFile(path.join(folder, "player", "geometry.glb"));
     for (const [name, file, pattern] of [["glb_text", Buffer.from("o quad\nv 0 0 0\n and so on"), /not a binary glTF/],
       ["glb_cut", geometry.subarray(0, geometry.length - 100), /its head says/],
@@ -289,7 +289,7 @@ const steps = {
       const page = await openPage(server.copy(name, "player", content ? { [file]: content } : {}, (one) =>
         (one === file && content === null ? { status: 404 } : {})));
       await problem(page, pattern);
-      // No request waits for ever.
+      // No request waits forever.
       if (name !== "no_wasm") await page.evaluate(() => globalThis.multumPlayer.settled());
       await close(page);
     }
@@ -464,7 +464,8 @@ const steps = {
 
   async aTabInTheBackgroundGoesOn() {
     const context = await browser.newContext();
-    await context.addInitScript(() => { globalThis.requestAnimationFrame = () => 0; }); // no animation frames
+    // Simulates a page without animation frames.
+    await context.addInitScript(() => { globalThis.requestAnimationFrame = () => 0; });
     const page = await context.newPage();
     await page.goto(`${server.url}/player/index.html`);
     const soon = (check) => page.waitForFunction(check, undefined, { polling: 50 });
@@ -505,7 +506,7 @@ const steps = {
     const { most, pictures } = await page.evaluate(async () => {
       const player = globalThis.multumPlayer;
       const { gl } = player.gl;
-      // The page counts its own fences. Here the driver's fences come late, as with a slow driver.
+      // The page counts its own fences. Here the fences of the driver are signalled late, as with a slow driver.
       const known = gl.getSyncParameter.bind(gl);
       const made = new Map();
       const fenceSync = gl.fenceSync.bind(gl);
@@ -592,7 +593,7 @@ const steps = {
       return { most, peak: player.store.peak, frames, evictions: player.store.evictions,
         misses: player.statistics.misses, decoded: player.statistics.decoded, workers: player.pool.memory };
     }, [budget, duration]);
-    await wander(2000); // until all shaders have been compiled
+    await wander(2000); // waits until all shaders have been compiled
     const before = await heap();
     const found = await wander(1000 * Number(seconds));
     const after = await heap();
@@ -604,7 +605,7 @@ const steps = {
     assert.ok(after < before * 1.15 + 2e5, `the heap has grown from ${before} to ${after}`);
     assert.ok(found.workers < 200e6);
     await comparePictures(page, expected.slice(0, 1));
-    // With a budget that is too small for a single picture, the page draws as much as it can.
+    // If the budget is too small for a single picture, the page draws as much as it can.
     await page.evaluate(() => globalThis.multumPlayer.setBudget(3000));
     await page.waitForTimeout(500);
     assert.ok(await page.evaluate(() => globalThis.multumPlayer.store.bytes) <= 3000);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A static server on loopback for tests. It serves a folder, also by ranges, and copies of the folder in which single
-// files are replaced or truncated.
+// A static server on loopback for tests. It serves a folder, answers range requests, and serves copies of the folder in
+// which single files are replaced or truncated.
 import { readFile } from "node:fs/promises";
 import http from "node:http";
 import path from "node:path";

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests measured errors on maps with known errors, including files that leave their finest levels to the normal map.
-// The result does not depend on the order in which a meter gets its rows.
+// Tests measured errors on maps with known errors. This includes files without their finest levels, which the normal
+// map provides. The result does not depend on the order in which a meter gets its rows.
 #include <gtest/gtest.h>
 
 #include <glm/geometric.hpp>
@@ -41,8 +41,8 @@ ColourMap random_colours(unsigned seed, double contrast) {
   return map;
 }
 
-// Returns one lobe per texel: the average of the covered texels, in every level. Levels that a file leaves out are
-// drawn in the same way.
+// Returns one lobe per texel, which in every level is the average of the covered texels. Levels that a file leaves out
+// are drawn in the same way.
 MovmfMipmap average_lobes(const NormalMap& map, const ColourMap& albedo) {
   MovmfMipmap mipmap;
   mipmap.header.encoding = StorageEncoding::kFloat;
@@ -93,8 +93,8 @@ TEST(FirstLevelAccuracy, IsThatOfTheNormalMapsOwnLevels) {
   }
 }
 
-// If shading is linear in the mean vector, and if only colours vary, every mixture is exact. Wrong weights, also those
-// between normal map and lobes, would show in the error.
+// If shading is linear in the mean vector and only colours vary, every mixture is exact. Any wrong weights would then
+// change the error, also the weights between normal map and lobes.
 TEST(FirstLevelAccuracy, LinearShadingIsExactAcrossTheTransition) {
   const NormalMap mild = random_map(3, 0.1);
   const ColourMap grey = random_colours(4, 0.0);
@@ -165,21 +165,21 @@ MovmfLevel some_rows(const MovmfLevel& level, int first_row, int row_count) {
   return rows;
 }
 
-// Each highlight is scaled by its own integral. Diffuse light, which comes last at each point, is not scaled.
+// Each highlight is scaled by its own integral. Diffuse light is the last value of each point and is not scaled.
 TEST(AccuracyTest, HighlightsAreScaledByTheirOwnTotals) {
   ShadingDirections directions{{glm::dvec3(0.0, 0.0, 1.0), glm::dvec3(0.6, 0.0, 0.8)}, {glm::dvec3(0.0, 0.0, 1.0)}, {}};
   for (const float total : {1.0f, 0.5f, 0.25f}) {
     directions.highlights.push_back(blinn_phong_highlight(10.0));
     directions.highlights.back().shaded.total = total;
   }
-  std::vector<float> values(14, 1.0f);  // values of two points
+  std::vector<float> values(14, 1.0f);  // the values of two points
   DirectionBuffers(test_device(), directions).scale_by_totals(values);
   const std::vector<float> of_point = {1.0f, 1.0f, 0.5f, 0.5f, 0.25f, 0.25f, 1.0f};
   for (std::size_t i = 0; i < values.size(); ++i) EXPECT_EQ(values[i], of_point[i % 7]) << i;
 }
 
-// Rows come from the last to the first, a few at a time, and only if the meter asks for them. Several thread counts are
-// tested.
+// The meter gets the rows from the last to the first, a few at a time, and only if it asks for them. Several thread
+// counts are tested.
 TEST(AccuracyTest, DoesNotDependOnHowRowsCome) {
   const NormalMap map = random_map(8, 0.6);
   const ColourMap albedo = random_colours(9, 1.0);
@@ -192,8 +192,8 @@ TEST(AccuracyTest, DoesNotDependOnHowRowsCome) {
     for (MovmfLevel& level : header.levels) level.lobes = {{}};
     AccuracySettings settings;
     settings.samples_per_level = 6;
-    settings.footprints_per_octave = first_level > 0 ? 4 : 0;  // with footprints, a map as small as this would need all
-                                                               // of its rows
+    // With footprints, a map this small would need all of its rows.
+    settings.footprints_per_octave = first_level > 0 ? 4 : 0;
     settings.threads = 1;
     const std::vector<AccuracyRow> expected = measure_accuracy(test_device(), mipmap, map, &albedo, settings, nullptr);
     int unneeded_count = 0;

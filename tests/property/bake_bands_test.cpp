@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A bake in bands of rows of any height, with planes in memory or in files, gives the same bytes as a bake of the whole
-// map at once (movmf_level_fit.h).
+// Tests that a bake in bands of rows gives the same bytes as a bake of the whole map at once (movmf_level_fit.h). The
+// bands have any height, and the planes are in memory or in files.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -115,7 +115,7 @@ class BakeBandsTest : public ::testing::TestWithParam<Case> {
     MovmfMipmap mipmap;
     std::string plan;
   };
-  // Returns the bake of the whole map at once, in memory, which all its tests share.
+  // Returns the bake of the whole map at once in memory. All tests of this map share it.
   const Whole& whole() {
     static std::map<std::string, Whole> baked;
     Whole& mine = baked[::testing::PrintToString(GetParam())];

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests properties of every bake, for any map: conservation, symmetry, repeatability.
+// Tests properties that every bake of any map must have: conservation, symmetry, and repeatability.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -29,7 +29,7 @@ NormalMap random_map(int width, int height, unsigned seed) {
   });
 }
 
-// Brightness grows with the normal's z.
+// The brightness increases with the z of the normal.
 ColourMap grey_albedo(const NormalMap& map) {
   ColourMap albedo;
   albedo.width = map.width;
@@ -59,8 +59,8 @@ INSTANTIATE_TEST_SUITE_P(Sizes, BakePropertyTest,
                          ::testing::Values(std::pair{64, 64}, std::pair{128, 32}, std::pair{50, 37}, std::pair{1, 100},
                                            std::pair{100, 1}, std::pair{1, 1}, std::pair{3, 3}, std::pair{2, 1}));
 
-// Amplitudes sum to 1, and a_j r_j sum to the mean normal of the covered texels, because filtering and fitting conserve
-// both.
+// The amplitudes sum to 1, and the vectors a_j r_j sum to the mean normal of the covered texels, because filtering and
+// fitting conserve both sums.
 TEST_P(BakePropertyTest, AmplitudesAndMeanNormalsAreConserved) {
   const auto [width, height] = GetParam();
   const NormalMap map = random_map(width, height, 11);
@@ -77,7 +77,7 @@ TEST_P(BakePropertyTest, AmplitudesAndMeanNormalsAreConserved) {
       EXPECT_NEAR(sum.w, 1.0, 1e-5) << level.width << " x " << level.height << " texel " << i;
       level_mean += sum / static_cast<double>(level.lobes[0].size());
     }
-    // Texels of one level cover equal areas, so the mean over a level is the map's mean.
+    // The texels of a level cover equal areas, so the mean over a level is the mean of the map.
     EXPECT_LT(glm::length(glm::dvec3(level_mean) - mean), 2e-5) << level.width << " x " << level.height;
   }
 }
@@ -88,7 +88,7 @@ TEST_P(BakePropertyTest, IdenticalRunsGiveIdenticalBytes) {
   EXPECT_TRUE(same_pixels(bake(map, {}), bake(map, {})));
 }
 
-// No level depends on a finer one.
+// No level depends on a finer level.
 TEST_P(BakePropertyTest, LevelsFromTheFirstOnAreTheSameBytes) {
   const auto [width, height] = GetParam();
   const NormalMap map = random_map(width, height, 15);
@@ -115,10 +115,10 @@ TEST_P(BakePropertyTest, ScalarVariantGivesTheSameBytes) {
   test_device().set_shape(LaunchShape::of(test_device().info()));
 }
 
-// Rotating by 90 degrees is exact in floats (swap and negate) and must rotate every lobe alike. The kernels prefer no
-// axis, except that sums are rounded in x, y order. Where a texel has no more normals than lobes (levels 0 and 1), two
-// lobes may be equally good, and either may win. Rounding may also change the order of almost equally good candidates
-// for the start of EM, so this test does not search for a start.
+// A rotation by 90 degrees is exact in floats, because it only swaps and negates numbers. It must rotate every lobe in
+// the same way. The kernels do not prefer an axis, except that sums are rounded in the order x, y. Where a texel has no
+// more normals than lobes (levels 0 and 1), two lobes may be equally good, and either may win. Rounding may also change
+// the order of almost equally good candidates for the start of EM, so this test does not search for initial lobes.
 void expect_lobes_turn(MovmfSettings settings) {
   settings.search_start = false;
   const NormalMap map = make_four_quarter_map(64, 3).normals;
@@ -129,7 +129,7 @@ void expect_lobes_turn(MovmfSettings settings) {
   }
   const MovmfMipmap straight = bake(map, settings), rotated = bake(turned, settings);
   for (std::size_t l = 0; l < straight.levels.size(); ++l) {
-    // Returns the mean |difference| of a lobe's values after the rotation.
+    // Returns the mean absolute difference between the values of a lobe after the rotation.
     double sum = 0.0;
     std::size_t count = 0;
     for (std::size_t j = 0; j < straight.levels[l].lobes.size(); ++j)
@@ -161,11 +161,12 @@ double column_difference(const MovmfLevel& level, int left, int right) {
   return sum;
 }
 
-// A periodic map is aligned across its border too, even if the width is odd and both columns have the same colour.
+// The lobes of a periodic map are also aligned across its border, even if the width is odd and both columns have the
+// same colour.
 TEST(BakePeriodicTest, LobesAreAlikeAcrossTheBorder) {
   for (int width : {128, 100}) {
-    // Two opposite facets in equal shares have changed places from border to border, because the assignment of lobes
-    // drifts along the map.
+    // The lobes of two opposite facets with equal shares have changed places between the two borders, because the
+    // assignment of lobes drifts along the map.
     std::mt19937 random(21);
     const NormalMap map = testing::make_map(width, 128, [&](int x, int) {
       const double noise = static_cast<double>(random() >> 8) * 0x1p-24 - 0.5;
@@ -220,7 +221,7 @@ TEST(BakeOrderTest, ScanlineConservesTooAndDiffers) {
   }
 }
 
-// A start found by another bake of the map equals the start that this bake would find.
+// If another bake of the map has found the initial lobes, they equal the initial lobes that this bake would find.
 TEST(StartMemory, TakesTheSameStart) {
   const NormalMap map = random_map(24, 16, 11);
   StartMemory memory;
@@ -230,7 +231,7 @@ TEST(StartMemory, TakesTheSameStart) {
   MovmfSettings two;
   two.lobe_count = 2;
   MovmfSettings refined = two;
-  refined.refine = true;  // its trials are not refined
+  refined.refine = true;  // the trials of this bake are not refined
   MovmfSettings one_pass = two;
   one_pass.pass_count = 1;
   const auto check = [&](const MovmfSettings& settings, bool is_known) {
@@ -243,7 +244,7 @@ TEST(StartMemory, TakesTheSameStart) {
   check(two, false);
   check(two, true);
   check(refined, true);
-  check(one_pass, false);  // its trials differ from those of earlier bakes
+  check(one_pass, false);  // the trials of this bake differ from those of earlier bakes
   check(one_pass, true);
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The interval of each level's stated error contains the error of all its texels as often as stated, also on thin maps.
-// Levels of few texels are measured completely.
+// For each level, the interval of the stated error must contain the error over all texels as often as stated, also on
+// thin maps. Levels with few texels are measured completely.
 #include <gtest/gtest.h>
 
 #include <fmt/format.h>
@@ -31,7 +31,7 @@ struct Baked {
   MovmfMipmap mipmap;
 };
 
-// Bakes one lobe per texel, quickly: the test only needs errors that vary from texel to texel.
+// Bakes quickly, with one lobe per texel. The test only needs errors that vary from texel to texel.
 Baked bake(NormalMap map) {
   MovmfSettings fitting;
   fitting.lobe_count = 1;
@@ -52,8 +52,7 @@ std::vector<AccuracyRow> measure(const Baked& baked, std::int64_t samples_per_le
   return measure_accuracy(test_device(), baked.mipmap, baked.map, settings, nullptr);
 }
 
-// Makes noise that gets steeper along the short side. The cells at the border, which are cut off, differ from the
-// others.
+// Makes noise that gets steeper along the short side, so that the cut-off cells at the border differ from the others.
 NormalMap thin_map(int length, int thickness, bool upright) {
   std::mt19937 random(5);
   const auto normal = [&](int along, int across) {
@@ -98,7 +97,7 @@ class Coverage {
     }
   }
 
-  // Prints a line. Returns the share of intervals that contain the error, over all rows and for the worst row.
+  // Prints one line. Returns the share of intervals that contain the error, both over all rows and for the worst row.
   std::pair<double, double> finish(const std::string& name) const {
     Held all;
     double least = 1.0, width = 0.0;
@@ -153,8 +152,8 @@ TEST(ErrorInterval, HoldsTheErrorOfAllTexels) {
   }
 }
 
-// With the number of samples that every bake uses, the error of level 1 of this map was once stated as 42.6 %. Over all
-// texels it is 60.9 %.
+// With the number of samples that every bake uses, a bake once stated an error of 42.6 % for level 1 of this map. Over
+// all texels, the error is 60.9 %.
 TEST(ErrorInterval, HoldsOnAThinMapWithTheBakesSamples) {
   const Baked baked = bake(thin_map(4097, 7, false));
   Coverage coverage(baked);

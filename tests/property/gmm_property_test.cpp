@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Compares planar Gaussians with lobes as Han et al. 2007 do in figure 7. Gaussians are as accurate as lobes for
 // upright normals, and less accurate for normals near the rim of the disc. There, a round bump on the sphere becomes a
-// thin bump on the plane, which the edge of the disc cuts off.
+// thin bump on the plane, and the edge of the disc cuts it off.
 #include <gtest/gtest.h>
 
 #include <fmt/format.h>
@@ -21,8 +21,8 @@ namespace {
 
 using testing::test_device;
 
-// Makes two bumps of normals, each about six degrees wide, tilted by this angle to either side. No normal is below the
-// horizon.
+// Makes two clusters of normals, each about six degrees wide, which are tilted by this angle to either side. No normal
+// is below the horizon.
 NormalMap tilted_map(double degrees) {
   std::mt19937 random(2007);
   const auto normal = [&] { return std::normal_distribution<double>(0.0, 0.1)(random); };
@@ -34,7 +34,7 @@ NormalMap tilted_map(double degrees) {
   });
 }
 
-// Returns directions spread evenly over the upper hemisphere, in a spiral by the golden angle.
+// Returns directions that are spread evenly over the upper hemisphere, in a golden-angle spiral.
 std::vector<glm::dvec3> hemisphere(int count) {
   std::vector<glm::dvec3> directions;
   for (int i = 0; i < count; ++i) {
@@ -44,13 +44,13 @@ std::vector<glm::dvec3> hemisphere(int count) {
   return directions;
 }
 
-// Returns the mean relative L1 error by BRDF, over half vectors in all directions and over the levels of at most 16 x
-// 16 texels.
+// Returns the mean relative L1 error for each BRDF. The mean is over half vectors in all directions and over the levels
+// with at most 16 x 16 texels.
 std::map<std::string, double> errors_of(const NormalMap& map, Representation representation) {
   MovmfSettings settings;
   settings.representation = representation;
   settings.lobe_count = 2;
-  settings.search_start = false;  // any start finds two bumps
+  settings.search_start = false;  // any initial lobes find two clusters
   FitReport report;
   MovmfMipmap mipmap = bake_movmf(test_device(), map, nullptr, settings, report, nullptr);
   EXPECT_EQ(report.nonfinite, 0u);
@@ -59,7 +59,7 @@ std::map<std::string, double> errors_of(const NormalMap& map, Representation rep
   accuracy.samples_per_level = 0;
   accuracy.first_level = 2;
   accuracy.directions.half_vectors = hemisphere(400);
-  accuracy.footprints_per_octave = 0;  // half vectors without lights have no n . l
+  accuracy.footprints_per_octave = 0;  // half vectors without lights do not give n . l
   std::map<std::string, double> sums;
   std::map<std::string, int> counts;
   for (const AccuracyRow& row : measure_accuracy(test_device(), mipmap, map, accuracy, nullptr)) {
@@ -93,7 +93,7 @@ TEST(GmmAgainstVmfTest, IsAlikeOnTopAndWorseNearTheRim) {
   }
 }
 
-// First and second moments of the coordinates equal those of the texels, for any prior.
+// For any prior, the first and second moments of the coordinates equal the moments of the texels.
 TEST(GmmMomentsTest, FirstAndSecondMomentsAreThoseOfTheNormals) {
   const NormalMap map = tilted_map(50.0);
   FitReport report;

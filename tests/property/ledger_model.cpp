@@ -57,7 +57,8 @@ std::optional<std::int64_t> LedgerModel::claim(const ClaimLimits& limits, const 
   const auto fits = [](std::pair<int, std::int64_t> use, const ModelJob& job, std::int64_t most) {
     return most <= 0 || use.first == 0 || use.second + job.memory_bytes <= most;
   };
-  // For each queue with a free device, holds (queue's priority, job's priority, age) of the first job that may run.
+  // For each queue with a free device, holds the queue's priority, and the priority and age of the first job that may
+  // run.
   std::vector<std::tuple<int, int, std::int64_t>> firsts;
   for (const auto& [name, of_queue] : limits.queues) {
     if (of_queue.is_paused || used(&name, nullptr).first >= of_queue.jobs_max) continue;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A model of the ledger in memory, by brute force: it applies every rule of docs/reference/service.md to all jobs again
-// at each call. Its calls and answers are the same as in JobQueue.
+// Models the ledger in memory by brute force. At each call, the model applies every rule of docs/reference/service.md
+// to all jobs again. Its calls and answers are the same as those of JobQueue.
 #pragma once
 
 #include <map>

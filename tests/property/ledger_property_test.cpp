@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Compares random histories of a ledger with a model of it (ledger_model.h). After every step both agree on every job,
-// no job waits for one that has failed or is gone, and no number is given twice. At the end every job that may run is
-// run, and every job has ended. The seed is fixed; RC_PARAMS="seed=N max_success=20000" sets another seed, and a
-// failure prints the seed that it used.
+// Compares random histories of a ledger with a model of it (ledger_model.h). After every step, both must agree on every
+// job. No job may wait for a job that has failed or is gone, and no job number is used twice. At the end, every job
+// that may run is run, and every job has ended. The seed is fixed. RC_PARAMS="seed=N max_success=20000" sets another
+// seed, and a failure prints its seed.
 #include <gtest/gtest.h>
 #include <rapidcheck.h>
 #include <rapidcheck/gtest.h>
@@ -23,14 +23,14 @@ using testing::LedgerModel;
 using testing::TemporaryFolder;
 using Ids = std::vector<std::int64_t>;
 
-// Must be set before the first property runs, because RapidCheck reads it then.
+// This must be set before the first property runs, because RapidCheck reads it at that time.
 const int g_seeded = setenv("RC_PARAMS", "seed=20261123 max_success=400", 0);
 
 constexpr RetryPolicy kPolicy = {100, 1000};
 constexpr char kResults[] = "/data/results";
 
-// The next action, and four numbers that choose the jobs. The numbers are taken modulo the number of jobs, so that
-// shortened sequences stay valid.
+// Holds the next action, and four numbers that choose the jobs. The numbers are taken modulo the number of jobs, so
+// that shortened sequences stay valid.
 struct Step {
   int kind, a, b, c, d;
 };
@@ -46,7 +46,7 @@ rc::Gen<Step> steps() {
   });
 }
 
-// An empty ledger is made only once, because making each one would wait for the disk.
+// An empty ledger is made only once and then copied, because making a ledger waits for the disk.
 const std::string& empty_ledger() {
   static const std::string bytes = [] {
     const TemporaryFolder folder;
@@ -90,7 +90,7 @@ class Pair {
     check();
   }
 
-  // Runs every job that may run; after that no job is left.
+  // Runs every job that may run. After that, no job may be left.
   void run_to_the_end() {
     ClaimLimits limits;
     limits.queues = {{"default", {}}, {"night", {}}};
@@ -154,7 +154,7 @@ class Pair {
     if (s.b % 4 == 0) submission.device = "gpu";
     if (s.c % 3 != 0)
       submission.output = (s.c % 2 == 0 ? std::string(kResults) : "/out") + "/" + std::to_string(s.c % 5);
-    if (s.c % 4 == 0) {  // from a small set, so that keys repeat
+    if (s.c % 4 == 0) {  // comes from a small set, so that keys repeat
       submission.key = s.c % 8 == 0 ? "a" : "b";
       submission.output = std::string(kResults) + "/" + submission.key;
     }
@@ -166,7 +166,7 @@ class Pair {
           submission, [](const Job&) { return true; }, now_);
       RC_ASSERT(expected);
       RC_ASSERT(result.is_new == expected->is_new);
-      RC_ASSERT(result.id == expected->id);  // no number is given twice
+      RC_ASSERT(result.id == expected->id);  // no job number is used twice
     } catch (const Error&) {
       RC_ASSERT(!expected);
     }
@@ -243,7 +243,7 @@ class Pair {
     Ids older;
     for (const auto& [id, job] : model_.jobs())
       if (job.finished.value_or(before) < before) older.push_back(id);
-    RC_ASSERT(LedgerModel(model_).purge(older, kResults).empty());  // no job was kept that could have been removed
+    RC_ASSERT(LedgerModel(model_).purge(older, kResults).empty());  // every job that could be removed was removed
   }
 
   void wait(const Step& s) {
@@ -257,7 +257,7 @@ class Pair {
     model_.expire(now_);
   }
 
-  // Workers and daemon die. A result that was being published is found in place, or not.
+  // The workers and the daemon die. A result that was being published may or may not be in place afterwards.
   void restart() {
     open_again();
     const JobQueue::Recovered recovered = queue_->recover(now_);
@@ -276,7 +276,7 @@ class Pair {
 
   std::vector<Job> all() {
     std::vector<Job> jobs = queue_->list({std::nullopt, "", std::nullopt, 1000});
-    RC_ASSERT(jobs.size() == model_.jobs().size());  // no job is lost
+    RC_ASSERT(jobs.size() == model_.jobs().size());  // no job may be lost
     return jobs;
   }
 

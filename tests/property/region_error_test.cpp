@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests the error of a region that was baked again. Only the region's texels count. The region's sides are half as long
-// as the map's sides, so its texels of all levels form a mipmap.
+// Tests the error of a region that was baked again. Only the texels of the region count. The sides of the region are
+// half as long as the sides of the map, so the region's texels in all levels form a mipmap.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -20,7 +20,7 @@ namespace {
 
 constexpr int kSide = 256, kRegionSide = 64, kRegionX = 128, kRegionY = 64;
 
-// Writes waves, and noise that gets steeper to the right. If edited, the region contains a dome.
+// Writes a map of waves, with noise that gets steeper to the right. In the edited map, the region contains a dome.
 NormalMap write_map(const std::string& path, bool edited) {
   SplitMix64 random(1);
   const NormalMap map = testing::make_map(kSide, kSide, [&](int x, int y) {
@@ -43,7 +43,7 @@ std::vector<Value> cut(const std::vector<Value>& plane, int level) {
   return part;
 }
 
-// Returns the region's errors by BRDF. Each error is a mean over levels and points.
+// Returns the error of the region for each BRDF. Each error is a mean over levels and points.
 std::map<std::string, double> region_errors(Device& device, const std::string& file, const NormalMap& map) {
   const MovmfMipmap whole = read_movmf_mipmap(file);
   MovmfMipmap part;
@@ -97,7 +97,7 @@ TEST(RegionErrorTest, IsAtMostAHundredthAboveAWholeBakes) {
   }
   EXPECT_EQ(job.hashes->read_count(), 2) << "edited.png was baked twice and hashed once";
   write_map(folder / "edited.png", false);
-  testing::expect_error(ErrorCode::kInput, {"edited.png", "changed while it was read"},
+  testing::expect_error(ErrorCode::kInput, {"edited.png", "changed while it was being read"},
                         [&] { bake("edited.png", "changed.ndf.exr"); });
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests that settings are chosen by the needs of a map, that a mosaic is made from the map, and that the interval of a
-// measured error contains the error of all texels.
+// Tests that the chosen settings suit the map, that a mosaic is made from the map, and that the interval of a measured
+// error contains the error over all texels.
 #include "host/bakes/settings_search/setting_choice.h"
 
 #include <gtest/gtest.h>
@@ -81,7 +81,7 @@ TEST(TargetBrdf, IsNamedAsRowsAre) {
     EXPECT_THROW(parse_target_brdf(text), Error) << text;
 }
 
-// Every texel's value encodes its position.
+// The value of every texel encodes its position.
 NormalMap numbered_map(int width, int height) {
   return testing::make_map(width, height, [](int x, int y) { return glm::dvec3(x, y, 1.0); });
 }
@@ -125,7 +125,8 @@ TEST(SettingChoice, TakesTheCheapestForAFlatMap) {
   EXPECT_EQ(trials.made().size(), 1u) << "more settings were tried than needed";
 }
 
-// The search must choose as many lobes as needed and no more. The four quarters have one, two and many directions.
+// The search must choose as many lobes as needed and no more. The four quarters have one direction, two directions, or
+// many directions.
 TEST(SettingChoice, TakesMoreLobesAsTheErrorFalls) {
   const FourQuarterMap map = make_four_quarter_map(64, 7);
   const BakeSource source = source_of(map.normals);
@@ -141,7 +142,8 @@ TEST(SettingChoice, TakesMoreLobesAsTheErrorFalls) {
     for (const SettingTrial& other : trials.made())
       EXPECT_TRUE(other.candidate >= trial->candidate || !other.reached.meets(error))
           << trials.candidates()[other.candidate].options;
-    // If bakes had higher errors than the trials promised, the trials must be better by the same factor.
+    // If earlier bakes had higher errors than their trials, the search requires trials with errors that are lower by
+    // the same factor.
     const std::optional<SettingTrial> corrected = cheapest_within(trials, error, 1.5, 0, nullptr);
     EXPECT_TRUE(!corrected || corrected->candidate >= trial->candidate);
   }
@@ -175,7 +177,7 @@ NormalMap middle_of(const NormalMap& map, int size) {
   return part;
 }
 
-// Returns the four-quarter map, each of its quarters, and the first real maps, if their folder exists.
+// Returns the four-quarter map, each of its quarters, and the first real maps if their folder exists.
 std::vector<std::pair<std::string, NormalMap>> maps_to_measure(int size) {
   std::vector<std::pair<std::string, NormalMap>> maps = {{"all quarters", make_four_quarter_map(size, 3).normals}};
   for (const auto& [name, quarter] : kQuarters)
@@ -191,8 +193,8 @@ std::vector<std::pair<std::string, NormalMap>> maps_to_measure(int size) {
   return maps;
 }
 
-// Returns the number of successes out of `count` that chance misses only once in 10,000 times, if each success has a
-// probability of 95 %. The number comes from a binomial sum.
+// Returns the number of successes that `count` trials reach in all but one of 10,000 cases, if each trial succeeds with
+// a probability of 95 %. A binomial sum gives this number.
 int least_held(int count) {
   double below = 0.0;
   for (int held = 0; held < count; ++held) {
@@ -205,9 +207,9 @@ int least_held(int count) {
 
 // The measured footprints of a map represent all of its footprints. Errors in units of the standard error have a mean
 // square of 1 if the interval is right. The mean square is lower if evenly spread footprints represent the map better
-// than the interval assumes. The coverage detects intervals that are half as wide as they should be on one map, or a
-// fifth too narrow on all maps. The mean square also detects intervals that are one and a half times too wide.
-// `multum-bench coverage` has every real map and setting.
+// than the interval assumes. The coverage reveals intervals that are only half as wide as they should be on one map, or
+// a fifth too narrow on all maps. The mean square also reveals intervals that are one and a half times as wide as they
+// should be. `multum-bench coverage` has every real map and setting.
 TEST(FootprintErrors, IntervalHoldsTheErrorOfAllFootprints) {
   constexpr int kSize = 64, kSeeds = 60, kFew = 48;
   int held_of_all = 0, all = 0;
@@ -239,7 +241,7 @@ TEST(FootprintErrors, IntervalHoldsTheErrorOfAllFootprints) {
     double width = 0.0;
     for (const std::vector<FootprintError>& one : meter.replicate_errors()) {
       const FootprintError& sampled = one.front();
-      // The error of all footprints includes this sample, which lowers the difference by the factor sqrt(1 - 1 / n).
+      // The error over all footprints includes this sample, which reduces the difference by the factor sqrt(1 - 1 / n).
       const double off = (sampled.error - whole.error) / std::sqrt(1.0 - 1.0 / kSeeds);
       held += std::abs(off) <= sampled.confidence ? 1 : 0;
       width += sampled.confidence / kSeeds;
@@ -251,17 +253,19 @@ TEST(FootprintErrors, IntervalHoldsTheErrorOfAllFootprints) {
     all += kSeeds;
   }
   EXPECT_GE(held_of_all, least_held(all));
-  // The mean of `all` squares of unit normals has a standard error of sqrt(2 / all); four of these are allowed.
+  // The mean of `all` squared standard normal values has a standard error of sqrt(2 / all). Four standard errors are
+  // allowed.
   EXPECT_LT(squares / all, 1.0 + 4.0 * std::sqrt(2.0 / all));
   EXPECT_GT(squares / all, 0.4);
 }
 
-// If all normals of the map are equal, every pixel shows f(n . h) max(n . l, 0), whatever it covers. The stored value,
-// filtered and shaded with the cosine, then equals the reference, except for rounding to half floats and to 16 bits.
+// If all normals of the map are equal, every pixel shows f(n . h) max(n . l, 0), whatever it covers. If the stored
+// value is filtered and shaded with the cosine, it equals the reference, except for rounding to 16-bit floats and to
+// 16-bit integers.
 TEST(FootprintErrors, OfOneNormalAreNothing) {
   const glm::dvec3 normal = glm::normalize(glm::dvec3(0.4, -0.3, 0.8));
   const NormalMap map =
-      testing::make_map(24, 10, [&](int, int) { return normal; });  // kept here, because the source refers to it
+      testing::make_map(24, 10, [&](int, int) { return normal; });  // kept alive here, because the source refers to it
   const BakeSource source = source_of(map);
   for (const Representation representation : {Representation::kMovmf, Representation::kMoments}) {
     BakeJob job = job_on_two_threads();
@@ -276,7 +280,7 @@ TEST(FootprintErrors, OfOneNormalAreNothing) {
     meter->run(test_device(), source.map.normals, nullptr, nullptr);
     bool is_any = false;
     for (const FootprintError& one : meter->footprint_errors()) {
-      if (one.brdf.shading.starts_with("lean")) continue;  // Gaussian: a different highlight
+      if (one.brdf.shading.starts_with("lean")) continue;  // a Gaussian has a different highlight
       is_any = true;
       EXPECT_LT(one.error, 1e-2) << one.brdf.text();
       EXPECT_LT(one.percentile_95, 1e-2) << one.brdf.text();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Tests what a bake keeps if a map is mirrored, rotated by 90 degrees or tiled twice, as
-// docs/contributing/ALGORITHMS.md promises in "Reasons for the file format". The lobes are not kept; their difference
+// docs/contributing/ALGORITHMS.md promises in "Reasons for the file format". The lobes may change, and their difference
 // is measured and printed.
 #include <gtest/gtest.h>
 
@@ -29,7 +29,7 @@ namespace {
 using testing::test_device;
 
 // Describes a rearranged map. Its texel (x, y) is the texel at place(x, y, size) of the map or of a level with that
-// size, with rotated vectors. Rows go down; y of normals goes up.
+// size, with rotated vectors. Row numbers increase downwards, whereas y of normals points up.
 struct Layout {
   const char* name;
   std::function<PlaneSize(PlaneSize)> size;
@@ -126,7 +126,8 @@ Differences compare(const Layout& layout, const MovmfMipmap& original, const Mov
   return found;
 }
 
-// Rearranges lights and half vectors like the map, so references are the same and only the model differs.
+// Rearranges lights and half vectors in the same way as the map, so that the references are the same and only the model
+// differs.
 AccuracySettings settings_for(const Layout& layout) {
   AccuracySettings settings;
   settings.samples_per_level = 0;
@@ -135,11 +136,11 @@ AccuracySettings settings_for(const Layout& layout) {
   return settings;
 }
 
-// Holds the difference of errors at texel centres in the levels that both pyramids have.
+// Holds the differences between errors at texel centres, for the levels that both pyramids have.
 struct ErrorDifference {
-  double most = 0.0;           // largest difference, absolute
-  double most_of_error = 0.0;  // largest difference relative to the error, where the error is above 1 %
-  double mean = 0.0;           // relative difference of the mean over levels and BRDFs
+  double most = 0.0;           // the largest absolute difference
+  double most_of_error = 0.0;  // the largest relative difference where the error is above 1 %
+  double mean = 0.0;           // the relative difference between the means over levels and BRDFs
 };
 
 ErrorDifference error_difference(const std::vector<AccuracyRow>& a, const std::vector<AccuracyRow>& b) {
@@ -167,7 +168,7 @@ ErrorDifference error_difference(const std::vector<AccuracyRow>& a, const std::v
 struct SymmetryCase {
   const char* name;
   NormalMap map;
-  bool halves;  // each level is half of the previous one, so tiles stay whole texels
+  bool halves;  // each level has half of the previous level's size, so tiles always consist of whole texels
 };
 
 std::vector<SymmetryCase> cases() {
@@ -182,15 +183,16 @@ class SymmetryTest : public ::testing::TestWithParam<int> {
 };
 INSTANTIATE_TEST_SUITE_P(Layouts, SymmetryTest, ::testing::Range(0, 4));
 
-// snorm16 keeps a value to half a step of 1/32767, so sums of four lobes differ by up to four steps per channel.
+// snorm16 rounds a value by up to half a step of 1/32767, so sums of four lobes differ by up to four steps per channel.
 constexpr double kStep = 1.0 / 32767.0;
 constexpr double kMeanSteps = 4.0 * 1.7321;
-// Sums of up to 4096 floats are added in another order. The bound is three times the measured difference of these maps.
+// Up to 4096 floats are added in another order. The bound is three times the difference that was measured on these
+// maps.
 constexpr double kFloatMean = 2e-6;
 
 TEST_P(SymmetryTest, MeanNormalsAndEnergyStay) {
   for (const auto& [name, map, halves] : cases()) {
-    if (is_tiled(layout()) && !halves) continue;  // texels of the two pyramids cover different areas
+    if (is_tiled(layout()) && !halves) continue;  // the texels of the two pyramids cover different areas
     for (const bool periodic : {false, true}) {
       if (periodic && !halves) continue;
       const MovmfMipmap original = bake(map, periodic), other = bake(laid_out(layout(), map), periodic);
@@ -210,9 +212,9 @@ TEST_P(SymmetryTest, MeanNormalsAndEnergyStay) {
   }
 }
 
-// These are bounds on properties that are not kept; docs/contributing/ALGORITHMS.md has them too. The worst differences
-// here are 45 % of a level's error and 3.2 % of the mean. The 45 % occur on noise of 64 x 16, where a normal of level 1
-// goes entirely to one lobe or another.
+// These are bounds on how much the errors change; docs/contributing/ALGORITHMS.md also states them. The error of a
+// single level changes by at most 45 % here, and the mean error by at most 3.2 %. The 45 % occur on noise of 64 x 16
+// texels, where each normal of level 1 belongs entirely to one lobe or to another.
 constexpr double kErrorsDiffer = 0.6, kMeansDiffer = 0.05;
 
 TEST_P(SymmetryTest, LobesDifferAndErrorsLittle) {
@@ -235,7 +237,8 @@ TEST_P(SymmetryTest, LobesDifferAndErrorsLittle) {
   }
 }
 
-// Averages prefer no direction. Except for rounding, moments and harmonics of the rearranged map have the same errors.
+// Averages do not prefer a direction. Except for rounding, the moments and harmonics of the rearranged map have the
+// same errors.
 TEST_P(SymmetryTest, AveragesErrAlike) {
   for (const auto& [name, map, halves] : cases()) {
     if (is_tiled(layout()) && !halves) continue;

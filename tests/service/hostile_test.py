@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Attacks on the service: by clients' requests, by files and folders that change during a job, and by its own settings.
-Each test belongs to a kind of attack in docs/contributing/HOSTILE.md, "The service". MULTUM names the program.
+"""Tests attacks on the service: by requests of clients, by files and folders that change during a job, and by the
+settings of the service. Each test belongs to a kind of attack in docs/contributing/HOSTILE.md, "The service". MULTUM
+names the program.
 
   MULTUM=build/release/bin/multum-drill hostile_test.py [-v] [HostileTest.test_...]
 """
@@ -29,14 +30,15 @@ class HostileTest(ClientCase):
         return one
 
     def said(self, *pieces, ends=True, timeout=20):
-        """Returns the answer to these bytes: its status, 0 for no answer, and the whole text."""
+        """Returns the status and the whole text of the answer to these bytes. The status is 0 if there is no
+        answer."""
         with self.line(timeout) as one:
             try:
                 for piece in pieces:
                     one.sendall(piece)
                 if ends:
                     one.shutdown(socket.SHUT_WR)
-            except OSError:  # the connection was reset; an answer may have come before
+            except OSError:  # the connection was reset, possibly after an answer
                 pass
             text = b""
             try:
@@ -64,7 +66,7 @@ class HostileTest(ClientCase):
                        stdout=subprocess.DEVNULL)
         return self.output(name + "_normal.png")
 
-    # ---- Requests of clients
+    # ---- Requests that clients send
 
     def test_no_trailer_and_no_extension_of_a_chunk_ends_it(self):
         self.start()
@@ -91,7 +93,8 @@ class HostileTest(ClientCase):
         self.assertEqual(self.said(b"GET /v1/jobs HTTP/1.1\r\n" + HOST + b"Content-Length: 5\r\n\r\nhello")[0], 413)
 
     def test_answers_and_events_have_their_part_of_memory(self):
-        """Jobs with long parameters: many clients list a thousand at a time, and listeners do not read their events."""
+        """Tests jobs with long parameters. Many clients list a thousand jobs at a time, and listeners do not read
+        their events."""
         service = self.start(QUICK + 'request_memory_max = "16M"\nupload_max = "8M"\n')
         name = self.make_map()
         long_name = os.path.join(service.root, *(["x" * 200] * 15))
@@ -126,9 +129,9 @@ class HostileTest(ClientCase):
         for number in range(60):
             one = self.line()
             kind = number % 3
-            if kind == 0:  # a chunk extension without end
+            if kind == 0:  # a chunk extension that never ends
                 one.sendall(b"POST /v1/jobs HTTP/1.1\r\n" + HOST + b"Transfer-Encoding: chunked\r\n\r\n5")
-            elif kind == 1:  # a body that never comes
+            elif kind == 1:  # a body that never arrives
                 one.sendall(b"POST /v1/jobs HTTP/1.1\r\n" + HOST + b"Content-Length: 1000000\r\n\r\n" + b" " * 999999)
             else:  # an upload that stays open
                 one.sendall(b"PUT /v1/uploads/a.bin HTTP/1.1\r\n" + HOST + b"Content-Length: 30000000\r\n\r\n")
@@ -188,7 +191,7 @@ class HostileTest(ClientCase):
                              (HOST, 200), (HOST + b"Sec-Fetch-Site: same-origin\r\n", 200)):
             self.assertEqual(self.said(b"GET /v1/types HTTP/1.1\r\n" + head + b"\r\n")[0], status, head)
         self.assertEqual(self.said(b"GET / HTTP/1.0\r\nTransfer-Encoding: chunked\r\n\r\n0\r\n\r\n")[0], 400)
-        # A single line feed does not end a line; the service refuses it at once.
+        # A line feed without a carriage return does not end a line. The service refuses it at once.
         self.assertEqual(self.said(b"GET / HTTP/1.1\nHost: localhost\n\n", ends=False)[0], 400)
 
     def test_pages_of_others_are_not_served(self):
@@ -218,7 +221,8 @@ class HostileTest(ClientCase):
         self.assertEqual(service.metric("multum_http_event_streams"), 30)
         self.assertGreaterEqual(full, 20)
         self.alive()
-        # Idle connections take the remaining places. Monitors are still answered; other clients must try again later.
+        # Idle connections take all remaining places. The service still answers monitoring requests, but other clients
+        # must try again later.
         idle = [self.line() for _ in range(40)]
         time.sleep(0.2)
         self.assertEqual(self.said(b"GET /healthz HTTP/1.1\r\n" + HOST + b"\r\n", ends=False)[0], 200)
@@ -261,7 +265,7 @@ class HostileTest(ClientCase):
         self.assertIn("notes.txt", self.refused(400, "usage", [], "POST", "/v1/jobs", dict(job, output=mine)))
         # The scene is in the root folder itself.
         made = self.output("made")
-        for _ in range(2):  # into a new folder, then over its own result
+        for _ in range(2):  # first into a new folder, then over its own result
             number = service.submit(**job, output=made)
             self.assertEqual(service.wait_for(number)["state"], "succeeded", service.job(number))
         self.assertTrue(os.path.exists(os.path.join(made, "plan.json")))
@@ -274,12 +278,12 @@ class HostileTest(ClientCase):
         self.assertIn("plan.json", self.refused(400, "usage", [], "POST", "/v1/jobs", dict(job, output=made)))
         with open(os.path.join(mine, "notes.txt"), encoding="utf-8") as file:
             self.assertEqual(file.read(), "weeks of work")
-        # A listing that is a pipe does not count. A name that is not UTF-8 is still shown.
+        # The service ignores a listing that is a pipe. It still shows a name that is not valid UTF-8.
         os.mkfifo(os.path.join(mine, ".multum-result"))
         with open(os.path.join(mine, "notes.txt").encode() + b"\xff", "wb"):
             pass
         self.refused(400, "usage", [], "POST", "/v1/jobs", dict(job, output=mine))
-        # A file that appears in the folder while the job waits is found before the work begins.
+        # The service finds a file that appears in the folder while the job waits, before the work begins.
         late = self.output("late")
         blocker = service.submit(type="drill", parameters={"seconds": 0.5})
         number = service.submit(**job, output=late, needs=[blocker], attempt_max=1)
@@ -332,7 +336,7 @@ class HostileTest(ClientCase):
         message = self.refused(400, "usage", [], "POST", "/v1/jobs",
                                {"type": "scene", "parameters": {"scene": path}, "output": self.output("a")})
         self.assertIn("secret.png", message)
-        # An upload must not be an output either.
+        # An uploaded file must not be an output either.
         self.refused(400, "usage", [], "POST", "/v1/jobs", {"type": "drill", "parameters": {}, "output": path})
 
     def test_hostile_scenes_cost_a_child(self):
@@ -346,7 +350,7 @@ class HostileTest(ClientCase):
         self.alive()
 
     def test_workers_open_nothing_outside(self):
-        """A picture is swapped for a link after the check: the sandbox of the worker refuses to open it."""
+        """If a link replaces a picture after the check, the sandbox of the worker refuses to open it."""
         service = self.start()
         source = self.make_map()
         blocker = service.submit(type="drill", parameters={"seconds": 0.5})
@@ -426,7 +430,7 @@ class HostileTest(ClientCase):
             self.assertTrue(is_open_to("the first token of all"), text)
             self.assertFalse(is_open_to("the second token of all"), text)
             self.refused(401, "token", [], "GET", "/v1/jobs")
-        # The file that the command line names may hold another token by now; an empty file is refused.
+        # The file that the command line names may contain a new token. An empty file is refused.
         with open(first, "w", encoding="utf-8") as file:
             file.write("the third token of all\n")
         reloads("")
@@ -447,7 +451,7 @@ class HostileTest(ClientCase):
         with open(os.path.join(self.folder, "serve.toml"), "w", encoding="utf-8") as file:
             file.write(QUICK)
         self.service.process.send_signal(signal.SIGHUP)
-        self.service.wait_for_log("previous settings stay in use")
+        self.service.wait_for_log("previous settings remain in use")
         self.refused(401, "token", [], "GET", "/v1/jobs")
 
 

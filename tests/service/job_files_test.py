@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Files of the service's jobs as clients see them: inputs, uploads, results and downloads, and limits on their size.
-MULTUM names the program.
+"""Tests the files of the service's jobs as clients see them: inputs, uploads, results, downloads, and limits on their
+size. MULTUM names the program.
 
   MULTUM=build/release/bin/multum-drill job_files_test.py [-v] [JobFilesTest.test_...]
 """
@@ -39,8 +39,8 @@ class JobFilesTest(ClientCase):
         with open(alone, "rb") as one, open(self.output("a.ndf.exr"), "rb") as other:
             self.assertEqual(one.read(), other.read())
         self.assertIn("written", self.client("tail", "1"))
-        # An identical submission is the same job. With another output it is a copy, and with a changed map it is a new
-        # job.
+        # An identical submission returns the same job. With another output, the service copies the result. With a
+        # changed map, the submission is a new job.
         again = {"type": "bake", "parameters": {"input": source, "lobes": 2}, "output": self.output("a.ndf.exr")}
         self.assertEqual(service.ask("POST", "/v1/jobs", again)[0], 200)
         copy = service.submit(**dict(again, output=self.output("b.ndf.exr")))
@@ -69,7 +69,7 @@ class JobFilesTest(ClientCase):
                 return done, file.read()
 
         data = made("sub/a.ndf.exr")[1]
-        # The file moves to a folder that no job may read, and a link takes its place. Then the same happens to the
+        # The file is moved to a folder that no job may read, and a link replaces it. Then the same is done with the
         # folder above it.
         elsewhere = os.path.join(self.folder, "elsewhere")
         os.mkdir(elsewhere)
@@ -77,7 +77,7 @@ class JobFilesTest(ClientCase):
             if moved == "sub":
                 os.remove(self.output("sub/a.ndf.exr"))
                 made("sub/a.ndf.exr", again=True)
-                os.remove(self.output("b.ndf.exr"))  # otherwise the result would be copied from there
+                os.remove(self.output("b.ndf.exr"))  # otherwise the service would copy the result from there
             target = os.path.join(elsewhere, os.path.basename(moved))
             shutil.move(self.output(moved), target)
             os.symlink(target, self.output(moved))
@@ -90,8 +90,8 @@ class JobFilesTest(ClientCase):
         service = self.start()
         subprocess.run([MULTUM, "testmap", "--size", "32", self.output("q")], check=True, capture_output=True)
         root = os.fsencode(service.root)
-        # Tests a name that is not UTF-8, a valid name equal to its escaped text, and a name with a character of the
-        # escape.
+        # Tests a name that is not valid UTF-8, a valid name that equals the escaped text of the first name, and a name
+        # with a character that escapes use.
         for name, text in ((b"caf\xe9", "caf\uefe9"), ("caf\uefe9".encode(), "caf\uefee\uefbf\uefa9"),
                            ("\u4e2d".encode(), "\u4e2d")):
             with self.subTest(name=name):
@@ -111,7 +111,7 @@ class JobFilesTest(ClientCase):
                 self.assertIn("''" + urllib.parse.quote(name) + ".ndf.exr", headers["Content-Disposition"])
                 with open(result, "rb") as file:
                     self.assertEqual((status, file.read()), (200, data))
-                # The answer's parameters can be submitted again.
+                # The parameters in the answer can be submitted again.
                 again = {"type": "bake", "parameters": job["parameters"], "output": job["output"]}
                 self.assertEqual(service.ask("POST", "/v1/jobs", dict(again, again=True))[0], 201)
                 service.wait_until_idle()
@@ -227,8 +227,8 @@ class JobFilesTest(ClientCase):
         self.assertEqual(service.ask("GET", "/v1/jobs/2/result"), (200, data))
         with open(self.output("unpacked/inferred.json"), encoding="utf-8") as file:
             self.assertEqual(json.load(file)["geometry"], geometry)
-        # An identical submission is the same job. With another output it is a copy, and with another texture it is a
-        # new job.
+        # An identical submission returns the same job. With another output, the service copies the result. With another
+        # texture, the submission is a new job.
         again = {"type": "pack", "parameters": {"manifest": manifest, "lambda": 20}, "output": self.output("field.mpt")}
         self.assertEqual(service.ask("POST", "/v1/jobs", again)[0], 200)
         copy = service.submit(**dict(again, output=self.output("copy.mpt")))
@@ -244,7 +244,7 @@ class JobFilesTest(ClientCase):
         self.assertIsNone(made["reused_from"])
         with open(self.output("field.mpt"), "rb") as file:
             self.assertNotEqual(file.read(), data)
-        # A target that cannot be met is not tried again, and only one target may be given.
+        # The service does not retry a job whose target cannot be met. Only one target may be given.
         job = service.wait_for(service.submit(type="pack", parameters={"manifest": manifest, "bytes": 10},
                                               output=self.output("none.mpt")))
         self.assertEqual((job["state"], len(service.job(job["id"])["attempts"])), ("dead", 1))
@@ -307,8 +307,8 @@ class JobFilesTest(ClientCase):
             json.dump(field, file)
         self.refused(400, "usage", ["secret.exr", self.results()], "POST", "/v1/jobs",
                      {"type": "pack", "parameters": {"manifest": manifest}, "output": self.output("a.mpt")})
-        # These scene files are outside: an existing one, a missing one, and a device. The answer reveals nothing about
-        # them.
+        # These scene files are outside the root folders. One exists, one is missing, and one is a device. The answer
+        # does not reveal anything about them.
         field["objects"][0]["layers"] = []
         words = set()
         for geometry in (os.path.join(self.folder, "secret.exr"), os.path.join(self.folder, "nothing.exr"),
@@ -338,7 +338,7 @@ class JobFilesTest(ClientCase):
         service.ask("POST", "/v1/queues/default/resume")
         self.assertIsNone(service.wait_for(waiting)["reused_from"], "its input is not what it was")
         self.assertNotEqual(os.path.getsize(self.output("a.ndf.exr")), os.path.getsize(self.output("b.ndf.exr")))
-        # The job's key names the first map, so a client with that map does not get the result of the other.
+        # The key of the job names the first map, so a client with that map does not get the result of the other map.
         os.replace(first, source)
         copy = service.wait_for(service.submit(**job("c.ndf.exr")))
         self.assertEqual(copy["reused_from"], made["id"])
@@ -396,7 +396,8 @@ class JobFilesTest(ClientCase):
         for name in ("../a.txt", root + "/a.txt", "sub/../../a.txt", "nowhere/a.txt", ".", "..", "sub/.."):
             with self.subTest(name=name):
                 self.refused(400, "usage", [self.results()], "POST", "/v1/jobs", {"type": "drill", "output": name})
-        # A relative input is not guessed either: the answer to an upload has its path.
+        # The service does not guess the folder of a relative input either. Clients get the path of an upload from its
+        # answer.
         with contextlib.closing(service.connection()) as connection:
             connection.request("PUT", "/v1/uploads/a.png", b"a picture")
             upload = json.loads(connection.getresponse().read())
@@ -421,7 +422,7 @@ class JobFilesTest(ClientCase):
                 self.assertEqual((status, data.decode().strip()), (200, name))
                 sent = headers["Content-Disposition"]
                 self.assertTrue(sent.isascii() and sent.startswith("attachment; filename="), sent)
-                # RFC 6266 prefers the extended name to the plain one; both are safe.
+                # RFC 6266 prefers the extended file name to the plain one. Both names are safe.
                 found = re.fullmatch(r'attachment; filename="([ -!#$&-\[\]-~]+)"'
                                      r"(?:; filename\*=UTF-8''([\w.%-]+))?", sent)
                 self.assertIsNotNone(found, sent)
@@ -459,15 +460,16 @@ class JobFilesTest(ClientCase):
                     self.assertEqual(archive.extractfile(name).read(), file.read(), name)
                 member = archive.getmember(name)
                 self.assertEqual(member.mtime, int(os.stat(path).st_mtime))
-                # The checksum of tar is the sum of unsigned bytes, computed as if the checksum field contained blanks.
-                # Readers also accept signed bytes.
+                # The checksum in tar is the sum of all unsigned bytes, with blanks in the checksum field. Readers also
+                # accept the sum of signed bytes.
                 head = data[member.offset_data - 512:member.offset_data]
                 self.assertEqual(int(head[148:154], 8), sum(head[:148] + b" " * 8 + head[156:]))
         listed = subprocess.run(["tar", "tf", "-"], input=data, capture_output=True, check=False,
                                 env=dict(os.environ, LC_ALL="C.UTF-8"))
         self.assertEqual((listed.returncode, listed.stderr), (0, b""))
         service.ask("HEAD", f"/v1/jobs/{made['id']}/result")
-        # There is no archive if the listing names files outside the folder, or files that have changed.
+        # The service does not send an archive if the listing names files outside the folder, or files that have
+        # changed.
         listing = os.path.join(folder, ".multum-result")
         published = listed_files(folder)
         secret = os.path.join(self.folder, "secret")
@@ -476,7 +478,7 @@ class JobFilesTest(ClientCase):
         state = f"{os.stat(secret).st_size} {os.stat(secret).st_mtime_ns}"
         os.symlink(secret, os.path.join(folder, "door"))
         wall = os.stat(os.path.join(folder, "wall.ndf.exr"))
-        own = f"{wall.st_size} {wall.st_mtime_ns}"  # existing files under names that an archive must not have
+        own = f"{wall.st_size} {wall.st_mtime_ns}"  # existing files whose names an archive must not contain
         for name, listed in (("../../secret", state), (secret, state), ("door", state), ("nothing", state),
                              ("wall.ndf.exr/../../../secret", state), ("./wall.ndf.exr", own),
                              ("../b\u00e4ked/wall.ndf.exr", own), (os.path.join(folder, "wall.ndf.exr"), own)):
@@ -484,7 +486,8 @@ class JobFilesTest(ClientCase):
                 seal_listing(service.data, folder, f"{published}{listed} {name}\n")
                 message = self.refused(409, "no_result", [], "GET", f"/v1/jobs/{made['id']}/result")
                 self.assertIn(name, message)
-        # There is no archive for a listing that another program wrote: without a seal, and with a forged seal.
+        # The service does not send an archive if another program wrote the listing. Tests a listing without a seal, and
+        # one with a forged seal.
         for forged in (published, f"{published}seal {'0' * 64}\n"):
             with open(listing, "w", encoding="utf-8") as file:
                 file.write(forged)
@@ -523,7 +526,7 @@ class JobFilesTest(ClientCase):
         self.assertEqual(received, int(response.headers["Content-Length"]))
         if not is_sanitized(service.process.pid):
             self.assertLess(resident_bytes(service.process.pid), before + (8 << 20))
-        # If a file changes while it is sent, the transfer does not end as if it were complete.
+        # If a file changes while it is being sent, the transfer does not end as if it were complete.
         with contextlib.closing(service.connection()) as connection:
             connection.request("GET", f"/v1/jobs/{made['id']}/result")
             response = connection.getresponse()
@@ -531,7 +534,7 @@ class JobFilesTest(ClientCase):
             os.utime(large)
             with self.assertRaises(http.client.IncompleteRead):
                 response.read()
-        # A list of files that is longer than all memory for requests is refused too.
+        # A list of files that is longer than all of the memory for requests is also refused.
         with open(os.path.join(folder, ".multum-result"), "a", encoding="utf-8") as file:
             for i in range(40000):
                 file.write(f"0 0 {'name' * 12}-{i}\n")
@@ -552,14 +555,14 @@ class JobFilesTest(ClientCase):
         self.assertEqual(upload(20 << 10)[0], 201)
         results = os.path.join(service.data, "results", "a.txt")
         large = os.path.join(service.data, "results", "large")
-        counted_for = 5.5  # seconds, and a margin
+        counted_for = 5.5  # the number of seconds, plus a margin
         service.ask("POST", "/v1/queues/default/pause")
         accepted = self.drill(output=results, attempt_max=100)
         with open(large, "wb") as file:
             file.write(bytes(20 << 10))
         time.sleep(counted_for)
         self.refused(507, "quota", [], "POST", "/v1/jobs", {"type": "drill", "output": results + "x"})
-        # A job that was accepted earlier waits until there is room again; other jobs run.
+        # A job that was accepted earlier waits until there is space again. Other jobs run.
         service.ask("POST", "/v1/queues/default/resume")
         service.wait_for(self.drill(output=self.output("a.txt")))
         deadline = time.monotonic() + 20
@@ -589,7 +592,7 @@ class JobFilesTest(ClientCase):
                 except OSError:
                     pass
             status = 201
-            for _ in range(2000):  # space that the ledger keeps for itself
+            for _ in range(2000):  # the space that is reserved for the ledger
                 status, answer = service.ask("POST", "/v1/jobs", {"type": "drill", "parameters": {"text": "x" * 900}})
                 if status != 201:
                     break

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""The service's ledger: damaged, rescued, removed, or of another version; and jobs that need others. MULTUM names the
-program.
+"""Tests the ledger of the service when it is damaged, rescued, removed, or from another version. Also tests jobs that
+need other jobs. MULTUM names the program.
 
   MULTUM=build/release/bin/multum-drill ledger_test.py [-v] [LedgerTest.test_...]
 """

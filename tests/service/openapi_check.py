@@ -1,11 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Checks answers against the service's own OpenAPI 3.1 file: the operation, its status, the body's type and schema."""
+"""Compares answers with the OpenAPI 3.1 file of the service: the operation, its status, and the type and schema of the
+body."""
 import json
 import re
 import warnings
 
 with warnings.catch_warnings():
-    warnings.simplefilter("ignore", DeprecationWarning)  # newer versions have another resolver; 4.10 still has this one
+    warnings.simplefilter("ignore", DeprecationWarning)  # version 4.10 still has this resolver; newer versions have a
+                                                         # different one
     from jsonschema import Draft202012Validator, FormatChecker, RefResolver
 
 TIME = re.compile(r"^\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d\.\d{3}Z$")
@@ -14,7 +16,7 @@ FORMATS.checks("date-time")(lambda value: not isinstance(value, str) or bool(TIM
 
 
 class OpenapiCheck:
-    """Records the checked answers: `seen` has (method, path template, status)."""
+    """Records the checked answers. `seen` contains (method, path template, status)."""
 
     def __init__(self, document):
         self.document = document

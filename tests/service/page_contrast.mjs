@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Computes the contrast of texts on a page in a browser, for tests of pages.
+// Computes the contrast of the texts on a page in a browser, for tests.
 
 /** Returns texts whose contrast is below that of WCAG AA, as the browser has laid them out. */
 export const lowContrasts = (page) => page.evaluate(() => {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Checks the layout of a page: parts beyond the window, cut parts, and parts that cover others.
+// Checks the layout of a page. Finds parts beyond the window, parts that are cut off, and parts that cover others.
 
 /** Window sizes in which every page is checked: the narrowest phones, and 1280 x 800 at 200 %. */
 export const NARROW = [{ viewport: { width: 320, height: 640 }, deviceScaleFactor: 1 },
@@ -14,7 +14,7 @@ export const misplaced = (page, root = "body") => page.evaluate((selector) => {
   const width = document.documentElement.clientWidth, found = new Set();
   const isShown = (element) => {
     if (!element.checkVisibility({ visibilityProperty: true })) return false; // includes closed details
-    for (let above = element; above !== null; above = above.parentElement) // only for screen readers
+    for (let above = element; above !== null; above = above.parentElement) // meant only for screen readers
       if (above.getBoundingClientRect().width <= 1 && getComputedStyle(above).overflow === "hidden") return false;
     return true;
   };

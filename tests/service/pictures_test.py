@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Pictures of jobs: a child process makes them once, and its crash, hang or absence affects only pictures. MULTUM names
-the program.
+"""Tests pictures of jobs. A child process makes each picture once. If the child crashes, hangs or is missing, only
+pictures are affected. MULTUM names the program.
 
   MULTUM=build/release/bin/multum-drill pictures_test.py [-v] [PicturesTest.test_...]
 """
@@ -29,7 +29,8 @@ def png_size(data):
 
 class PicturesTest(ServiceCase):
     def start(self, viewer=None, **more):
-        """`viewer` is a shell script that replaces multum-view for this daemon; with "", multum-view is missing."""
+        """`viewer` is a shell script that replaces multum-view for this daemon. If it is "", multum-view is
+        missing."""
         multum = MULTUM
         if viewer is not None:
             multum = os.path.join(self.folder, "bin", "multum")
@@ -65,7 +66,7 @@ class PicturesTest(ServiceCase):
 
     def folders(self):
         pictures = os.path.join(self.service.data, "pictures")
-        # When it ends, a daemon removes the folder if it is empty.
+        # A daemon that ends removes the folder if it is empty.
         return sorted(os.listdir(pictures)) if os.path.exists(pictures) else []
 
     def test_three_pictures_of_a_bake(self):
@@ -109,7 +110,7 @@ class PicturesTest(ServiceCase):
         os.remove(self.path("q_normal.png"))
         self.refused(job, "input", "input")
         self.assertEqual(self.ask(job, "render")[0], 200)
-        # A link to the moved result does not count as the result.
+        # A symbolic link to the moved result does not count as the result.
         shutil.move(self.path("q.ndf.exr"), self.path("moved.ndf.exr"))
         os.symlink(self.path("moved.ndf.exr"), self.path("q.ndf.exr"))
         self.refused(job, "render", "result")
@@ -160,14 +161,14 @@ class PicturesTest(ServiceCase):
         baked = self.bake()
         status, answer = self.service.ask("GET", f"/v1/jobs/{baked}/pictures/player.html")
         self.assertEqual((status, answer["error"]["code"]), (404, "no_picture"))
-        # The scene file has changed since the bake: the answer says why there is no picture.
+        # The scene file has changed since the bake, so the answer says why there is no picture.
         other = self.service.wait_for(self.service.submit(
             type="pack", parameters={"manifest": self.path("field/inferred.json"), "lambda": 30},
             output=self.path("other.mpt")))
         with open(self.path("quad.obj"), "a", encoding="utf-8") as file:
             file.write("# changed\n")
         def refused_player(words):
-            # A failed picture is remembered until the daemon restarts.
+            # The daemon remembers until its restart that a picture failed.
             self.service.stop()
             self.service.start()
             status, answer = self.service.ask("GET", f"/v1/jobs/{other['id']}/pictures/player.html", timeout=120)
@@ -176,7 +177,7 @@ class PicturesTest(ServiceCase):
             return answer["error"]["message"]
 
         refused_player("not the geometry")
-        # The service does not wait for a pipe. It reveals nothing about files outside, whether they exist or not.
+        # The service does not wait for a pipe. It does not reveal whether files outside the root folders exist.
         geometry = self.path("quad.obj")
         os.remove(geometry)
         os.mkfifo(geometry)
@@ -201,7 +202,7 @@ class PicturesTest(ServiceCase):
     def test_a_bake_of_lobes_has_a_look_page(self):
         service = self.start()
         job = self.bake(lobes=2)
-        # If older pictures exist, the oldest is removed.
+        # If there are older pictures, the oldest one is removed.
         pictures = os.path.join(service.data, "pictures")
         for age in range(16):
             folder = os.path.join(pictures, f"{900 + age}-1-2-look")
@@ -219,7 +220,7 @@ class PicturesTest(ServiceCase):
         with urllib.request.urlopen(f"http://127.0.0.1:{service.port}/v1/jobs/{job}/pictures/look.html") as one:
             self.assertIn("sandbox allow-scripts", one.headers["Content-Security-Policy"])
             self.assertNotIn("allow-same-origin", one.headers["Content-Security-Policy"])
-        # The page is kept for later requests, as long as the map exists and is unchanged.
+        # The service keeps the page for later requests, as long as the map exists and is unchanged.
         self.assertEqual(self.look(job)[0], 200)
         shutil.move(self.path("q_normal.png"), self.path("kept.png"))
         self.refused_look(job, "q_normal.png")
@@ -236,11 +237,11 @@ class PicturesTest(ServiceCase):
         moments = service.submit(type="bake", output=self.path("m.ndf.exr"),
                                  parameters={"input": self.path("q_normal.png"), "ndf": "moments", "no_measure": True})
         self.assertEqual(service.wait_for(moments)["state"], "succeeded")
-        self.refused_look(moments, "expected a file of multum bake without --ndf")
+        self.refused_look(moments, "expected a file baked without --ndf")
         gone, changed = self.bake("gone.ndf.exr"), self.bake("changed.ndf.exr", lobes=2)
         shutil.move(self.path("q_normal.png"), self.path("kept.png"))
         self.refused_look(gone, "q_normal.png")
-        # A missing map is not remembered: it may come back.
+        # The service does not remember that a map was missing, because the map may come back.
         shutil.move(self.path("kept.png"), self.path("q_normal.png"))
         self.assertEqual(self.look(gone)[0], 200)
         shutil.copy(self.path("q_albedo.png"), self.path("q_normal.png"))
@@ -280,7 +281,7 @@ class PicturesTest(ServiceCase):
         self.refused(job, "input", "signal 11")
         with open(os.path.join(cache, "begun"), encoding="utf-8") as file:
             self.assertEqual(len(file.read()), 2, "one child serves all requests, later ones too")
-        # A restarted daemon tries once more.
+        # A restarted daemon tries once more to make the picture.
         service.stop()
         service.start()
         self.refused(job, "render", "signal 11")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A daemon in its own folder, and its clients, for the service's tests. Uses only the standard library."""
+"""Runs a daemon in its own folder, and its clients, for tests of the service. Uses only the standard library."""
 import atexit
 import hmac
 import http.client
@@ -18,7 +18,7 @@ QUICK = "back_off_first_s = 0.05\nback_off_max_s = 0.2\n"
 
 
 class Service:
-    """`multum serve` on a free loopback port."""
+    """Runs `multum serve` on a free loopback port."""
 
     def __init__(self, multum, folder, options=(), config=None, environment=None):
         self.multum = multum
@@ -32,13 +32,13 @@ class Service:
             with open(path, "w", encoding="utf-8") as file:
                 file.write(config)
             self.options += ["--config", path]
-        # Runs without multum's program cache, because PoCL has its own cache and compiles only launched kernels. For
-        # multum's cache, all kernels of a program would be compiled.
+        # Runs without multum's program cache, for which all kernels of a program would be compiled. PoCL has its own
+        # cache and compiles only the kernels that are launched.
         self.environment = dict(os.environ, MULTUM_CACHE_DIR="", **(environment or {}))
         self.log_path = os.path.join(folder, "serve.log")
         self.process = None
         self.port = 0
-        self.checker = None  # checks every answer: an OpenapiCheck
+        self.checker = None  # an OpenapiCheck that checks every answer
 
     def start(self, wait=True, port=0):
         address = os.path.join(self.data, "address")
@@ -102,7 +102,7 @@ class Service:
         return http.client.HTTPConnection("127.0.0.1", self.port, timeout=timeout)
 
     def ask(self, method, target, body=None, headers=None, connection=None, timeout=30):
-        """Returns the status and the answer: parsed if it is JSON, otherwise bytes."""
+        """Returns the status and the answer, which is parsed if it is JSON. Other answers are returned as bytes."""
         use = connection or self.connection(timeout)
         data = None if body is None else json.dumps(body)
         use.request(method, target, data, headers or {})
@@ -155,7 +155,8 @@ class Service:
 
 
 class ServiceCase(unittest.TestCase):
-    """A test with its own folder and a daemon, which the subclass's `start()` makes and which ends with the test."""
+    """A test with its own folder and its own daemon. `start()` of the subclass starts the daemon, which ends with the
+    test."""
 
     def setUp(self):
         self.folder = tempfile.mkdtemp()
@@ -168,14 +169,14 @@ class ServiceCase(unittest.TestCase):
 
 
 class ClientCase(ServiceCase):
-    """Helpers for tests that see the daemon as clients do."""
+    """Contains helpers for tests that use the daemon as clients do."""
 
     checks_answers = False  # if true, each answer is checked against docs/reference/openapi.json
 
     def start(self, config=QUICK, **more):
         self.service = Service(MULTUM, self.folder, config=config, **more).start()
         if self.checks_answers:
-            from openapi_check import OpenapiCheck  # needs a package that some tests lack
+            from openapi_check import OpenapiCheck  # this import needs a package that is not available to all tests
             self.service.checker = OpenapiCheck(self.service.ask("GET", "/openapi.json")[1])
         return self.service
 
@@ -200,8 +201,8 @@ class ClientCase(ServiceCase):
         return done.stdout + done.stderr
 
     def refused(self, status, code, values, *question, **more):
-        """Checks that the message contains every one of `values`, in any wording: keys, names and numbers. Returns
-        it."""
+        """Checks that the message contains all `values` (keys, names and numbers), whatever its wording is. Returns
+        the message."""
         found, answer = self.service.ask(*question, **more)
         self.assertEqual((found, answer["error"]["code"]), (status, code), answer)
         for value in values:
@@ -222,7 +223,7 @@ def with_drill(document, types):
 
 
 def seal_listing(data, folder, lines):
-    """Writes the list of a published folder's files as the daemon with these DATA would."""
+    """Writes the list of files in a published folder as the daemon with these DATA would write it."""
     with open(os.path.join(data, "seal"), encoding="utf-8") as file:
         key = file.read().strip().encode()
     text = f"multum-result {os.stat(folder).st_ino}\n{lines}".encode("utf-8", "surrogateescape")
@@ -249,7 +250,7 @@ def process_state(pid):
 
 
 def is_sanitized(pid):
-    """Returns whether the program was built with a sanitizer, which uses memory of its own."""
+    """Returns whether the program was built with a sanitizer, which needs additional memory."""
     with open(f"/proc/{pid}/maps", encoding="utf-8") as file:
         text = file.read()
     return "libasan" in text or "libtsan" in text

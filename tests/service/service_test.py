@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""The service as clients see it: the life of jobs, queues, events, refusals, and shutdown. MULTUM names the program.
+"""Tests the service as clients see it: the stages of jobs, queues, events, refusals, and shutdown. MULTUM names the
+program.
 
   MULTUM=build/release/bin/multum-drill service_test.py [-v] [ServiceTest.test_...]
 """
@@ -42,12 +43,13 @@ class ServiceTest(ClientCase):
         return shown
 
     def refused_path(self, path, job, is_outside=True):
-        """Checks that the file is named; for a file outside, that the allowed folders are named too."""
+        """Checks that the message names the file. For a file outside the allowed folders, the message must also name
+        these folders."""
         message = self.refused(400, "usage", [], "POST", "/v1/jobs", job)
         self.assertTrue(message.startswith(f"{path}: "), message)
         self.assertEqual(self.results() in message, is_outside, message)
 
-    # ---- The life of a job
+    # ---- The stages of a job
 
     def test_a_list_has_a_line_for_each_job(self):
         service = self.start()
@@ -217,7 +219,8 @@ class ServiceTest(ClientCase):
 
     def test_who_waits_misses_no_end_and_outlives_a_restart(self):
         service = self.start()
-        # Jobs may end while the client asks, and it must not wait for events that have already happened.
+        # Jobs may end while the client sends its request. The client must not wait for events that have already
+        # happened.
         for _ in range(20):
             self.assertIn("succeeded", self.client("submit", "drill", "--wait"))
         deadline = time.monotonic() + 5  # shorter than a heartbeat
@@ -269,7 +272,7 @@ class ServiceTest(ClientCase):
         self.assertIn("event: progress", text)
         for event in text.split("\n\n"):
             fields = dict(line.split(": ", 1) for line in event.splitlines() if ": " in line and not line[0] == ":")
-            if "data" in fields and len(fields) == 3:  # the last event may be cut
+            if "data" in fields and len(fields) == 3:  # the last event may be cut off
                 name = {"job": "Job", "progress": "ProgressEvent"}[fields["event"]]
                 self.assertEqual(service.checker.errors({"$ref": f"#/components/schemas/{name}"},
                                                         json.loads(fields["data"])), [])
@@ -308,7 +311,7 @@ class ServiceTest(ClientCase):
         with open(path, "a", encoding="utf-8") as file:
             file.write("[[queue]]\nnmae = 3\n")
         service.process.send_signal(signal.SIGHUP)
-        service.wait_for_log("previous settings stay in use")
+        service.wait_for_log("previous settings remain in use")
         self.assertIn("serve.toml:", service.log_text().splitlines()[-1])
         service.wait_for(self.drill(queue="night"))
 
@@ -334,7 +337,7 @@ class ServiceTest(ClientCase):
         service.ask("POST", "/v1/queues/night/resume")
         reload(queues)
         self.assertEqual(paused(), ["default"])
-        reload(queues.replace("paused = true", "paused = false"))  # the settings disagree
+        reload(queues.replace("paused = true", "paused = false"))  # the settings contradict each other
         self.assertEqual(paused(), ["default"])
         reload(queues)
         self.assertEqual(paused(), ["default", "night"])
@@ -372,7 +375,7 @@ class ServiceTest(ClientCase):
         for target in ("/v1/jobs%00", "/%00", "/v1/queues/default%00/pause", "/v1/jobs?queue=a%00b",
                        "/v1/jobs?%00=1"):
             self.refused(400, "usage", [], "POST" if "pause" in target else "GET", target)
-        # A NUL does not end a text; the service refuses it in every place.
+        # A NUL character does not end a text. The service refuses it everywhere.
         job = {"type": "drill", "parameters": {}}
         for body in (dict(job, label="a\0b"), dict(job, queue="default\0"), dict(job, type="drill\0"),
                      dict(job, output="a\0b"), dict(job, parameters={"text": "a\0"}), dict(job, **{"lab\0el": "a"}),
@@ -413,7 +416,7 @@ class ServiceTest(ClientCase):
                                            "output": result})
         self.refused_path(self.output("link.png"), {"type": "drill", "output": self.output("link.png")},
                           is_outside=False)
-        # A scene's job may name files as well.
+        # The job of a scene may also name files.
         with open(self.output("job.toml"), "w", encoding="utf-8") as file:
             file.write('geometry = "../secret.png"\n')
         self.refused(400, "usage", ["secret.png", self.results()], "POST", "/v1/jobs",
@@ -437,8 +440,8 @@ class ServiceTest(ClientCase):
         self.assertEqual(self.service.ask("GET", "/v1/jobs", headers=bearer)[0], 200)
         for public in ("/healthz", "/openapi.json"):
             self.assertEqual(self.service.ask("GET", public)[0], 200)
-        # The scheme's case does not matter, another scheme is refused, and a query carries the token if a browser
-        # cannot send headers.
+        # The case of the scheme does not matter, and another scheme is refused. If a browser cannot send headers, the
+        # query can contain the token.
         for scheme, status in (("bearer", 200), ("BEARER ", 200), ("Basic", 401), ("Bearera", 401), ("", 401)):
             given = {"Authorization": f"{scheme} a token of many letters"}
             self.assertEqual(self.service.ask("GET", "/v1/jobs", headers=given)[0], status, scheme)
@@ -490,7 +493,7 @@ class ServiceTest(ClientCase):
                     one.shutdown(socket.SHUT_WR)
                     while one.recv(65536):
                         pass
-                except OSError:  # disconnected before the request was complete
+                except OSError:  # the service closed the connection before the request was complete
                     pass
         self.assertEqual(service.ask("GET", "/healthz")[0], 200)
         deadline = time.monotonic() + 30

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Runs a private Slurm on loopback for a test: munged, slurmctld and some slurmd of this machine, each with its own
-name and port, as child processes. It needs root, because slurmd starts tasks as their users, and Debian's packages
+"""Runs a private Slurm on loopback for a test: munged, slurmctld and some slurmd as child processes of this machine,
+each with its own name and port. It needs root, because slurmd starts tasks as their users, and Debian's packages
 slurmctld, slurmd, slurm-client and munge. Uses only the standard library."""
 import contextlib
 import ctypes
@@ -89,8 +89,7 @@ class Slurm:
         self.folder = folder
         self.nodes = [f"bake{i + 1}" for i in range(nodes)]
         self.processes = {}
-        # Processes that Slurm's daemons leave running become children of this process, which ends them by their
-        # numbers.
+        # Processes that outlive Slurm's daemons become children of this process, which ends them by their process ids.
         ctypes.CDLL(None).prctl(PR_SET_CHILD_SUBREAPER, 1, 0, 0, 0)
         for name in ("state", "log", "spool"):
             os.makedirs(os.path.join(folder, name))
@@ -107,7 +106,7 @@ class Slurm:
         self.config = os.path.join(folder, "slurm.conf")
         with open(self.config, "w", encoding="utf-8") as file:
             file.write(config)
-        if not os.path.ismount("/sys/fs/cgroup"):  # slurmd finds its cgroup version there, otherwise it ends
+        if not os.path.ismount("/sys/fs/cgroup"):  # slurmd reads the cgroup version there, and would end without it
             with open(os.path.join(folder, "cgroup.conf"), "w", encoding="utf-8") as file:
                 file.write("CgroupPlugin=cgroup/v1\n")
         self.environment = {"SLURM_CONF": self.config, "PATH": PATH}
@@ -169,13 +168,13 @@ class Slurm:
         return self.run(*words).splitlines()
 
     def kill(self, name):
-        """Sends SIGKILL to one of the daemons; a node's tasks run on."""
+        """Sends SIGKILL to one of the daemons. The tasks of a node continue to run."""
         process = self.processes[name]
         process.send_signal(signal.SIGKILL)
         process.wait()
 
     def crash_node(self, node):
-        """Ends a node as a power cut would: its daemon and all its tasks."""
+        """Ends the daemon of a node and all of its tasks, as a power cut would."""
         doomed = []
         for pid in descendants(os.getpid()):
             with contextlib.suppress(FileNotFoundError, ProcessLookupError):
@@ -191,8 +190,8 @@ class Slurm:
                 os.kill(pid, signal.SIGKILL)
 
     def return_node(self, node):
-        """Starts a crashed node again. It must be known to be down first, or its tasks stay "completing" for
-        minutes."""
+        """Starts a crashed node again. Slurm must first know that the node is down, otherwise its tasks stay
+        "completing" for minutes."""
         self.run("scontrol", "update", f"NodeName={node}", "State=DOWN", "Reason=crashed")
         self.start_node(node)
         self.run("scontrol", "update", f"NodeName={node}", "State=RESUME")
@@ -226,7 +225,7 @@ class Slurm:
         self.reap()
 
     def reap(self):
-        """Ends processes that Slurm's daemons left, which are children of this process by now."""
+        """Ends processes that Slurm's daemons left behind. They have become children of this process."""
         for _ in range(100):
             left = [pid for pid in descendants(os.getpid()) if self.is_of_slurm(pid)]
             if not left:

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Refusals of sbatch: arrays beyond MaxArraySize become smaller arrays; a job that Slurm never accepts ends once, with
-Slurm's message; a job that it does not accept at the moment waits. Runs with a stand-in for Slurm's commands
-(stand_in_slurm.py), and with a real Slurm if one can be started (slurm_harness.py). MULTUM names the program.
+"""Tests refusals of sbatch. Arrays beyond MaxArraySize are divided into smaller arrays. A job that Slurm never accepts
+ends once, with Slurm's message. A job that Slurm does not accept at the moment waits. Runs with a stand-in for Slurm's
+commands (stand_in_slurm.py), and with a real Slurm if one can be started (slurm_harness.py). MULTUM names the program.
 
   MULTUM=build/release/bin/multum slurm_refusals_test.py [-v] [StandInTest.test_...]
 """
@@ -43,7 +43,7 @@ class RefusalCase(ClientCase):
     def setUpClass(cls):
         cls.holder = tempfile.mkdtemp()
         cls.addClassCleanup(shutil.rmtree, cls.holder)
-        cls.map = os.path.join(cls.holder, "map.png")  # the file stores its name
+        cls.map = os.path.join(cls.holder, "map.png")  # the file contains its own name
         subprocess.run([MULTUM, "testmap", os.path.join(cls.holder, "map"), "--size", "256"], check=True,
                        capture_output=True)
         os.rename(os.path.join(cls.holder, "map_normal.png"), cls.map)
@@ -63,7 +63,7 @@ class RefusalCase(ClientCase):
                                    queue="farm", output=self.output("map.ndf.exr"), **job)
 
     def succeed(self, number):
-        """Returns the parts of the job, and checks that the result equals that of one process."""
+        """Returns the parts of the job. Checks that the result equals the result of one process."""
         job = self.service.wait_for(number)
         self.assertEqual((job["state"], len(job["attempts"])), ("succeeded", 1), self.service.log_text()[-2000:])
         with open(self.output("map.ndf.exr"), "rb") as mine, open(self.whole, "rb") as other:
@@ -74,7 +74,7 @@ class RefusalCase(ClientCase):
         """Checks that each band succeeded once, in arrays that Slurm accepts."""
         done = [part for part in parts if part["state"] == "succeeded"]
         count = int(done[0]["part"].split("/")[1])
-        self.assertGreater(count, array_max)  # otherwise nothing would be split
+        self.assertGreater(count, array_max)  # otherwise the map would not be split
         self.assertEqual([part["round"] for part in parts], [1] * len(parts))
         self.assertEqual(sorted(part["part"] for part in done),
                          sorted([f"{i}/{count}" for i in range(count + 1)] + [f"merge {count}"]))
@@ -97,7 +97,7 @@ class StandInTest(RefusalCase):
                 file.write(f'#!/bin/sh\nexec {sys.executable} {script} {name} "$@"\n')
             os.chmod(os.path.join(programs, name), 0o755)
         with open(os.path.join(programs, "scontrol"), "w", encoding="utf-8") as file:
-            file.write("#!/bin/sh\nexit 1\n")  # scontrol fails, so the limit stays unknown
+            file.write("#!/bin/sh\nexit 1\n")  # scontrol fails, so the limit is not known
         os.chmod(os.path.join(programs, "scontrol"), 0o755)
         for name, text in (("refusals", refusals), ("array_max", str(array_max))):
             with open(os.path.join(self.stand_in, name), "w", encoding="utf-8") as file:
@@ -115,7 +115,7 @@ class StandInTest(RefusalCase):
         refused = [part for part in parts if part["state"] == "lost"]
         self.assertTrue(refused)
         self.assertIn("sent again in a smaller array", refused[0]["message"])
-        # The calls are for share 0, for each half that was too long, for the arrays, and for the merge.
+        # There is a call for share 0, for each half that was too long, for each array, and for the merge.
         arrays = [call for call in self.calls() if call != "-"]
         too_long = [call for call in arrays if max(map(int, call.split(","))) >= 2]
         self.assertEqual(len(set(len(call.split(",")) for call in too_long)), len(too_long), "each length once")
@@ -145,7 +145,8 @@ class StandInTest(RefusalCase):
         self.start_stand_in("Unable to contact slurm controller (connect failure)\n" * 2 +
                             "Slurm temporarily unable to accept job, sleeping and retrying\n" * 2)
         self.succeed(self.bake())
-        self.assertEqual(self.calls()[:5], ["-"] * 5)  # four refusals: one more than allowed for unknown reasons
+        self.assertEqual(self.calls()[:5], ["-"] * 5)  # four refusals, which is one more than is allowed for unknown
+                                                       # reasons
 
     def test_reasons_unknown_end_the_attempt(self):
         self.start_stand_in("A text of another version\n*\n")

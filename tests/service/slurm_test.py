@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""The service with a real Slurm of two nodes (slurm_harness.py): jobs in chunks and maps in shares, each result
-published once, whatever fails. Skipped with the reason if Slurm cannot be started. MULTUM names the program.
+"""Tests the service with a real Slurm with two nodes (slurm_harness.py). Jobs run in chunks and maps in shares, and
+each result must be published exactly once, whatever fails. If Slurm cannot be started, the test is skipped and prints
+the reason. MULTUM names the program.
 
   MULTUM=build/release/bin/multum-drill slurm_test.py [-v] [SlurmTest.test_...]
 """
@@ -38,8 +39,8 @@ poll_s = {poll}
 visible_s = 0.5
 {more}
 """
-# This is a wrapper for Slurm's sbatch. If a test asks for it, the wrapper kills the controller as soon as it has
-# accepted a job. On request, it also answers with the number of another user's job.
+# This is a wrapper for Slurm's sbatch. If a test asks for it, the wrapper kills the controller as soon as the
+# controller has accepted a job. On request, the wrapper also answers with the number of another user's job.
 SBATCH = """#!/bin/sh
 if [ -e {flag}.other ]; then
   rm {flag}.other; set -- --parsable --job-name=other --output=/dev/null --wrap 'sleep 60'
@@ -54,13 +55,13 @@ SCANCEL = """#!/bin/sh
 echo "$@" >>{flag}.cancelled
 exec {scancel} "$@"
 """
-# Replaces multum on nodes. Share 1 exits before any work is done, as many times as a test asks for it.
+# Replaces multum on nodes. Share 1 exits before it does any work, as often as the test requests.
 PROGRAM = """#!/bin/sh
 if [ "$SLURM_ARRAY_TASK_ID" = 1 ] && [ -e {folder}/fail-1 ]; then mv {folder}/fail-1 {folder}/failed-1; exit 7; fi
 if [ "$SLURM_ARRAY_TASK_ID" = 1 ] && [ -e {folder}/fail-always ]; then exit 7; fi
 exec {multum} "$@"
 """
-# Replaces multum on nodes: share 1 waits until it may continue.
+# Replaces multum on nodes. Share 1 waits until the test lets it continue.
 SLOW_PROGRAM = """#!/bin/sh
 [ "$SLURM_ARRAY_TASK_ID" != 1 ] || [ -e {folder}/go ] || sleep 60
 exec {multum} "$@"
@@ -203,7 +204,7 @@ class SlurmTest(ClientCase):
                                    queue="farm", output=self.output("map.ndf.exr"), **job)
 
     def whole(self):
-        """Returns the map's bake by one process."""
+        """Returns the bake of the map by one process."""
         path = os.path.join(self.holder, "whole.ndf.exr")
         if not os.path.exists(path):
             subprocess.run([MULTUM, "bake", self.copy_of_map(), "-o", path, "--no-measure"], check=True,
@@ -242,7 +243,7 @@ class SlurmTest(ClientCase):
         self.assertEqual([part for part in parts if part[0] == 2],
                          [(2, f"1/{count}", "succeeded"), (2, f"merge {count}", "succeeded")])
         self.assertEqual(service.metric("multum_slurm_rounds_total"), 1)
-        # The share always fails. After a number of rounds the job fails, with the list of failures.
+        # The share always fails. After a number of attempts, the job fails and lists the failures.
         open(os.path.join(self.folder, "fail-always"), "w", encoding="utf-8").close()
         job = service.wait_for(self.bake(again=True, attempt_max=1))
         self.assertEqual(job["state"], "dead")
@@ -279,7 +280,7 @@ class SlurmTest(ClientCase):
     def test_cancelled_jobs_end(self):
         service = self.start_slurm()
         # Two nodes are busy with two chunks. The test cancels a job of the second chunk that has not begun, and the
-        # running job of the first chunk; a third job waits in Slurm.
+        # running job of the first chunk. A third job waits in Slurm.
         service.ask("POST", "/v1/queues/farm/pause")
         first = [self.farm(f"first{i}", 15) for i in range(2)]
         second = [self.farm(f"second{i}", 1) for i in range(20)]
@@ -300,7 +301,7 @@ class SlurmTest(ClientCase):
 
     def test_who_has_a_forgotten_number_is_not_cancelled(self):
         # Simulates a controller that has forgotten the daemon's job and gives its number to the next job.
-        service = self.start_slurm(poll=4)  # so that the daemon cancels before it hears of the job's end
+        service = self.start_slurm(poll=4)  # so that the daemon cancels the job before it learns that the job has ended
         with open(self.flag + ".other", "w", encoding="utf-8"):
             pass
         number = self.farm("forgotten", 30)
@@ -318,7 +319,7 @@ class SlurmTest(ClientCase):
         self.slurm.run("scancel", other)
         self.slurm.wait_for_nodes()
 
-    # ---- Processes that die
+    # ---- Processes that end unexpectedly
 
     def test_a_controller_that_dies_when_it_has_accepted(self):
         service = self.start_slurm()
@@ -348,7 +349,7 @@ class SlurmTest(ClientCase):
         for name, number in numbers.items():
             self.succeed(number, name)
         self.assertEqual(self.submitted_count(), 0)
-        # A daemon that is asked to end does not hand jobs back.
+        # A daemon that is asked to end leaves its jobs running in Slurm.
         number = self.farm("last", 2)
         self.slurm.wait_until("it runs", lambda: any(" RUNNING" in line for line in self.slurm.jobs()))
         begun = time.monotonic()
@@ -441,7 +442,7 @@ class SlurmTest(ClientCase):
 
 
 class SlurmSettingsTest(ClientCase):
-    """Tests that need no Slurm."""
+    """Contains tests that do not need Slurm."""
 
     def refused_settings(self, expected, more="", folder=None):
         shared = folder or os.path.join(self.folder, "shared")
@@ -460,7 +461,7 @@ class SlurmSettingsTest(ClientCase):
         shared = os.path.join(self.folder, "shared")
         os.mkdir(shared)
         os.chmod(shared, 0o777)
-        self.refused_settings("other users own it or may write to it")
+        self.refused_settings("other users own it or can write to it")
         os.chmod(shared, 0o700)
         self.refused_settings("where jobs could write to it", folder=os.path.join(self.folder, "root", "shared"))
         self.refused_settings("unknown key 'slurm.partitions'", 'partitions = "a"')

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
 """Replaces Slurm's commands in tests: stand_in_slurm.py sbatch|squeue|scancel ... SLURM_STAND_IN is a folder that
-controls it. There `array_max` is MaxArraySize. Lines of `refusals` are sbatch's messages at its first calls; an empty
-line accepts, and a last line of "*" repeats the line before it for ever. `calls` has a line for each sbatch. Tasks run
-on this machine, one after another. Uses only the standard library."""
+controls it. The file `array_max` contains MaxArraySize. The lines of `refusals` are sbatch's messages at its first
+calls. An empty line accepts the job, and a last line of "*" repeats the line before it forever. `calls` gets a line
+for each call of sbatch. Tasks run on this machine, one after another. Uses only the standard library."""
 import fcntl
 import json
 import os

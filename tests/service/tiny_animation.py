@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The smallest job of inference: one square in one picture of one colour. Uses only the standard library."""
+"""Makes the smallest job of inference, which has one square in one picture of one colour. Uses only the standard
+library."""
 import os
 import random
 import struct
@@ -34,7 +35,7 @@ camera = "one"
 
 
 def write_exr(path, value, side=SIDE, noise=0):
-    """Writes the same R, G and B for every pixel; floats, not compressed."""
+    """Writes the same R, G and B for every pixel, as uncompressed floats."""
     def attribute(name, kind, data):
         return name.encode() + b"\0" + kind.encode() + b"\0" + struct.pack("<i", len(data)) + data
 

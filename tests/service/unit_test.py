@@ -10,7 +10,7 @@ import shutil
 import subprocess
 import sys
 
-EXPOSURE_MAX = 2.0  # systemd's scale ends at 10
+EXPOSURE_MAX = 2.0  # 10 is the end of systemd's scale
 
 if shutil.which("systemd-analyze") is None:
     print("unit_test: skipped: systemd-analyze is not installed (Debian package systemd)")

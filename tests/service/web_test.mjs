@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Walks through the service's page in headless Chromium. web_test.py starts this script, and starts and stops daemons
-// for the lines on its standard output that begin with "@".
+// Walks through the service's page in headless Chromium. web_test.py starts this script. It also starts and stops
+// daemons when this script prints a line that begins with "@".
 //
 //   node web_test.mjs CHROMIUM SCREENSHOTS [STEP]
 import assert from "node:assert/strict";
@@ -26,7 +26,7 @@ const browser = await chromium.launch({
   args: ["--no-sandbox", "--disable-gpu", "--headless=new", "--disable-dev-shm-usage"],
 });
 const service = await drive("start", "open");
-const complaints = []; // of all pages: console errors, and requests to other hosts
+const complaints = []; // console errors of all pages, and their requests to other hosts
 let isStopped = false; // if true, network errors are expected
 
 async function openPage(path = "", { width = 1280, height = 800, deviceScaleFactor = 1, colorScheme = "light",
@@ -104,7 +104,7 @@ const noSideways = async (page, what) => {
   assert.ok(scroll <= client, `${what} is ${scroll} px wide in ${client}`);
 };
 
-// ---- Steps. Each begins in the state that the previous steps have left.
+// ---- Steps. Each step begins in the state in which the previous steps ended.
 
 const steps = {
   async filesAreServedAsTheyShould() {
@@ -121,7 +121,7 @@ const steps = {
       const again = await fetch(service.url + path, { headers: { "If-None-Match": etag } });
       assert.equal(again.status, 304, path);
     }
-    // The embedded bytes equal the file.
+    // The embedded bytes equal the bytes of the file.
     const source = await readFile(new URL("../../host/farm/service/web/job_list.js", import.meta.url), "utf8");
     assert.equal(await (await fetch(service.url + "/job_list.js")).text(), source);
   },
@@ -193,7 +193,7 @@ const steps = {
     const { id } = await ask("POST", "/v1/jobs", { type: "scene", parameters: { scene }, output: "maps.v2" });
     await stateOf(id, "succeeded");
     const page = await openPage(`#job-${id}`);
-    for (const hasToken of [false, true]) { // the service asks for no token; the page sends one all the same
+    for (const hasToken of [false, true]) { // the service does not require a token, but the page sends one anyway
       if (hasToken) await page.evaluate(() => sessionStorage.setItem("multum-token", "any"));
       const downloading = page.waitForEvent("download");
       await page.getByText("Download the result").click();
@@ -221,7 +221,7 @@ const steps = {
         await globalThis.multumPlayer.settled();
         return Math.max(...globalThis.multumPlayer.pixels().filter((_, i) => i % 4 === 1));
       });
-      assert.ok(Math.abs(brightest - 137) <= 3, `${brightest}`); // a radiance of 0.25, as sRGB
+      assert.ok(Math.abs(brightest - 137) <= 3, `${brightest}`); // a radiance of 0.25, encoded as sRGB
       assert.deepEqual(await player.locator("#problem-list li").allTextContents(), []);
       assert.equal(await player.evaluate(() => globalThis.origin), "null", "sandboxed");
     }
@@ -242,13 +242,13 @@ const steps = {
     await look.waitForFunction(() => globalThis.multumLook?.frameMs !== undefined);
     assert.equal(await look.evaluate(() => globalThis.origin), "null", "sandboxed");
     assert.match(await look.textContent("#facts"), /64 x 64, 4 lobes/);
-    await look.selectOption("#left", "lobes"); // the address keeps the view, also in the sandbox
+    await look.selectOption("#left", "lobes"); // the address stores the view, also in the sandbox
     await look.waitForFunction(() => globalThis.location.hash === "#left=lobes");
-    // The sandbox allows the page's worker too.
+    // The sandbox also allows the worker of the page.
     await look.setInputFiles("#open", [`${service.root}/look.ndf.exr`]);
     await look.waitForFunction(() => globalThis.multumLook.shown === "dropped");
     assert.equal(await look.locator("#problem").isVisible(), false);
-    // After the map is removed, an existing page stays. For a bake without a page, the reason is shown.
+    // If the map is removed, an existing page stays. For a bake that has no page, the service shows the reason.
     const other = await ask("POST", "/v1/jobs", { type: "bake", output: `${service.root}/look_two.ndf.exr`,
       parameters: { input: `${service.root}/look_normal.png`, no_measure: true, lobes: 2 } });
     await stateOf(other.id, "succeeded");
@@ -411,7 +411,7 @@ const steps = {
     await key("Escape");
     assert.equal(await page.locator("dialog[open]").count(), 0);
 
-    // Focus is not trapped: even if a job is open, Tab reaches the page's end and starts again.
+    // The focus is not trapped. Even if a job is open, Tab reaches the end of the page and starts again.
     await key("Enter");
     await until("focus in the job", async () => (await focusedId(page)) === "detail-title");
     const hasLog = () => page.locator("#detail .log").isVisible();
@@ -510,7 +510,7 @@ const steps = {
   },
 
   async looksOfIt() {
-    const baked = await rock(); // while a worker is free for it
+    const baked = await rock(); // while a worker is free for the job
     const running = await drill(900, { label: "cliff, 16384 x 16384" });
     await drill(900, { label: "terrain tile 50", queue: "night" });
     await drill(0, { label: "cliff, its frames", needs: [running] });
@@ -537,7 +537,7 @@ const steps = {
       }
       await page.context().close();
     }
-    // The button overrides the system's setting.
+    // The button overrides the setting of the system.
     const page = await openPage("", { colorScheme: "light" });
     const back = () => page.evaluate(() => getComputedStyle(document.body).backgroundColor);
     const light = await back();
@@ -548,7 +548,7 @@ const steps = {
     await page.reload();
     assert.notEqual(await back(), light, "and is remembered");
     await page.context().close();
-    for (const state of ["queued", "running"]) // workers are needed by the next steps
+    for (const state of ["queued", "running"]) // the next steps need the workers
       for (const job of (await ask("GET", `/v1/jobs?state=${state}&limit=1000`)).jobs)
         await ask("POST", `/v1/jobs/${job.id}/cancel`);
   },
@@ -594,7 +594,7 @@ const steps = {
 
   async errorsAreWords() {
     const page = await openPage();
-    isStopped = true; // later errors are expected
+    isStopped = true; // errors after this point are expected
     await page.evaluate(() => {
       globalThis.fetch = () => Promise.reject(undefined);
       document.getElementById("new-job").click();

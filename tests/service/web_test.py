@@ -36,7 +36,7 @@ TOKEN = "a token of many letters"
 
 
 def browser():
-    """Prefers the headless shell: without the browser's windows the test takes half of the time."""
+    """Prefers the headless shell. Without the windows of the browser, the test takes half of the time."""
     return shutil.which("chromium-headless-shell") or shutil.which("chromium")
 
 
@@ -49,7 +49,7 @@ def missing():
 
 
 class Driver:
-    """The daemons that web_test.mjs asks for."""
+    """Runs the daemons that web_test.mjs asks for."""
 
     def __init__(self, multum, folder):
         self.multum = multum
@@ -70,14 +70,14 @@ class Driver:
                 os.chmod(path, 0o600)
                 options = ["--token-file", path]
             service = self.services[name] = Service(self.multum, folder, options, CONFIG)
-        service.start(port=service.port)  # the same port after a restart
+        service.start(port=service.port)  # keeps the same port after a restart
         return {"url": f"http://127.0.0.1:{service.port}", "root": service.root, "token": TOKEN}
 
     def stop(self, name):
         return self.services[name].stop()
 
     def farm(self):
-        """Starts a service with a Slurm of two nodes, where share 1 of a map waits for the file `go`."""
+        """Starts a service with a Slurm with two nodes, on which share 1 of a map waits for the file `go`."""
         if why_not():
             return {"why": why_not()}
         folder = os.path.join(self.folder, "farm")
@@ -122,7 +122,8 @@ def main():
     os.makedirs(arguments.screenshots, exist_ok=True)
     folder = tempfile.mkdtemp()
     driver = Driver(os.path.abspath(arguments.multum), folder)
-    # HOME is temporary, because Chromium writes there, and the user who runs the tests may have no writable home.
+    # HOME is a temporary folder, because Chromium writes there. The user who runs the tests may not have a writable
+    # home folder.
     environment = dict(os.environ, HOME=folder)
     try:
         with subprocess.Popen(["node", os.path.join(HERE, "web_test.mjs"), browser(),

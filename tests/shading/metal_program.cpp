@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Runs multum_lobes.metal as a C++ program, with a stand-in for metal_stdlib. Reads the table and the cases of
+// Runs multum_lobes.metal as a C++ program, with a replacement for metal_stdlib. Reads the table and the cases of
 // shading_languages_test.py from stdin as floats, and writes eight floats per case.
 #include "multum_lobes.metal"
 

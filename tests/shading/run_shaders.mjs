@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Runs shaders in Chromium: run_shaders.mjs MODULES CHROMIUM JOB.json. The job has the table, the cases, and the shader
-// text of each language. Prints four numbers per case for each language, or the reason why there are none.
+// text of each language. For each language, prints four numbers per case, or the reason why the shader could not run.
 import { readFile } from "node:fs/promises";
 import { createServer } from "node:http";
 import { pathToFileURL } from "node:url";

@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Compares the lobe shading in every language of `multum shaders` with double precision: GLSL ES 300 and HLSL (by
-glslang and spirv-cross) in Chromium's WebGL 2, WGSL in its WebGPU, Metal's text as C++. tests/gl tests GLSL 330.
+"""Compares the lobe shading in every language of `multum shaders` with double precision: GLSL ES 300 and HLSL (through
+glslang and spirv-cross) run in Chromium's WebGL 2, WGSL runs in Chromium's WebGPU, and the Metal code runs as C++.
+tests/gl tests GLSL 330.
 
     shading_languages_test.py MULTUM MODULES METAL_PROGRAM
 
@@ -133,7 +134,7 @@ def table_at(table, alpha, d):
 
 
 def ggx_over_lobe(table, alpha, d, e):
-    peak, slope, bend, power = table_at(table, alpha, d)  # value at the peak times 1 / pi, and power below 0
+    peak, slope, bend, power = table_at(table, alpha, d)  # the value at the peak times 1 / pi, and the power below 0
     square = alpha * alpha + 2 * d
     u = min(max(0.5 + 0.5 * (1 - e) / math.sqrt(4.5 * d / (1.001 - d)), 0), 1)
     y = slope * e * (1 - 0.5 * e * alpha * alpha / square) / square
@@ -141,7 +142,7 @@ def ggx_over_lobe(table, alpha, d, e):
 
 
 def reflecting_cosines(alpha, d, e, mu, h, to):
-    """Density of normals that reflect, for each direction of `to`."""
+    """Returns the density of the normals that reflect light, for each direction of `to`."""
     of_lobe, of_facets = d / (1.001 - d), 0.6 * alpha * alpha + 0.1 * e
     total = [of_lobe * x + of_facets * y for x, y in zip(h, mu)]
     both = of_lobe * of_facets
@@ -178,7 +179,7 @@ def drawn(case, table):
     t = [mu[0] * mu[1] * a, side + mu[1]**2 * a, -mu[1]]
     across, phi = math.sqrt(e * (2 - e)), 2 * math.pi * alpha
     normal = [(1 - e) * m + across * (math.cos(phi) * x + math.sin(phi) * y) for m, x, y in zip(mu, s, t)]
-    # Applies a linear filter between texels of a table that is half as wide as the blue noise.
+    # Interpolates linearly between the texels of a table that is half as wide as the blue noise.
     x, y = (min(max((math.floor(100 * k + 200) % 64 + 0.5) / 64 * SIDE - 0.5, 0), SIDE - 1) for k in l[:2])
     i, j = min(int(x), SIDE - 2), min(int(y), SIDE - 2)
     texel = sum(table[4 * ((j + q) * SIDE + i + p) + 1] * (x - i if p else 1 - x + i) * (y - j if q else 1 - y + j)
@@ -213,7 +214,7 @@ def make_cases(count):
 
 
 def read_table(path):
-    """Returns the half floats of a KTX2 file's only level."""
+    """Returns the 16-bit floats in the only level of a KTX2 file."""
     data = path.read_bytes()
     offset, length = struct.unpack_from("<QQ", data, 80)
     return struct.unpack_from(f"<{length // 2}H", data, offset)
@@ -239,8 +240,8 @@ class ShadingLanguagesTest(unittest.TestCase):
         return (self.path / f"multum_lobes.{ending}").read_text()
 
     def hold(self, name, values):
-        """Texture filters may place a lookup only to 1/256 of a texel, and single precision loses digits in sharp
-        lobes."""
+        """Texture filters may round the position of a lookup to 1/256 of a texel, and single precision loses digits in
+        sharp lobes."""
         self.assertEqual(len(values), 4 * len(self.cases), name)
         for k, what in enumerate(("Lambert", "Blinn-Phong", "GGX", "Schlick")):
             scale = max(row[k] for row in self.exact)
@@ -307,7 +308,7 @@ class ShadingLanguagesTest(unittest.TestCase):
         hold("HLSL", [float(value) for value in values])
 
     def instructions(self, body):
-        """Returns the computing instructions of an optimised fragment shader, in SPIR-V."""
+        """Returns the SPIR-V instructions of an optimised fragment shader that compute values."""
         source = self.path / "counted.frag"
         inputs = ("layout(location = 0) in vec4 lobe; layout(location = 1) in vec3 l; layout(location = 2) in vec3 v;\n"
                   "layout(location = 3) in vec3 h; layout(location = 4) in float alpha;\n"

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Builds the site with tools/site and walks it in headless Chromium: every page at 360 and 1280 pixels, light and dark.
-// No page scrolls sideways, no picture or link is dead, and no request leaves the site. The search finds the word
-// "lobes" on pages from a server and on pages from a disk. Exits with 77 (skipped) if something is missing.
+// Builds the site with tools/site and opens every page in headless Chromium, at widths of 360 and 1280 pixels, in light
+// and dark mode. No page may scroll sideways, no picture or link may be dead, and no request may leave the site. The
+// search must find the word "lobes" on pages from a server and on pages from a disk. Exits with 77 (skipped) if
+// something is missing.
 //
 //   node site_browser_test.mjs OUTPUT_FOLDER
 import assert from "node:assert/strict";
@@ -38,8 +39,8 @@ const files = readdirSync(site, { recursive: true }).filter((file) => statSync(p
 const pages = files.filter((file) => file.endsWith(".html")).sort();
 assert.ok(pages.length > 20, `${pages.length} pages`);
 
-// Matches addresses of other machines that a file would load. Pages may link to other machines. The theme's script
-// mentions http://a only to test how browsers parse addresses.
+// Matches addresses on other machines from which a file would be loaded. Pages may contain links to other machines. The
+// script of the theme mentions http://a only to test how browsers parse addresses.
 const FOREIGN = {
   ".html": /<(?:script|img|iframe|source|link)\b[^>]*(?:src|href)="(?:https?:)?\/\/[^"]*"/g,
   ".css": /url\(["']?(?:https?:)?\/\/[^)]*\)|@import[^;]*/g,
@@ -47,7 +48,8 @@ const FOREIGN = {
 };
 function foreignLoads() {
   const found = [];
-  for (const file of files.filter((one) => one !== path.join("search", "search_index.js"))) { // it has page text
+  // The file contains the text of pages.
+  for (const file of files.filter((one) => one !== path.join("search", "search_index.js"))) {
     const pattern = FOREIGN[path.extname(file)];
     if (pattern === undefined) continue;
     const text = readFileSync(path.join(site, file), "utf8").replace(/\/\*[^]*?\*\//g, "");
@@ -94,7 +96,7 @@ async function openContext(base, size, colorScheme) {
   return { context, page };
 }
 
-const anchors = new Map(); // of each page
+const anchors = new Map(); // for each page
 const links = []; // [page, target] within the site
 
 async function walk(size, colorScheme) {
@@ -102,7 +104,7 @@ async function walk(size, colorScheme) {
   for (const name of pages) {
     const tell = (what) => faults.add(`${name}, ${size.width} px, ${colorScheme}: ${what}`);
     await page.goto(served + name);
-    // The theme wraps tables, so that they scroll, when its script runs.
+    // When the script of the theme runs, it wraps tables so that they scroll.
     await page.waitForFunction(() => [...document.querySelectorAll("article table:not([class])")].every((table) =>
       table.closest(".md-typeset__scrollwrap") !== null));
     const state = await page.evaluate(async () => {

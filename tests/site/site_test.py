@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Tests the checks of tools/site and its rewriting of Markdown, on small pages and with a program that only prints
-help.
+"""Tests the checks in tools/site and the way in which it rewrites Markdown. Uses small pages and a program that only
+prints help.
 
   tests/site/site_test.py
 """
@@ -21,7 +21,7 @@ import markdown_pages  # noqa: E402
 import page_checks  # noqa: E402
 import site_build  # noqa: E402
 
-# Prints the help of multum, of multum bake, of multum jobs submit and of multum openjd.
+# Prints the help of multum, multum bake, multum jobs submit, and multum openjd.
 PROGRAM = """#!/bin/sh
 case "$*" in
   "bake --help" | "bake "*) echo "Usage: multum bake [OPTIONS] [input...]"; echo "  -o,--output TEXT  file"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Starts headless Chromium with three.js, the package @multum/three from `multum shaders`, and files of a test.
+// Starts headless Chromium with three.js, the package @multum/three from `multum shaders`, and the files of a test.
 import { existsSync } from "node:fs";
 import { readFile } from "node:fs/promises";
 import path from "node:path";

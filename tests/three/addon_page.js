@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Page functions for addon_test.mjs: three.js draws scenes with @multum/three and returns linear floats.
+// Contains the page functions for addon_test.mjs. three.js draws scenes with @multum/three, and the functions return
+// linear floats.
 import * as THREE from "three";
 import { GLTFLoader } from "three/addons/loaders/GLTFLoader.js";
 import { addLobes, addPoints, GltfLobes, LobeLoader, lobesOf, removeLobes, removePoints } from "@multum/three";
@@ -72,7 +73,8 @@ const VIEWS = { low: [[0, 0, 0.3], [0, 1, -0.0939]], steep: [[0, 0.5, 1.2], [0, 
 function surface(normalMap, { Material = THREE.MeshStandardMaterial, hasTangents = false, ...more } = {}) {
   const material = new Material({ color: 0x1a1a1a, roughness: 0.3, metalness: 0, normalMap, ...more });
   material.color.setScalar(0.1);
-  // Without tangents, three.js derives them from coordinates; here, v grows opposite to y.
+  // If a model has no tangents, three.js derives them from the texture coordinates. Here, v increases in the direction
+  // -y.
   material.normalScale.set(1, hasTangents ? 1 : -1);
   return material;
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests @multum/three in headless Chromium. Compares pictures with multum-view's and with supersampled ones of
-// three.js; tests every light, shadows, fog, environments, instances and skins, shared materials, disposal, and
-// refusals. Exits with 77 (skipped) if something is missing.
+// Tests @multum/three in headless Chromium. Compares pictures with the pictures of multum-view and with supersampled
+// pictures of three.js. Also tests every kind of light, shadows, fog, environments, instances, skins, shared materials,
+// disposal, and refusals. Exits with 77 (skipped) if something is missing.
 //
 //   node addon_test.mjs BIN_FOLDER PICTURES
 import assert from "node:assert/strict";
@@ -80,7 +80,8 @@ async function formatsAgree(page) {
   console.log("  formats:", JSON.stringify(found));
   const { bytes, errors } = found;
   assert.equal(found.unpacked, 0);
-  assert.ok(found.decoded < 0.1, `decoded blocks differ by ${found.decoded}`); // blocks are rounded to 8 bits
+  // The values of blocks are rounded to 8 bits.
+  assert.ok(found.decoded < 0.1, `decoded blocks differ by ${found.decoded}`);
   for (const name of ["blocks", "decoded", "rgba8"])
     assert.ok(errors[name] > 0 && errors[name] < 0.1, `${name}: ${errors[name]}`);
   assert.ok(errors.plain > 5 * errors.blocks, "lobes draw the same as plain mips");
@@ -127,7 +128,7 @@ async function lightsAgree(page) {
       return draw([light, box]);
     };
     const [lit, shaded] = [shadowed(false), shadowed(true)];
-    // Each pixel is unchanged or darker; at least a tenth of the pixels get no light.
+    // Each pixel is unchanged or darker, and at least a tenth of the pixels get no light.
     let [brighter, black, changed] = [0, 0, 0];
     for (let i = 0; i < lit.length; i += 4) {
       if (shaded[i] > lit[i] + 1e-5) ++brighter;
@@ -258,7 +259,7 @@ async function geometriesAndLayers(page) {
       return mesh;
     });
     const result = { instances: lab.compared(draw(instances), draw(...meshes)).error };
-    // A skin with one rotating bone equals a rotating mesh.
+    // A skin with one rotating bone looks the same as a rotating mesh.
     const skinned = ball.clone(), count = skinned.attributes.position.count;
     skinned.setAttribute("skinIndex", new THREE.Uint16BufferAttribute(new Uint16Array(4 * count), 4));
     skinned.setAttribute("skinWeight", new THREE.Float32BufferAttribute(Float32Array.from({ length: 4 * count },
@@ -312,7 +313,7 @@ async function sharingAndDisposal(page) {
     const plainTexts = renderer.info.programs.filter(({ fragmentShader }) =>
       !renderer.getContext().getShaderSource(fragmentShader).includes("multum")).length;
     const held = lab.lobesOf(materials[0]) === lobes && lab.lobesOf(plain) === null;
-    // The material gets other lobes, and then none.
+    // The material first gets other lobes, and then no lobes.
     lab.addLobes(materials[0], second);
     const other = lab.drawn(scenes[0], camera, 64, 64);
     lab.addPoints(materials[0], { evaluations: 4 });

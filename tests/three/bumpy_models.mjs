@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writes models that need no licence: four bumpy surfaces, each on a sphere and on a plane, and four small models like
-// those that artists make. The bytes are the same each time, except where a Node.js release changes sines or deflate.
+// Writes models that do not need a licence: four bumpy surfaces, each on a sphere and on a plane, and four small models
+// like those that artists make. The bytes are the same each time, except where a Node.js release changes sines or
+// deflate.
 //
 //   node bumpy_models.mjs OUT [TEXELS]
 import { writeFileSync } from "node:fs";

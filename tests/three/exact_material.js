@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// Makes materials of three.js that average their shading over a grid of points in each pixel. Edges stay as they are in
-// a single frame. The remaining error comes only from edges, for any textures.
+// Makes materials of three.js that average their shading over a grid of points in each pixel. Edges look the same as in
+// a single frame. Whatever the textures are, the remaining error comes only from edges.
 import { REVISION, ShaderChunk } from "three";
 import { fragmentAtPoints } from "/package/shading_points.js";
 
 /** Returns the offset of grid `number`, in samples: a low-discrepancy sequence that starts in the middle. */
 export function shiftOfGrid(number) {
   const part = (step) => (0.5 + number * step) % 1 - 0.5;
-  return [part(0.7548776662466927), part(0.5698402909980532)]; // powers of the plastic number, as in Roberts's R2
+  // Inverse powers of the plastic number, as in Roberts's R2 sequence.
+  return [part(0.7548776662466927), part(0.5698402909980532)];
 }
 
 // Contains the package's loop over points, without its term for changing normals.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writes a GLB with one mesh and one material; its images are PNG.
+// Writes a GLB with one mesh and one material. Its images are PNG files.
 import { Buffer } from "node:buffer";
 import { deflateSync } from "node:zlib";
 

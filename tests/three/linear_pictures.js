@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Compares and encodes pictures of linear floats, four per pixel.
+// Compares and encodes pictures that have four linear floats per pixel.
 
 /** Returns relative L1, the sum of |picture - reference| over the sum of the reference, and the ratio of their sums. */
 export function compared(picture, reference) {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Draws a scene of three.js into linear floats, four per pixel.
+// Draws a scene of three.js into a picture with four linear floats per pixel.
 import * as THREE from "three";
 import { toByte } from "./linear_pictures.js";
 
-const TILE = 1024; // pixels per side that are drawn at once
+const TILE = 1024; // the number of pixels per side that are drawn at once
 
 /**
  * Draws `width` x `height` pixels, each the mean of `samples` x `samples`. `shift` is the offset of the samples, in

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Moves a view slowly, by between a fraction of a pixel and a few pixels per frame, and measures changes that
-// references do not have.
+// Moves a view slowly, by a fraction of a pixel to a few pixels per frame. Measures changes between frames that do not
+// occur in the references.
 import { toByte } from "./linear_pictures.js";
 
 const plus = (a, b, factor) => a.map((value, i) => value + factor * b[i]);
@@ -16,7 +16,8 @@ export function moved(view, { motion, step }) {
   throw new Error(`motion: found ${motion}, expected zoom, pan or turn`);
 }
 
-const EDGE = 3; // in units of 1/255; where a floor differs more from its reference, there is an edge
+const EDGE = 3; // in units of 1/255; where the floor picture differs from its reference by more than this, there is an
+                // edge
 
 /**
  * Compares pictures of linear floats, four per pixel, with their references and floors. `flicker` is the mean over

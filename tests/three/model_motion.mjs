@@ -10,7 +10,8 @@ import path from "node:path";
 import { pid } from "node:process";
 import { executablePath, openPage } from "./addon_browser.mjs";
 
-const MOTIONS = ["zoom", "pan", "turn"], TICKS = 100, SECONDS = 1.5; // ticks per second; seconds of one measurement
+// The number of ticks per second, and the seconds that one measurement takes.
+const MOTIONS = ["zoom", "pan", "turn"], TICKS = 100, SECONDS = 1.5;
 const [packageFolder, planFile] = process.argv.slice(2);
 const plan = JSON.parse(readFileSync(planFile, "utf8"));
 const skip = (why) => { console.log(`skipped: ${why}`); process.exit(77); };
@@ -47,7 +48,7 @@ async function secondsOf(number, count) {
 }
 
 async function times(models) {
-  await page.evaluate((all) => globalThis.lab.hold(all), models); // loads everything before the measurements
+  await page.evaluate((all) => globalThis.lab.hold(all), models); // loads everything before the measurements start
   const loads = await page.evaluate((all) => globalThis.lab.hold(all), models), counts = [];
   const found = loads.map((loadSeconds) => ({ loadSeconds, seconds: [], plainSeconds: [] }));
   for (let number = 0; number < models.length; ++number) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Page functions for model_pictures.mjs. three.js draws models, and, for one model without mips, the mean of many
-// samples per pixel.
+// Contains the page functions for model_pictures.mjs. three.js draws the models. For one model without mips, it also
+// draws the mean of many samples per pixel.
 import * as THREE from "three";
 import { GLTFLoader } from "three/addons/loaders/GLTFLoader.js";
 import { KTX2Loader } from "three/addons/loaders/KTX2Loader.js";
@@ -12,7 +12,8 @@ import { changes, moved } from "./model_motion.js";
 import { exactMaterial, shiftOfGrid } from "./exact_material.js";
 
 const DATA_MAPS = ["normalMap", "roughnessMap", "metalnessMap", "aoMap"];
-// The largest allowed noise of the reference. It changes an error by at most 1 %, because sqrt(1 + 0.14^2) = 1.01.
+// This is the largest allowed noise of the reference, as a fraction of the error. It changes the error by at most 1 %,
+// because sqrt(1 + 0.14^2) = 1.01.
 const NOISE_SHARE = 0.14, NOISE_SMALL = 0.005;
 const GRIDS_MAX = 16;
 const renderer = new THREE.WebGLRenderer({ antialias: false });
@@ -80,8 +81,10 @@ function framed(model, { direction, distance, ...view }) {
   const box = new THREE.Box3().setFromObject(model), target = box.getCenter(new THREE.Vector3());
   const eye = new THREE.Vector3(...direction).normalize().multiplyScalar(distance).add(target);
   const reach = box.getSize(new THREE.Vector3()).length() / 2;
-  const away = Math.sqrt(Math.max(distance ** 2 - reach ** 2, 1e-9)); // distance to where a ray touches the sphere
-  const seen = reach / (away * Math.tan(view.angle * Math.PI / 360)), { width, height } = view; // per half picture
+  // The distance to the point where a ray touches the sphere.
+  const away = Math.sqrt(Math.max(distance ** 2 - reach ** 2, 1e-9));
+  // For each half of a picture.
+  const seen = reach / (away * Math.tan(view.angle * Math.PI / 360)), { width, height } = view;
   const share = Math.min(1, seen), side = 2 * Math.ceil(0.5 * height * share);
   const [w, h] = [Math.min(width, side), Math.min(height, side)];
   return { ...view, eye: eye.toArray(), target: target.toArray(), zoom: Math.max(1, Math.round(1 / share)),

@@ -18,7 +18,7 @@ const { chromium } = await import("../service/web/node_modules/playwright-core/i
   skip("no playwright-core: tools/install_dependencies test"));
 const { page, complaints, close } = await openPage(chromium, { package: packageFolder, files: path.dirname(planFile),
   script: "model_page.js" });
-const keep = plan.keep ?? {}; // view name to the file of its reference
+const keep = plan.keep ?? {}; // maps the name of each view to the file of its reference
 try {
   page.setDefaultTimeout(600000);
   const models = plan.models.map(({ file, ...ways }) => ({ url: `/files/${file}`, reach: plan.reach, ...ways }));

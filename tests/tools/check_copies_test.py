@@ -31,13 +31,13 @@ def main():
         name = "OTHER"
         found = check(**{name: f"# Other\n\n{copy}\n"})
         assert found.startswith(f"docs/{name}.md:3: ") and "PAGE.md" in found, (copy, found)
-    # Tests different figures, too few figures, and whole numbers.
+    # Tests figures that differ, too few figures, and whole numbers.
     for text in ("that is 10.5 / 7.2 / 7.2 %", "| x | 4.1 | 9.3 | 22.4 |", "| x | 4.1 | 9.3 |", "4.07, 9.31, 22.5"):
         assert check(OTHER=f"# Other\n\n{text}\n") == "", text
     mark = "<!-- figures: a -->\n| x | 4.1 | 9.3 | 22.5 |\n<!-- /figures: a -->\n"
     assert check(README=f"# Readme\n\n{mark}") == ""
     assert check(README="# Readme\n\n| x | 4.1 | 9.3 | 22.5 |\n").startswith("README.md:3: ")
-    # Generated pages may share figures, and the changelog describes the past.
+    # Generated pages may contain the same figures, and the changelog describes the past.
     assert check(**{"MORE": PAGE, "contributing/CHANGELOG": "# Changelog\n\n10.5 / 7.2 / 7.1\n"}) == ""
 
 

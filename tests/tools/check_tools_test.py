@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""tools/check_layering, tools/check_style.py and tools/check_paths find each kind of planted violation, and pass a
-clean tree."""
+"""Tests that tools/check_layering, tools/check_style.py and tools/check_paths find each kind of planted violation and
+accept a clean tree."""
 import pathlib
 import re
 import subprocess
@@ -11,7 +11,7 @@ import unittest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 LICENCE = "// SPDX-License-Identifier: Apache-2.0\n"
-BESIDE, BUT = "be" "side", "but " "for"  # slips, in pieces that no pattern matches
+BESIDE, BUT = "be" "side", "but " "for"  # slips, split into pieces that do not match any pattern
 
 
 class CheckToolsTest(unittest.TestCase):
@@ -161,7 +161,7 @@ class CheckToolsTest(unittest.TestCase):
                 self.write("host/foundation/base/bad.h", text)
                 self.expect_violation("check_style.py", "host/foundation/base/bad.h", *words)
 
-    # A slip, a bar, and a plain sentence that no pattern may match.
+    # A slip, a bar, and a plain sentence that must not match any pattern.
     SLIPS = """
         What rows hold. | Rows that hold directions.
         Of rows the first. | Of course, the first row.

@@ -44,7 +44,7 @@ def main():
         git(root, "commit", "-qm", "first")
         code, said = ask(root)
         assert code == 0 and said.startswith("commit ") and "dirty" not in said, (code, said)
-        # Documents are made one after another, so other changed documents are allowed.
+        # Documents are made one after another, so other documents may have uncommitted changes.
         (root / "docs" / "A.md").write_text("2")
         (root / "README.md").write_text("2")
         assert ask(root)[0] == 0

@@ -29,8 +29,8 @@ def run(*words):
 
 
 def objects(folder):
-    """Returns the programs' sources that a build compiles, each with its object; for unity files, the included
-    sources."""
+    """Returns the sources of the programs that a build compiles, each with its object. For unity files, returns the
+    included sources."""
     found = {}
     for made, source in COMPILED.findall((folder / "build.ninja").read_text()):
         path = pathlib.Path(source)
@@ -52,7 +52,7 @@ def main():
     core = objects(folder)
     if (own := core.keys() - objects(whole).keys()) != OWN:
         sys.exit(f"only the core build compiles {sorted(own)}, expected {sorted(OWN)}")
-    for name in OWN:  # compiles without building anything else first
+    for name in OWN:  # must compile without any other build step before it
         command = run("ninja", "-C", folder, "-t", "commands", "-s", core[name])
         run("bash", "-c", f"cd '{folder}' && {command.strip()} -fsyntax-only")
     print(f"{len(core)} sources, {len(own)} of its own")

@@ -15,7 +15,8 @@ import unittest
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 TOOLS = ROOT / "tools"
 SHELL_SCRIPTS = [TOOLS / "demo", TOOLS / "test", TOOLS / "install_dependencies", ROOT / ".ci/run"]
-# The package that provides each find_package of the CMake files, or None if it comes with the compiler or CMake.
+# Maps each find_package of the CMake files to the package that provides it, or to None if it comes with the compiler or
+# CMake.
 PACKAGE_OF = {"glm": "libglm-dev", "fmt": "libfmt-dev", "OpenSSL": "libssl-dev",
               "OpenEXR": "libopenexr-dev", "ZLIB": "zlib1g-dev", "PNG": "libpng-dev",
               "OpenImageIO": "libopenimageio-dev",
@@ -90,7 +91,7 @@ class DependenciesTest(unittest.TestCase):
 
 
 class BalancedParser(html.parser.HTMLParser):
-    """Collects tags that end out of turn, references and pictures without alternative text."""
+    """Collects wrongly nested tags, references, and pictures without alternative text."""
 
     def __init__(self):
         super().__init__()

@@ -18,20 +18,21 @@ import sys
 import tempfile
 
 SKIPPED = {"build", "out", ".git", "__pycache__", "node_modules"}
-MADE_UP = {"tests/site/site_test.py"}  # makes pages for its own trees
+MADE_UP = {"tests/site/site_test.py"}  # this test makes pages for its own trees
 SUFFIXES = {".h", ".cpp", ".cl", ".clh", ".glsl", ".vert", ".frag", ".js", ".mjs", ".css", ".html", ".py", ".sh",
             ".cmake", ".txt", ".toml", ".json", ".md", ""}
 PAGE = re.compile(r"(?<![\w/.-])docs/[\w./-]+?\.(?:md|json|py)\b")
 BARE = re.compile(r"(?<![\w/.([-])[A-Z][A-Z_]+\.md\b")
-# A quoted section follows its page directly or after a comma; a second section follows "and".
+# The quoted name of a section follows the page directly or after a comma. A second section follows "and".
 SECTIONS = re.compile(r'(?:,\s*|\s+)"([^"<>{}]+)"(?:\s*(?:,|and)\s*"([^"<>{}]+)")?')
-# Names that stand for any page, and pages of other projects.
+# These are names that stand for any page, and pages of other projects.
 STANDS_FOR_ANY = {"NAME.md", "PAGE.md", "FILE.md", "OUTPUT.md", "MANIFEST.md"}
 SELF = "tests/tools/document_paths_test.py"
 
 
 def joined(text):
-    """Returns the text with its comments and string literals as running lines, and each character's line number."""
+    """Returns the comments and string literals of the text as continuous lines, and the line number of each
+    character."""
     pieces, lines, number = [], [], 1
     pattern = re.compile(r'"[ \t]*\n[ \t]*(?:R?"|fmt::format\(")|\n[ \t]*(?:///?|#|\*)?[ \t]*|\\"|\\n', re.MULTILINE)
     at = 0
@@ -70,7 +71,7 @@ def sections(page):
 
 
 def is_section(title, titles):
-    """Returns whether the quoted words are a section's name, or its part before a colon or comma."""
+    """Returns whether the quoted words are the name of a section, or the part of the name before a colon or comma."""
     title = plain(" ".join(title.split())).rstrip(".,:")
     return title in titles or any(known.split(":")[0] == title or known.split(",")[0] == title for known in titles)
 
@@ -118,7 +119,7 @@ class Tree:
 
 def check_itself():
     page = "# Title\n\n## The `first` part\n\n**Bold words.** Text.\n\n```sh\n# no heading\n```\n"
-    cases = [  # text of a source, and its number of dead names
+    cases = [  # the text of a source, and the number of dead names in it
         ('// Rows (docs/a/page.md,\n// "The first part").\n', 0),
         ('// Rows (docs/a/page.md, "The second part").\n', 1),
         ('// docs/a/page.md, "Bold words", "The first part" and docs/a/page.md\n', 0),

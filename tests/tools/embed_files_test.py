@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Tests tools/embed_files.py: a program gets back the bytes of its files.   embed_files_test.py C++-COMPILER"""
+"""Tests that a program gets the bytes of the files that tools/embed_files.py has embedded in it. embed_files_test.py
+C++-COMPILER"""
 import pathlib
 import subprocess
 import sys

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Help texts, manual pages and shell completion of the programs. Programs that were not built are skipped.
+"""Tests the help texts, manual pages and shell completion of the programs. Programs that were not built are skipped.
 
   tests/tools/help_test.py --programs FOLDER
 """
@@ -14,7 +14,7 @@ import unittest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 GROUPS = ["Bake", "Deliver", "Fields", "Service", "Machine"]
-WORDS_MAX = 45  # words of a help text; most texts have at most 30
+WORDS_MAX = 45  # the largest number of words in a help text; most texts have at most 30
 programs = ROOT / "build/release/bin"
 
 
@@ -26,7 +26,7 @@ def run(*words, code=0):
 
 
 def commands_of(*words):
-    """The subcommands that a help text lists, by heading."""
+    """Returns the subcommands that a help text lists under each heading."""
     found = {}
     heading = None
     for line in run(*words, "--help").splitlines():
@@ -38,7 +38,7 @@ def commands_of(*words):
 
 
 def all_commands(*words):
-    """Every command line, from the program on."""
+    """Returns every command line, beginning with the name of the program."""
     lines = [words]
     for names in commands_of(*words).values():
         for name in names:

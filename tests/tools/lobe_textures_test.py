@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Pages with a copy of the table of docs/evidence/LOBE_TEXTURES.md have the same table, and a change of either is
-found."""
+"""Tests that pages which copy the table of docs/evidence/LOBE_TEXTURES.md have the same table, and that a change to
+either copy is found."""
 import pathlib
 import shutil
 import subprocess
@@ -42,7 +42,7 @@ class LobeTexturesTest(unittest.TestCase):
             done = self.run_tool("check")
             self.assertEqual(done.returncode, 1)
             self.assertIn(name, done.stdout)
-        # A new measurement reaches both places.
+        # A new measurement must appear in both places.
         self.edit(DOCUMENT, lambda text: text.replace("| 4 | BC5 |", "| 4 | BC5, anew |"))
         self.assertEqual(self.run_tool("share").returncode, 0)
         self.assertEqual(self.run_tool("check").returncode, 0)

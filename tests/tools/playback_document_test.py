@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
 """Tests tools/lab/playback_document.py on a small field of traced frames: its page, its rows and its refusals. Also
-tests its parts: the path through the parameters, errors and their places, values between points of a curve, and colours
-of videos.
+tests its functions: the path through the parameters, errors and their positions, values between the points of a curve,
+and the colours of videos.
 
   tests/tools/playback_document_test.py --programs FOLDER
 """
@@ -103,7 +103,7 @@ class PartsTest(unittest.TestCase):
                 sizes, errors = zip(*[(size, fields.mse(decoded, frames)) for size, decoded in
                                       (video_codecs.coded(codec, codec.qualities[at], frames) for at in (0, -2))])
                 self.assertGreater(sizes[0], 1.5 * sizes[1])
-                self.assertLess(errors[0], 12)  # swapped colours would differ much more
+                self.assertLess(errors[0], 12)  # with swapped colours, the difference would be much larger
                 self.assertLess(errors[0], errors[1])
 
     def test_settings_of_a_job(self):
@@ -198,7 +198,7 @@ class DocumentTest(unittest.TestCase):
         drawn = xml.etree.ElementTree.parse(self.folder / "images/playback_field_small.svg")
         self.assertEqual(len(drawn.findall(".//{*}circle")), 6)
 
-        # Nothing is measured again; rows that the binary cannot measure are left out with a message.
+        # No row is measured again. Rows that the binary cannot measure are left out, and a message says so.
         before = (self.folder / "work/rows.json").read_bytes()
         self.assertEqual(self.run_tool("--measure-nothing").returncode, 0)
         self.assertEqual((self.folder / "work/rows.json").read_bytes(), before)
@@ -213,10 +213,10 @@ class DocumentTest(unittest.TestCase):
         self.assertIn("Left out: open loop (there is no --open-loop).", page)
         measured_at = re.search(r"bytes\. Measured at commits (.+)\.$", page, re.MULTILINE)
         self.assertIsNotNone(measured_at, page)
-        # The page also has the tree's own commit, whose name may sort before "1".
+        # The page also names the commit of the tree, whose name may sort before "1".
         self.assertIn("1", measured_at.group(1).split(", "))
 
-        # Only the named rows are measured again, into a file of rows in another place.
+        # Only the named rows are measured again. Their results go to another file of rows.
         for row in rows:
             row["commit"] = "commit 1"
         kept = self.folder / "kept.json"

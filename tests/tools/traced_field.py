@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Writes a small field of traced frames: a patterned ground and an upright board, from some views under some
-lights, like tests/cli/traced_scene.cpp. docs/reference/animation_jobs.md describes the files' format."""
+"""Writes a small field of traced frames: a patterned ground and an upright board, from some views under some lights,
+like tests/cli/traced_scene.cpp. docs/reference/animation_jobs.md describes the format of the files."""
 import json
 import pathlib
 
@@ -8,7 +8,7 @@ import numpy as np
 import OpenImageIO as oiio
 
 SUB_PIXELS = 4  # along each side
-# The corner, and the edges along which u and v go from 0 to 1.
+# These are the corner, and the edges along which u and v go from 0 to 1.
 QUADS = {"ground": ((-1.5, -1.0, 0.0), (3.0, 0.0, 0.0), (0.0, 3.0, 0.0)),
          "board": ((-0.5, 0.4, 0.0), (0.9, 0.2, 0.0), (0.0, 0.0, 0.7))}
 HASHES = {"ground": 0x3F400000, "board": 0x3E800000}
@@ -37,7 +37,8 @@ def projection(width, height):
 
 
 def traced(view, width, height, steps):
-    """Object of each ray (0: none, 1: ground, 2: board), u, v, and depth: [height * steps, width * steps]."""
+    """Returns arrays of [height * steps, width * steps]: the object of each ray (0: none, 1: ground, 2: board), u, v,
+    and the depth."""
     to_clip, to_world = projection(width, height), np.linalg.inv(camera(view))
     y, x = (np.mgrid[0:height * steps, 0:width * steps] + 0.5) / steps
     in_camera = np.stack([(2 * x / width - 1) / to_clip[0, 0], (1 - 2 * y / height) / to_clip[1, 1], -np.ones_like(x)],
@@ -62,7 +63,7 @@ def pixel_means(values):
 
 
 def colours(number, u, v, view, light):
-    """Diffuse and glossy radiance."""
+    """Returns the diffuse and the glossy radiance."""
     waves = np.sin(12 * np.pi * u) * np.sin(12 * np.pi * v)
     ground = np.stack([0.35 + 0.25 * waves, 0.3 - 0.1 * waves, np.full_like(u, 0.25)], -1)
     board = np.stack([np.full_like(u, 0.3), 0.3 + 0.1 * v, np.full_like(u, 0.5)], -1)

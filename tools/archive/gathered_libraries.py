@@ -11,19 +11,19 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 import stand_in_libraries  # noqa: E402
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
-# Libraries of the C library, as in glibc 2.36.
+# The libraries that belong to the C library in glibc 2.36.
 C_LIBRARY = re.compile(r"^(ld-linux-x86-64|libc|libm|libmvec|libdl|libpthread|librt|libresolv|libutil|libanl)\.so\b")
-# Libraries that drivers of GL and OpenCL load too, and the loaders of both. The system's copies come first.
+# The libraries that drivers of GL and OpenCL also load, and the loaders of both. The system's copies take precedence.
 SYSTEM_FIRST = re.compile(
     r"^(libstdc\+\+|libgcc_s|libgomp|libz|libzstd|liblzma|liblz4|libbz2|libexpat|libcap|libsystemd|libgcrypt"
     r"|libgpg-error|libxml2|libicuuc|libOpenCL|libEGL|libGLdispatch)\.so\b")
 SYSTEM_FOLDERS = ("/usr/lib/x86_64-linux-gnu", "/lib/x86_64-linux-gnu", "/usr/lib64", "/lib64", "/usr/lib", "/lib")
-# Libraries opened by name: the loader of EGL. The loader of OpenCL is linked.
+# The libraries that are opened by name. EGL's loader is the only one, because the loader of OpenCL is linked.
 OPENED = ("libEGL.so.1",)
-# Decoders that OpenImageIO links for formats that multum refuses (tools/archive/stand_in_libraries.py).
+# The decoders that OpenImageIO links for formats that multum refuses (tools/archive/stand_in_libraries.py).
 NEVER_CALLED = re.compile(
     r"^lib(opencv_\w+|avcodec|avformat|avutil|swscale|openvdb|heif|raw_r|icuuc)\.so\b")
-# Packages that hold only headers or are linked statically, so no file of the archive shows their use.
+# The packages that contain only headers or are linked statically. No file in the archive shows that they are used.
 COMPILED_IN = ("libglm-dev", "libcli11-dev", "nlohmann-json3-dev", "libtomlplusplus-dev", "libgtest-dev",
                "libeigen3-dev", "libboost1.81-dev", "librapidcheck-dev")
 
@@ -41,7 +41,7 @@ def needed(file):
 
 
 def library_path(soname, cache={}):
-    """Returns the path where ld.so finds a library."""
+    """Returns the path at which ld.so finds a library."""
     if not cache:
         for line in run("/sbin/ldconfig", "-p").splitlines():
             found = re.match(r"\s*(\S+) \(libc6,x86-64.*\) => (\S+)", line)
@@ -70,7 +70,7 @@ def closure(files, opened=OPENED, given=()):
 
 
 def place_with_path(source, target, path):
-    """Copies a program or library, strips it, and sets its search path, a list of folders."""
+    """Copies a program or library, strips it, and sets its search path, which is a list of folders."""
     shutil.copyfile(source, target)
     target.chmod(0o755)
     subprocess.run(["strip", "--strip-unneeded", str(target)], check=True)
@@ -83,10 +83,10 @@ def place(source, target, to_libraries):
 
 
 def packages_of(paths):
-    """Returns the Debian packages that files belong to. dpkg may know a file of /usr by its path before the /usr
-    merge."""
+    """Returns the Debian packages to which files belong. dpkg may know a file in /usr by the path that it had before
+    the /usr merge."""
     names = {path: [os.path.realpath(path), os.path.realpath(path).removeprefix("/usr")] for path in paths}
-    # One query for all names: each query reads the file lists of every package.
+    # All names are in one query, because each query reads the file lists of every package.
     found = subprocess.run(["dpkg-query", "-S", *(name for both in names.values() for name in both)],
                            capture_output=True, text=True)
     owners = {}

@@ -2,11 +2,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """Makes stand-ins for shared libraries that a library links but multum never calls.
 
-Debian's OpenImageIO links the decoders of every format that it knows, such as films, medical images and volumes. These
-are 220 libraries and 320 MB in all. OpenImageIO is bound at program start, so each symbol of these libraries must
-exist. multum uses it only for PNG, JPEG, WebP, TIFF and OpenEXR (host/formats/image/files/image_container.h). A
-stand-in has the same name, symbols and symbol versions as the library. Its functions print that they are stand-ins and
-end the process, except for functions that return a version as text.
+Debian's OpenImageIO links the decoders of every format that it knows, such as films, medical images and volumes. They
+are 220 libraries with a total size of 320 MB. OpenImageIO's symbols are bound when a program starts, so each symbol
+that it uses in these libraries must exist. multum uses it only for PNG, JPEG, WebP, TIFF and OpenEXR
+(host/formats/image/files/image_container.h). A stand-in has the same name, symbols and symbol versions as the library.
+Its functions print that they are stand-ins and end the process, except for functions that return a version as text.
 """
 import pathlib
 import re
@@ -14,7 +14,7 @@ import subprocess
 import tempfile
 
 SYMBOL = re.compile(r"^\s*\d+:\s+\S+\s+(\d+)\s+(\w+)\s+(\w+)\s+\w+\s+(?:\[.*\]\s+)?(\S+)\s+(\S+?)(?:\s+\(\d+\))?$")
-# OpenImageIO's list of formats holds the version of each decoder as text.
+# OpenImageIO's list of formats contains the version of each decoder as text.
 ASKED_ALWAYS = re.compile(r"^libraw_version$")
 
 
@@ -49,13 +49,14 @@ def source_of(soname, wanted, defined):
             lines.append(f"char {name}[{max(size, 8)}] __attribute__((aligned(32)));")
     script = []
     for version, names in versions.items():
-        if version:  # without a version, a symbol stays global by default
+        if version:  # a symbol without a version is global by default
             script.append(version + " { global: " + " ".join(f"{n};" for n in names) + " };")
     return "\n".join(lines) + "\n", "\n".join(script)
 
 
 def write_stand_in(user, library, soname, output):
-    """Writes `output`, a stand-in for `library` with the symbols that `user` needs. Needs gcc and binutils."""
+    """Writes `output`, a stand-in for `library` with the symbols that `user` needs. This function requires gcc and
+    binutils."""
     defined = {}
     for name, version, kind, size, is_defined in symbols(library):
         if is_defined and kind in ("FUNC", "IFUNC", "OBJECT", "NOTYPE"):

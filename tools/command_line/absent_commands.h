@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Refuses commands that this build of a program does not include, and old names of commands.
+// Refuses old names of commands, and commands that this build of a program does not include.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -8,8 +8,8 @@
 
 namespace multum {
 
-/// Adds hidden commands that accept any options and throw Error(kUsage), because this build has no `part`. The message
-/// names the CMake option that adds the part.
+/// Adds hidden commands that accept any options and throw Error(kUsage), because this build does not include `part`.
+/// The message names the CMake option that adds it.
 void add_absent_commands(CLI::App& app, const std::vector<std::string>& names, const std::string& part,
                          const std::string& option);
 

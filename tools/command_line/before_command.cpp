@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Runs before a command does anything. Refuses names that are too long for any file system, and makes the folders of
-// outputs.
+// Runs before a command does anything. Refuses names that are too long for any file system, and creates output folders.
 #include "tools/command_line/before_command.h"
 
 #include <fmt/format.h>
@@ -22,14 +21,14 @@
 namespace multum {
 namespace {
 
-// Options whose values are not file names, such as a job's label, a curve through parameters, or a device.
+// The options whose values are not file names, such as a job's label, a curve through parameters, or a device.
 constexpr const char* kTexts[] = {"label", "name", "path", "device"};
 
-// Options that name a file or folder to write, or a prefix of file names.
+// The options that name a file or folder to write, or a prefix of file names.
 constexpr const char* kOutputs[] = {"output",   "report",   "page",    "player",         "junit",        "summary",
                                     "markdown", "pictures", "shaders", "keep-reference", "debug-picture"};
 
-// JSON texts and addresses are not file names either.
+// JSON texts and addresses are also not file names.
 bool is_name(const CLI::Option& option, const std::string& value) {
   return std::none_of(std::begin(kTexts), std::end(kTexts),
                       [&](const char* name) { return option.check_lname(name); }) &&
@@ -44,7 +43,7 @@ void check(const CLI::Option& option, const std::string& value) {
   for (const std::filesystem::path& part : std::filesystem::path(value))
     longest = std::max(longest, part.native().size());
   const bool is_part = longest > NAME_MAX;
-  throw Error(ErrorCode::kUsage, fmt::format("{} {}: the name is too long: found {} of {} bytes, expected at most {}",
+  throw Error(ErrorCode::kUsage, fmt::format("{} {}: the name is too long: {} has {} bytes, expected at most {}",
                                              option.get_name(), value, is_part ? "a part" : "a path",
                                              is_part ? longest : value.size(), is_part ? NAME_MAX : PATH_MAX - 1));
 }
@@ -56,7 +55,7 @@ void check_values(const CLI::App& app) {
     check_values(*command);
 }
 
-// NewFolders removes folders that stay empty, so a command that fails leaves no folder.
+// NewFolders removes folders that are still empty at the end, so a command that fails leaves no folder.
 void make_output_folders(const CLI::App& command) {
   if (command.get_option_no_throw("--server") != nullptr) return;  // with --server, the output is on the service's disk
   for (const CLI::Option* option : command.get_options()) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Adds options that accept one of several names. The transformers of CLI11 would also accept and show the numbers of
-// enumerators.
+// Adds options that accept one of several names. The transformers of CLI11 would also accept and show the numeric
+// values of enumerators.
 #pragma once
 
 #include <string>
@@ -11,7 +11,7 @@
 
 namespace multum {
 
-/// `value` may be a std::optional. It then stays unset until the option is given, and --help shows no default.
+/// `value` may be a std::optional. In this case it stays unset until the option is given, and --help shows no default.
 /// `choices` must outlive the app.
 template <typename Target, typename Value>
 CLI::Option* add_choice(CLI::App& app, const std::string& option, Target& value, const Choices<Value>& choices,

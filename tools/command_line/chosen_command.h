@@ -8,8 +8,8 @@
 
 namespace multum {
 
-/// Returns the innermost subcommand that was parsed: "multum jobs list" gives `list`. Without subcommands, returns
-/// `app`.
+/// Returns the innermost subcommand that was parsed, such as `list` for "multum jobs list". Without subcommands,
+/// returns `app`.
 inline const CLI::App& chosen_command(const CLI::App& app) {
   const CLI::App* command = &app;
   for (;;) {

@@ -18,7 +18,7 @@
 namespace multum {
 namespace {
 
-// Options that at least this many commands have in common are listed in a section of their own.
+// Options that at least this many commands share are listed in a section of their own.
 constexpr std::size_t kManyCommands = 4;
 constexpr char kSharedHeading[] = "Options of many commands";
 
@@ -35,7 +35,8 @@ constexpr char kHead[] =
     "  without such a key do not change the content.\n"
     "- Commands return these [exit codes](exit_codes.md).\n";
 
-// Formats text for a cell. Option names become code, page paths become links, and Markdown characters are escaped.
+// Formats text for a table cell. Option names become code, page paths become links, and Markdown characters are
+// escaped.
 std::string cell(const std::string& text) {
   std::string result;
   bool is_code = false;
@@ -103,7 +104,7 @@ std::string scope_note(const Parameter& row) {
   return "";
 }
 
-// The columns of a table: only options, or options with their keys.
+// The columns of a table, which are either only options, or options with their keys.
 struct Columns {
   const ParameterTable* table = nullptr;  // if null, the table shows no keys
   bool hashes = false;
@@ -173,7 +174,8 @@ std::string key_values(const Parameter& row) {
   return cell(text);
 }
 
-// Returns the rows for parameters that are not options: keys of files and jobs, and settings that are only hashed.
+// Returns the rows for parameters that are not options, which are keys of files and jobs, and settings that are only
+// hashed.
 std::string key_rows(const Columns& columns, const std::set<std::string>& shown = {}) {
   std::string text;
   for (const Parameter& row : columns.table->rows())
@@ -185,12 +187,12 @@ std::string key_rows(const Columns& columns, const std::set<std::string>& shown 
 
 std::string heading_of(const std::string& group) { return group == kFitGroup ? group + " (vmf and gmm)" : group; }
 
-// Positionals and --output have a different meaning for each command, so each command describes its own.
+// Positionals and --output have a different meaning for each command, so each command describes them itself.
 bool is_own(const OptionText& option) { return option.long_name.empty() || option.long_name == "--output"; }
 
 bool is_help(const OptionText& option) { return option.long_name == "--help"; }
 
-// Two commands share an option if all texts of the option are the same.
+// Two commands share an option if all its texts are the same.
 std::string identity(const OptionText& option) {
   return fmt::format("{}\n{}\n{}\n{}\n{}\n{}", option.short_name, option.name(), option.values(), option.default_text,
                      option.is_required, option.help);
@@ -219,7 +221,7 @@ class Page {
     for (const CommandText* command : commands_)
       for (const OptionText& option : command->options)
         if (!is_own(option)) ++counts[identity(option)];
-    // A program that can work without a subcommand describes all of its options in its own section.
+    // A program that can run without a subcommand describes all of its options in its own section.
     for (const auto& [key, count] : counts)
       if (count >= kManyCommands && program.needs_command) shared_.insert(key);
   }
@@ -264,7 +266,7 @@ class Page {
     return text;
   }
 
-  // multum-view reads maps with options of multum bake, which are described in the part about multum.
+  // multum-view has options of multum bake for reading maps. They are described in the part about multum.
   bool is_reading_option(const OptionText& option) const {
     return program_.name != "multum" && option.group == kSourceGroup;
   }
@@ -295,7 +297,7 @@ class Page {
     return text;
   }
 
-  // Returns "Options of multum bake: --lobes ...", or lists the exceptions if they are fewer.
+  // Returns "Options of multum bake: --lobes ...", or a list of the exceptions if they are fewer.
   std::string names_of_owner(const CommandText& owner, const std::vector<std::string>& names) const {
     std::vector<std::string> missing;
     for (const OptionText& option : owner.options)
@@ -326,7 +328,7 @@ class Page {
     return found == owners_.end() ? nullptr : found->second;
   }
 
-  // Lists parameters that another section describes but that have different keys here.
+  // Lists parameters that are described in another section, but have different keys here.
   std::string other_keys(const CommandText& command, const Columns& columns) const {
     if (columns.table == nullptr) return "";
     const ParameterTable* const described = find_parameter_table("bake");

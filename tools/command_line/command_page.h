@@ -11,9 +11,9 @@ namespace multum {
 /// Returns the title and introduction of the page.
 std::string command_page_head();
 
-/// Returns the sections of one program in Markdown: a list of its commands, a section for the options that many
-/// commands share, and a section per command. Each option is described once. Other commands with the same option only
-/// name it. The keys of a parameter in manifests, scenes and jobs are listed next to its option.
+/// Returns the sections of one program in Markdown. They are a list of its commands, a section for the options that
+/// many commands share, and one section per command. Each option is described once, and other commands with the same
+/// option only name it. The keys of a parameter in manifests, scenes and jobs are listed next to its option.
 std::string command_page_part(const CommandText& program);
 
 }  // namespace multum

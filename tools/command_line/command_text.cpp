@@ -10,7 +10,8 @@
 namespace multum {
 namespace {
 
-// Turns "INT in [1, 8]" of parameters and "INT:INT in [1 - 8]" of CLI11 into "1 to 8". Omits names of plain types.
+// Converts "INT in [1, 8]" (from parameters) and "INT:INT in [1 - 8]" (from CLI11) to "1 to 8". Omits names of plain
+// types.
 std::string words_of_type(const std::string& type) {
   static const std::regex range(
       "(?:N|INT|UINT|FLOAT)(?::(?:INT|UINT|FLOAT))? in ([\\[(])([^ ,]+)(?:,| -) ([^\\])]+)\\](.*)");

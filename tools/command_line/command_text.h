@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Describes a command line for its reference page, manual pages and shell completion: commands, options, values and
-// defaults. They are read from the CLI11 app that parses the command line.
+// Describes the commands, options, values and defaults of a command line, for its reference page, manual pages and
+// shell completion. They are read from the CLI11 app that parses the command line.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -23,7 +23,7 @@ struct OptionText {
 
   /// Returns a name such as "--output", or "input" for a positional.
   const std::string& name() const { return long_name.empty() ? positional : long_name; }
-  /// Returns text such as "1 to 8" or "a, b or c". Empty for a flag.
+  /// Returns a text such as "1 to 8" or "a, b or c", or an empty text for a flag.
   std::string values() const;
 };
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The scripts avoid the names `options` and `commands`, which are special parameters in zsh. All three scripts find the
-// command from the words typed so far. The options of a command are stored under its words, such as "multum jobs list".
-// Choices are stored under command and option.
+// The scripts avoid the names `options` and `commands`, which are special parameters in zsh. All three scripts
+// determine the command from the words that have been typed so far. The key of a command's options consists of its
+// words, such as "multum jobs list". The key of choices consists of the command and the option.
 #include "tools/command_line/completion_scripts.h"
 
 #include <fmt/format.h>

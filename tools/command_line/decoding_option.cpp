@@ -13,7 +13,7 @@ namespace multum {
 namespace {
 
 constexpr int kSecondsMax = 86400;
-constexpr std::uint64_t kMemoryMin = std::uint64_t{128} << 20;  // the child's libraries need half of this
+constexpr std::uint64_t kMemoryMin = std::uint64_t{128} << 20;  // the libraries of the child process need half of this
 
 std::optional<std::uint64_t> byte_count(std::string text) {
   std::uint64_t bytes = 0;

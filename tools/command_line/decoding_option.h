@@ -9,7 +9,8 @@
 
 namespace multum {
 
-/// If `as_given` is not null, it receives the option's text, for programs that this program starts.
+/// If `as_given` is not null, it receives the text of the option, which can be passed to programs that this program
+/// starts.
 void add_decoding_option(CLI::App& app, std::string* as_given = nullptr);
 
 }  // namespace multum

@@ -10,14 +10,14 @@
 
 namespace multum {
 
-/// Returns the part of docs/reference/commands.md about the program. For multum, the part includes the head of the
-/// page.
+/// Returns the part of docs/reference/commands.md that describes the program. For multum, this part includes the head
+/// of the page.
 std::string command_page_of(const CLI::App& program);
 
-/// Writes the manual pages into a folder and makes the folder if it is missing. Returns the number of pages.
+/// Writes the manual pages into a folder, which is created if it is missing. Returns the number of pages.
 int write_man_pages(const CLI::App& program, const std::string& folder);
 
-/// Returns the completion script for a shell of kShells.
+/// Returns the completion script for one of the shells in kShells.
 std::string completion_of(const CLI::App& program, const std::string& shell);
 
 }  // namespace multum

@@ -11,7 +11,7 @@
 namespace multum {
 namespace {
 
-// Escapes backslashes and hyphens. A line of text may not begin with a dot or an apostrophe, because roff would treat
+// Escapes backslashes and hyphens. A line of text must not begin with a dot or an apostrophe, because roff would treat
 // the line as a request.
 std::string escaped(const std::string& text) {
   std::string result;
@@ -35,7 +35,7 @@ std::string page_name(const CommandText& command) {
   return name;
 }
 
-// Returns the first paragraph of a help text, in one line.
+// Returns the first paragraph of a help text as one line.
 std::string summary(const CommandText& command) {
   std::string text = command.help.substr(0, command.help.find("\n\n"));
   std::replace(text.begin(), text.end(), '\n', ' ');
@@ -72,7 +72,7 @@ std::string option_entries(const CommandText& command) {
   return text;
 }
 
-// Describes the subcommands of a command, each with its options.
+// Describes the subcommands of a command and their options.
 std::string subcommands(const CommandText& command) {
   std::string text;
   for (const CommandText& one : command.commands) {

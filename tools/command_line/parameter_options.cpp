@@ -56,7 +56,7 @@ CLI::Option* add_option(CLI::App& app, const std::string& names, ParameterValues
       names,
       [&values, &row](const std::string& text) {
         const std::optional<ParameterValue> value = parse_value(row, text);
-        // A value that cannot be parsed stays a string, and set() refuses it.
+        // A value that cannot be parsed remains a string, which set() then refuses.
         set_given(values, row, value ? *value : ParameterValue(text));
       },
       row.help);
@@ -78,7 +78,7 @@ void add_parameter_options(CLI::App& app, ParameterValues& values, const std::ve
     if (shows_defaults && !row->default_text.empty() && row->kind != ParameterKind::kFlag)
       option->default_str(row->default_text);
   }
-  // This is only for the help text, because check_exclusions() refuses excluded pairs during parsing.
+  // This affects only the help text, because check_exclusions() refuses excluded pairs during parsing.
   for (const Parameter* row : rows)
     for (const std::string& name : row->excludes)
       if (CLI::Option* const other = app.get_option_no_throw(values.table().at(name).option()))

@@ -48,7 +48,7 @@ std::string parse_error_text(const CLI::App& app, const CLI::Error& error) {
 
 namespace {
 
-// Returns the usage line and the examples of a command's help, for a command line without a required option.
+// Returns the usage line and the examples of a command's help. They are printed if a required option is missing.
 std::string usage_and_examples(const CLI::App& command) {
   std::string text = command.get_formatter()->make_help(&command, command_words(command), CLI::AppFormatMode::Normal);
   const std::size_t usage = text.find("Usage: ");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Prints help to stdout. Prints errors of a command line to stderr, and names the help to read.
+// Prints help to stdout. Prints errors of a command line to stderr, together with the command that prints the help.
 #pragma once
 
 #include <string>

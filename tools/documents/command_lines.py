@@ -7,11 +7,11 @@ import shlex
 import subprocess
 
 PROGRAMS = ("multum", "multum-view", "multum-decode", "multum-bench", "multum-drill", "multum-farm-simulation")
-# Each of these words runs the command that follows.
+# Each of these words runs the command that follows it.
 BEFORE = {"sudo", "time", "env", "nohup", "exec", "do", "then", "else", "if", "while", "until", "!", "{", "python3",
           "bash", "node"}
 END = re.compile(r"[;|&()]+|\}")
-# The words after this command are a command line of multum.
+# The words after this command form a command line of multum.
 RUNS_MULTUM = ("multum", "openjd")
 HELP_TIMEOUT_S = 60
 OPTION_LINE = re.compile(r" {1,8}(-[^\s]+)")
@@ -125,7 +125,7 @@ def option_name(word):
 
 
 def program_faults(programs, words):
-    """States why a command line of a program cannot work."""
+    """Yields the reasons why a command line of a program cannot work."""
     path = (words[0],)
     if not programs.has(path[0]) or programs.help_text(path) is None:
         return
@@ -165,7 +165,7 @@ def script_text(path):
 
 
 def script_faults(root, words):
-    """States why a command line of a script in tools/ cannot work."""
+    """Yields the reasons why a command line of a script in tools/ cannot work."""
     name = words[0].removeprefix("./")
     path = pathlib.Path(root) / name
     if not path.is_file():

@@ -25,7 +25,7 @@ class Block:
 
 
 def blanked(text):
-    """Replaces everything except line breaks with spaces."""
+    """Replaces all characters except line breaks with spaces."""
     return re.sub(r"[^\n]", " ", text)
 
 
@@ -81,7 +81,7 @@ def slug(heading):
 
 
 class Anchors:
-    """Gives the headings of one page their anchors. Equal headings get the endings -1, -2 and so on."""
+    """Assigns anchors to the headings of one page. The anchors of equal headings end in -1, -2 and so on."""
 
     def __init__(self):
         self.counts = {}

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Checks pages: links and their anchors, command lines, code blocks, and how many words each folder has."""
+"""Checks the links, anchors, command lines and code blocks of pages, and the number of words in each folder."""
 import ast
 import json
 import os
@@ -13,11 +13,11 @@ from markdown_pages import FOLDERS, Page, folder_of, page_names
 LANGUAGES = {"sh", "bash", "text", "c", "cpp", "css", "csharp", "cmake", "diff", "dockerfile", "glsl", "hlsl", "html",
              "http", "ini", "java", "js", "json", "lua", "makefile", "metal", "nginx", "opencl", "python", "rust",
              "toml", "ts", "wgsl", "xml", "yaml"}
-# Languages of tables that scripts read.
+# The languages of code blocks with tables that scripts read.
 TABLES = {"docs/contributing/ARCHITECTURE.md": {"districts", "layers", "headers", "programs", "folders"}}
 # These pages name commands of earlier versions.
 PAST_COMMANDS = {"docs/contributing/CHANGELOG.md"}
-# Each limit applies to the total of all its folders.
+# Each limit applies to all of its folders together.
 WORDS_MAX = {("tutorials", "how-to", "explanation"): 20_000, ("reference",): 30_000}
 
 
@@ -38,7 +38,7 @@ def link_faults(page, pages):
 
 
 def json_fault(text):
-    """States why a block is neither one JSON document nor one document per line. Returns None if it is one of them."""
+    """Returns the reason why a block is neither one JSON document nor one document per line, or None if it is valid."""
     try:
         json.loads(text)
         return None

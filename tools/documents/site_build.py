@@ -20,7 +20,7 @@ from markdown_pages import (ATTRIBUTE, CODE_SPAN, COMMENT, FENCE, FOLDERS, HEADI
 HERE = pathlib.Path(__file__).resolve().parent
 TITLES = {"tutorials": "Tutorials", "how-to": "How to", "reference": "Reference", "explanation": "Explanation",
           "evidence": "Evidence", "contributing": "Contributing"}
-# The order of pages in the navigation. Other pages follow, sorted by title.
+# The order of pages in the navigation. All other pages follow, sorted by title.
 ORDER = {
     "tutorials": ("engine_mips", "gltf_model", "lobes_in_three", "ci_job", "farm", "ray_traced_textures"),
     "how-to": ("green_is_wrong", "choose_lobes", "does_my_map_gain", "reduce_memory", "terrain_and_udim",
@@ -30,11 +30,11 @@ ORDER = {
                   "animation_jobs", "inferred_textures", "packed_fields", "service", "c_and_python", "glossary"),
     "explanation": ("how_it_works", "accuracy", "limits"),
 }
-# A build replaces a folder only if the folder has this file.
+# A build replaces a folder only if the folder contains this file.
 MARK = ".multum_site"
 LIST_ITEM = re.compile(r"( *)([-*+]|\d{1,9}[.)])( +)(?=\S)")
 TABLE_RULE = re.compile(r" *\|?[ :|-]*-{3,}[ :|-]*$")
-# The theme's scripts use these addresses only for diagrams and repositories. This site has neither.
+# The theme's scripts use these addresses only for diagrams and repositories, neither of which this site has.
 FOREIGN_ADDRESSES = re.compile(r"https://(?:unpkg\.com|api\.github\.com|\$\{e\}/api)[^\"'`]*")
 
 

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum-farm-simulation: simulates many maps on many Slurm nodes, in virtual time. The ledger is real (a JobQueue on a
-// disk, with synced commits), and so are the chunks and the files of the shared folder. Slurm's commands, nodes, node
-// failures and bake times are simulated with random numbers. The measured time of real code is added to the virtual
+// The program multum-farm-simulation simulates bakes of many maps on many Slurm nodes in virtual time. The ledger (a
+// JobQueue on a disk,
+// with synced commits), the chunks and the files of the shared folder are real. Slurm's commands, the nodes, their
+// failures and the bake times are simulated with random numbers. The measured time of real code is added to the virtual
 // time.
 //
-//   commands' thread   squeue, files of all parts that are with Slurm, then one sbatch per chunk  (slurm_pool.h)
+//   commands' thread   squeue, files of all parts in Slurm's queue, then one sbatch per chunk  (slurm_pool.h)
 //   ledger's thread    ends of parts, claims, notes: one transaction for each kind                (queue_thread.h)
 //   nodes              one chunk each; after a node failure, the chunk restarts elsewhere, without its finished jobs
 #include <fmt/format.h>
@@ -39,20 +40,20 @@ struct Options {
   double map_seconds = 20.0;  // median; kSpread is the standard deviation of the logarithm
   double chunk_seconds = SlurmSettings{}.chunk_seconds;
   double sbatch_seconds = 0.031;  // docs/evidence/SERVICE.md, "Slurm": measured with four nodes on one machine
-  double file_seconds = 0.0005;   // one file access in the shared folder: a round trip to its server
+  double file_seconds = 0.0005;   // one file access in the shared folder, which is a round trip to its server
   double fail_share = 0.01;       // share of attempts that fail and may be repeated
   double refuse_share = 0.001;    // share of maps that cannot be baked
   double node_hours = 200.0;      // mean time between two failures of a node
   double repair_seconds = 600.0;  // time until a failed node works again
-  bool asks_for_each = false;     // ask for each file of each part, as earlier program versions did, which could not
-                                  // list folders
+  bool asks_for_each = false;     // ask for each file of each part, like earlier program versions, which could not list
+                                  // folders
   unsigned seed = 1;
 };
 
 constexpr double kSpread = 0.5;
 constexpr int kClaimsAtOnce = 200;                                  // as in dispatch/dispatcher.cpp
 constexpr int kSubmissionsAtOnce = 256;                             // as in ledger/queue_thread.cpp
-constexpr double kSqueueSeconds = 0.02, kSqueueTaskSeconds = 2e-5;  // time per list and per line of a list
+constexpr double kSqueueSeconds = 0.02, kSqueueTaskSeconds = 2e-5;  // time per call, and per line of the list
 constexpr double kTaskStartSeconds = 0.5;                           // time per slot, for any task (slurm_plan.h)
 
 JobSubmission submission_of(int map) {
@@ -74,7 +75,7 @@ LedgerSettings ledger_in(const std::string& folder) {
   return settings;
 }
 
-// Selects the jobs that the page shows: the newest of one state, or of all states.
+// Selects the jobs that the page shows, which are the newest jobs of one state or of all states.
 JobFilter newest_in(std::optional<JobState> state) {
   JobFilter filter;
   filter.state = state;
@@ -106,7 +107,7 @@ struct Chunk {
   bool runs = false;
 };
 
-// Seconds used by the ledger's thread. Other programs on the machine lengthen only `elapsed`.
+// The seconds that the ledger's thread has used. Other programs on the machine increase only `elapsed`.
 struct LedgerTime {
   double elapsed = 0.0, processor = 0.0;
 };
@@ -139,7 +140,7 @@ class Simulation {
   }
 
  private:
-  // Runs `body` as one transaction, and adds the time that it takes on the ledger's only thread.
+  // Runs `body` as one transaction, and adds the time that it takes on the ledger's single thread.
   template <typename Body>
   void in_ledger(LedgerTime& time, const Body& body) {
     const Stopwatch stopwatch;
@@ -168,7 +169,7 @@ class Simulation {
     work_began_ = now_;
   }
 
-  // Runs the queries that the page sends each second, and the queries of a user who searches for failed jobs.
+  // Runs the queries that the page sends every second, and the queries of a user who searches for failed jobs.
   void look_at_page(const std::string& when) {
     const auto milliseconds = [&](const auto& body) {
       double best = 1e9;
@@ -250,7 +251,7 @@ class Simulation {
     now_ += seconds;
   }
 
-  // Returns the number of requests that one look at one chunk sends to the folder's server (look_at_files()).
+  // Returns the number of requests that are sent to the folder's server when one chunk is checked (look_at_files()).
   double look_files(const Chunk& chunk) const {
     const auto parts = static_cast<double>(chunk.items.size() - chunk.reported);
     if (o_.asks_for_each) return kFilesAPart * parts + (chunk.runs ? kFilesOfLog : 0.0);
@@ -349,7 +350,7 @@ class Simulation {
   }
 
   int draw_code(std::int64_t job) {
-    // The seed depends only on the map, so a map that cannot be baked fails at every attempt.
+    // The seed depends only on the map, so a map that cannot be baked fails in every attempt.
     std::minstd_rand of_map(static_cast<unsigned>(job) * 7919u + o_.seed);
     of_map.discard(3);
     if (std::uniform_real_distribution<>()(of_map) < o_.refuse_share) return 3;
@@ -395,12 +396,12 @@ class Simulation {
 
   struct Event {
     double at;
-    std::int64_t batch;  // 0 for the event that a node works again
+    std::int64_t batch;  // 0 if the event is that a node works again
     bool is_failure;
     bool operator>(const Event& other) const { return at > other.at; }
   };
   const std::string kOwner = slurm_owner("simulated");
-  // A part has an end, a status and the output of its task. move_log() opens four files of a running part.
+  // A part has three files: an end, a status and the output of its task. move_log() opens four files of a running part.
   static constexpr double kFilesAPart = 3.0, kFilesOfLog = 4.0;
 
   const Options& o_;
@@ -409,7 +410,7 @@ class Simulation {
   std::mt19937_64 random_;
   int free_nodes_;
   double now_ = 0.0, work_began_ = 0.0;
-  std::map<std::int64_t, Chunk> chunks_;  // chunks that are with Slurm
+  std::map<std::int64_t, Chunk> chunks_;  // chunks in Slurm's queue
   std::deque<std::int64_t> waiting_;      // chunks that wait for a node
   std::priority_queue<Event, std::vector<Event>, std::greater<>> events_;
   std::int64_t last_batch_ = 0, commits_ = 0;

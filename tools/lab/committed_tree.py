@@ -42,7 +42,7 @@ def is_committed(commit):
 
 def add_option(parser):
     parser.add_argument("--allow-dirty", action="store_true",
-                        help="accept uncommitted sources; the document states them")
+                        help="accept uncommitted sources, and state this in the document")
 
 
 def stated_commit(allow_dirty, root=ROOT):

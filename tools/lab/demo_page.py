@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Writes index.html into a folder that tools/demo has filled: pictures, errors, times. Standard library only.
+"""Writes index.html, with pictures, errors and times, into a folder that tools/demo has filled. Uses only the standard
+library.
 
 Reads steps.tsv (one line per step: kind, name, milliseconds, command), NAME.bake.json of each bake and NAME.view.json
 of each view. The pictures of a view are NAME_reference.png, NAME_multum.png and so on. The page refers only to files in
@@ -47,8 +48,8 @@ def errors_by_level(bake, brdf, points):
 
 
 def fit_parts(bake):
-    """Divides the time of the fit into rows (name, seconds): the levels, then the rest. The rows sum to the whole
-    stage."""
+    """Divides the time of the fit into rows (name, seconds). The levels come first, then the rest, and the sum of the
+    rows is the time of the whole stage."""
     parts = [(str(level["level"]), level["seconds"]) for level in bake["levels"]]
     if "start" in bake:
         parts.append(("start", bake["start"]["seconds"]))
@@ -58,7 +59,7 @@ def fit_parts(bake):
 
 def bake_section(name, bake, step):
     brdfs = list(dict.fromkeys(e["brdf"] for e in bake["measured_error"]))
-    # A coloured bake has the same lobes as the white bake, so only errors with colours are new.
+    # A bake with colours has the same lobes as the bake without colours, so only the errors with colours are new.
     coloured = [b for b in brdfs if b.endswith(" coloured")]
     brdfs = coloured or brdfs
     names = [b.removesuffix(" coloured") for b in brdfs]
@@ -101,7 +102,7 @@ of the fit.</p>
 
 
 def picture(folder, name, method, caption, kind, size=""):
-    """`size` contains attributes that reserve the space of a picture before it is loaded."""
+    """`size` contains HTML attributes that reserve space for a picture before it is loaded."""
     file = f"{name}_{method}{kind}.png"
     if not (folder / file).is_file():
         return ""

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Measures time and memory of exporting a large map, next to Filament's roughness-prefilter, and writes the section of
-docs/evidence/EXPORT.md about it."""
+"""Compares the time and memory for exporting a large map with those of Filament's roughness-prefilter, and writes the
+section of docs/evidence/EXPORT.md about them."""
 import pathlib
 import shutil
 import statistics
@@ -14,18 +14,18 @@ SIDE = 4096
 ROUNDS = 5
 ROUGHNESS = 0.25
 PREFILTER = "roughness-prefilter"  # from Debian's package libfilament-tools
-# Each row: name of the runs in the file of --state, title, and options of `multum export`.
+# Each row contains the name of the runs in the file of --state, a title, and options of `multum export`.
 WAYS = (("KTX2, `--format ktx2`", "KTX2, `--format ktx2`", ["--format", "ktx2"]),
         ("the same, `--fast`", "KTX2, `--fast`", ["--format", "ktx2", "--fast"]),
         ("PNG, an image a level", "PNG, one image per level", ["--format", "png"]))
-FORMATS = ("exr", "ktx", "png")  # formats of roughness-prefilter; ratios divide by the fastest format
+FORMATS = ("exr", "ktx", "png")  # formats of roughness-prefilter; ratios are relative to the fastest format
 
 HEAD = """## Time and memory
 
 The input is `{map}`, repeated to {side} x {side} texels, as a PNG with 8 bits per channel. `multum export` writes
-normals, occlusion, roughness and metalness for all levels, and runs without measuring errors. roughness-prefilter
-({version}) writes only roughness. All programs ran alternately in {rounds} rounds. The table lists medians, with ranges
-in brackets. Each ratio compares a run with the fastest format of roughness-prefilter in the same round.
+normals, occlusion, roughness and metalness for all levels, and does not measure errors. roughness-prefilter
+({version}) writes only roughness. All programs ran alternately in {rounds} rounds. The table lists medians, with
+ranges in brackets. Each ratio compares a run with the fastest format of roughness-prefilter in the same round.
 
 | | processor time, s | ratio | memory, MiB |
 |---|---|---|---|
@@ -44,8 +44,8 @@ def write_repeated(source, output):
 
 
 def measure(multum, source, folder):
-    """Returns processor seconds and bytes of memory of each round, by name. Returns None if Filament's tool is not
-    installed."""
+    """Returns the processor seconds and the bytes of memory of each round, by name. Returns None if Filament's tool is
+    not installed."""
     if shutil.which(PREFILTER) is None:
         return None
     folder = pathlib.Path(folder)

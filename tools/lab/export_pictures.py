@@ -56,7 +56,7 @@ def grid(kind, repeat):
 
 
 def write_glb(path, kind, repeat, images, roughness, metalness):
-    """`images` has the bytes and the MIME type for each use, "normal" and "orm"."""
+    """`images` contains the bytes and the MIME type for each of the uses "normal" and "orm"."""
     blob, views, accessors = bytearray(), [], []
 
     def view(data):

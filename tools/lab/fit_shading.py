@@ -22,7 +22,7 @@ NODES, WEIGHTS = np.polynomial.legendre.leggauss(600)
 
 
 def bessel_i0_scaled(x):
-    """Returns exp(-x) I_0(x), by numpy for x below 50 and by the asymptotic series above 50 (relative error 2e-9)."""
+    """Returns exp(-x) I_0(x). Uses numpy for x below 50, and the asymptotic series above 50 (relative error 2e-9)."""
     low = np.minimum(x, 50.0)
     y = 1.0 / np.maximum(x, 50.0)
     series = 1 + y / 8 + 9 * y**2 / 128 + 225 * y**3 / 3072 + 11025 * y**4 / 98304
@@ -125,8 +125,8 @@ def print_lambert(tables):
     worst = [0.0, 0.0, 0.0]
     for kappa, exact in zip(kappas, upper):
         d = spread(kappa)
-        # F(t) - F(-t) = |r| t holds exactly for the formula and for the integral, so the lower half of the sphere has
-        # the same absolute error.
+        # The equation F(t) - F(-t) = |r| t holds exactly for both the formula and the integral, so the absolute error
+        # is the same in the lower half of the sphere.
         off = np.abs(lambert(d, t) - exact)
         both = exact + exact - (1 - d) * t
         worst = np.maximum(worst, [100 * (off * weight).sum() / (exact * weight).sum(),

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Writes docs/evidence/LOBE_TEXTURES.md: what `multum export --lobes` costs in pictures, bytes and fetches.
+"""Writes docs/evidence/LOBE_TEXTURES.md, which lists the costs of `multum export --lobes` in picture errors, bytes and
+fetches.
 
     tools/lab/lobe_textures_document.py measure BIN_FOLDER OUT [--data FOLDER] [--maps NAME...]
     tools/lab/lobe_textures_document.py share [--root DIR]     # copy its table into the other pages with this table
@@ -30,7 +31,7 @@ COUNTS, EXPONENTS = (2, 3, 4), (100, 500)
 TEXELS = (("rgba16f", "RGBA16F", 1), ("rgba8", "RGBA8", 1), ("bc", "BC5", 2))
 SCENE = ("--size", "320x240", "--diffuse", "0.4", "--specular", "0.15", "--light", "0.3,0.8,0.5",
          "--reference-noise", "0.03")
-# Methods with one normal per texel and averaged levels, shaded at as many points per pixel as there are lobes.
+# Methods with one normal per texel and averaged levels. They are shaded at as many points per pixel as there are lobes.
 RIVALS = (("points", "averaged normals"), ("lean-jacobian-points", "LEAN"))
 HEAD = """# Lobes for GPUs: error, bytes, fetches
 
@@ -45,14 +46,14 @@ explains the shader. The bakes store lobes from level 1 on, so level 0 is the no
 
 - *Error* is the relative L1 error of multum-view's picture of an oblique plane, drawn at 320 x 240 pixels with
   Blinn-Phong. The noise of the reference is at most 3 %. The renderer is llvmpipe, which filters 8-bit texels and
-  blocks in 8-bit arithmetic. The table lists medians over the maps. Brackets contain the highest ratio of any map: the
-  error divided by the error of the baked lobes in 16 bits.
+  blocks in 8-bit arithmetic. The table lists medians over the maps. Brackets contain the highest ratio of any map,
+  where the ratio is the error divided by the error of the baked lobes in 16 bits.
 - *Bytes* is the size of the lobe texture, divided by the size of all levels of the map in BC5 and BC4. Level 0 of the
-  normal map in BC5 would add 0.5, but renderers store this level in any case.
+  normal map in BC5 would add 0.5, but renderers need this level in any case.
 - *Fetches* is the number of texture fetches per tap, without the fetch of the normal map.
-- Every row evaluates the material once per lobe and pixel, where the number of lobes is rounded up to a power of two.
-  Lobes are drawn by `multum-view --evaluations`, which shades several points per pixel where only the normal map is
-  visible. Averaged normals and LEAN are stored as floats and shaded at the same number of points.
+- In every row, the material is evaluated once per lobe and pixel, and the number of lobes is rounded up to a power of
+  two. Lobes are drawn by `multum-view --evaluations`, which shades several points per pixel where only the normal map
+  is visible. Averaged normals and LEAN are stored as floats and shaded at the same number of points.
 
 In this near view, LEAN has a lower error than lobes. At levels finer than 1, the lobe files contain one mean normal per
 texel, whereas LEAN uses moments. Lobe files that store level 0 have lower errors ([PICTURES](PICTURES.md)).
@@ -69,7 +70,7 @@ def evaluations_of(count):
 
 
 def errors_of(view, file, source, count, exponent, folder, rivals):
-    """Returns errors of the file's picture, "multum", and of the rivals."""
+    """Returns the errors of the pictures: of the file ("multum") and of the rivals."""
     report = folder / "report.json"
     run(view, file, "--source", source, *SCENE, "--evaluations", evaluations_of(count), "--compare",
         ",".join(["reference", *rivals]), "--brdf", f"blinn-phong:{exponent}", "-o", folder / "picture.png", "--report",
@@ -133,7 +134,7 @@ def html_table(lines):
 
 
 def shared(root, name):
-    """Returns the text of page `name`, and the same text with the document's table."""
+    """Returns the text of the page `name`, and the same text with the table of the document."""
     lines = [line for line in (root / DOCUMENT).read_text().splitlines() if line.startswith("|")]
     if len(lines) < 3:
         sys.exit(f"{DOCUMENT}: found {len(lines)} lines of a table, expected 3 or more")

@@ -10,7 +10,8 @@ import time
 
 @dataclasses.dataclass
 class Run:
-    """The costs of one run of a program. Processor seconds include its children. Memory is the peak of one process."""
+    """The costs of one run of a program. The processor seconds include the children of the program. The memory is the
+    peak of one process."""
     code: int
     text: str
     seconds: float

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Writes docs/evidence/GLTF_MOTION.md: flicker and processor time of models and bumpy surfaces that three.js draws.
+"""Writes docs/evidence/GLTF_MOTION.md, which lists the flicker and the processor time of models and bumpy surfaces that
+three.js draws.
 
     tools/lab/model_motion.py BIN_FOLDER MODELS OUT --cache FOLDER [--only NAME...] [--rows NAME...] [--distance M]
         [--frames N] [--pairs N]
@@ -37,7 +38,7 @@ the models from a distance of {distance} m.
 ## Flicker
 
 There are three motions of {frames} frames each: the camera moves forwards, moves to the side, or turns. Between two
-frames, the picture moves by less than a pixel to a few pixels.
+frames, the picture moves by a fraction of a pixel up to a few pixels.
 
 - *Flicker* is defined in % as in [FILTER](FILTER.md): it is the mean over neighbouring frames of sum |(f' - f) - (t' -
   t)| / sum t, where f is a frame and t is the reference of this frame.
@@ -47,16 +48,16 @@ frames, the picture moves by less than a pixel to a few pixels.
 {flicker}
 ## Cost
 
-The table lists the processor time of Chromium's drawing process (SwiftShader), divided by the time of plain mips, which
-were drawn immediately before. Numbers are medians of {pairs} pairs of runs, on {machine}.
+The table lists the processor time of Chromium's drawing process (SwiftShader), divided by the time for plain mips in
+a run immediately before. Numbers are medians of {pairs} pairs of runs, on {machine}.
 
-{cost} The table lists the seconds until a model is loaded. Other programs also ran on the machine:
+{cost} The table lists the time until a model is loaded, in seconds. Other programs also ran on the machine:
 
 {loads}"""
 
 
 def measured(cache, entry, rows, options):
-    """Returns what model_motion.mjs reports for the rows of one model."""
+    """Returns the report of model_motion.mjs about the rows of one model."""
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         models = link_rows(cache, entry, rows, folder)
@@ -121,7 +122,8 @@ def main():
     parser.add_argument("models", type=pathlib.Path)
     parser.add_argument("out", type=pathlib.Path)
     parser.add_argument("--cache", type=pathlib.Path, required=True)
-    parser.add_argument("--package", type=pathlib.Path, help="@multum/three, instead of the package from BIN_FOLDER")
+    parser.add_argument("--package", type=pathlib.Path, help="folder of @multum/three, which is used instead of the "
+                                                             "package from BIN_FOLDER")
     parser.add_argument("--only", nargs="+", default=[], metavar="NAME")
     parser.add_argument("--rows", nargs="+", default=list(SHOWN), choices=ROWS, metavar="NAME")
     parser.add_argument("--distance", type=float, default=5, metavar="METRES")

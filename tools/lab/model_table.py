@@ -1,14 +1,14 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Writes docs/evidence/GLTF_MODELS.md: three.js draws models and bumpy surfaces with every method of multum, with an
+"""Writes docs/evidence/GLTF_MODELS.md. three.js draws models and bumpy surfaces with every method of multum and with an
 equal number of evaluations of light per pixel.
 
     tools/lab/model_table.py BIN_FOLDER MODELS OUT --cache FOLDER [--package FOLDER] [--only NAME...] [--rows NAME...]
         [--distances METRES...] [--gltf=OPTIONS]
 
-MODELS is a folder with the files of tools/lab/models.json, which lists their sources. OUT is written anew after each
-model. The cache keeps converted models, references and errors, so only changed parts are drawn again. With --only and
---rows, the document contains only the chosen models and rows. --package draws with another @multum/three, but
+MODELS is a folder with the files of tools/lab/models.json, which lists their sources. OUT is written again after each
+model. The cache contains converted models, references and errors, so only changed parts are drawn again. With --only
+and --rows, the document contains only the chosen models and rows. --package draws with another @multum/three, but
 BIN_FOLDER still converts the models. Needs Node.js, Chromium and the packages of tests/service/web.
 """
 import argparse
@@ -27,9 +27,10 @@ SURFACES = ROOT / "tests" / "three" / "bumpy_models.mjs"
 SURFACE_TEXELS = 1024
 SURFACE_REACH = 1.2  # half of the diagonal in metres, as for most listed models
 DRAWING = 1  # version of tests/three/model_page.js; increase it if the pictures change
-GRIDS = 2  # at most this many grids of 12 x 12 samples per pixel; parts of the picture can have more
+GRIDS = 2  # the largest number of grids of 12 x 12 samples per pixel; parts of the picture can have more
 COUNTS = (1, 4, 8, 16)  # numbers of evaluations per pixel
-# Rows by name. `dressed`: options of `multum gltf`, or None for the original model. Other keys belong to model_page.js.
+# Rows by name. `dressed` contains options of `multum gltf`, or is None for the original model. Other keys belong to
+# model_page.js.
 ROWS = {"plain mips": {"dressed": None}}
 ROWS |= {f"points, {n}": {"dressed": None, "points": n} for n in COUNTS}
 ROWS |= {"one lobe": {"dressed": ["--lobes"]}}
@@ -188,7 +189,8 @@ def main():
     parser.add_argument("models", type=pathlib.Path)
     parser.add_argument("out", type=pathlib.Path)
     parser.add_argument("--cache", type=pathlib.Path, required=True)
-    parser.add_argument("--package", type=pathlib.Path, help="@multum/three, instead of the package from BIN_FOLDER")
+    parser.add_argument("--package", type=pathlib.Path, help="folder of @multum/three, which is used instead of the "
+                                                             "package from BIN_FOLDER")
     parser.add_argument("--gltf", default="", metavar="OPTIONS", help="more options of `multum gltf`, as one argument")
     parser.add_argument("--only", nargs="+", default=[], metavar="NAME")
     parser.add_argument("--rows", nargs="+", default=list(ROWS), choices=ROWS, metavar="NAME")

@@ -28,19 +28,19 @@ from debian_python import use_a_python_with
 
 PARTS = {"field": "field", "curves": "pack", "video": "video", "coder": "coder", "inference": "inference",
          "costs": "cost", "dimensions": "dimension", "playing": "playing"}  # parts, and kinds of rows
-RATIOS = (192, 384, 768)  # ratios that tables state; parts are compared at the middle ratio
+RATIOS = (192, 384, 768)  # ratios that tables list; parts of the coder are compared at the middle ratio
 GROWTH_RATIOS = (96, 192)  # ratios at which fields with more and more parameters are compared
-# Each row: name, options of `multum pack`, colour and dash of the curve.
+# Each row contains a name, options of `multum pack`, and the colour and the dash pattern of the curve.
 PACKINGS = (("multum pack", (), 0, 0), ("multum pack --coder dct", ("--coder", "dct"), 0, 1),
             ("multum pack --coder wavelet", ("--coder", "wavelet"), 0, 2))
-# Options that each switch off one part of the encoder. Names are keys of rows.
+# Each of these options switches off one part of the encoder. The names are keys of rows.
 CODER_SETS = (("as it is", ()), ("cosines alone", ("--coder", "dct")), ("wavelets alone", ("--coder", "wavelet")),
-              ("plain pyramid over parameters", ("--pyramid", "plain")),
+              ("a plain pyramid over the parameters", ("--pyramid", "plain")),
               ("the paper's search for levels, no learnt basis", ("--pyramid", "greedy")),
               ("open loop", ("--loop", "open")), ("no object above 1.25 times the mean", ("--alpha", "1.25")),
               ("blocks of 4 samples a parameter", ("--block", "4")), ("every sample by itself", ("--pyramid", "none")))
-# Changes of the job's `[texture]`, and options of `multum infer`. Names are keys of rows.
-INFERENCES = (("as it is", {}, ()), ("textures of 1.5 times the side", {"resolution_scale": 1.5}, ()),
+# Changes of the job's `[texture]`, and options of `multum infer`. The names are keys of rows.
+INFERENCES = (("as it is", {}, ()), ("textures with 1.5 times the side length", {"resolution_scale": 1.5}, ()),
               ("ten times the regularisation", {"pyramid_weight": 1}, ()),
               ("textures of twice the side", {"resolution_scale": 2}, ()),
               ("a tenth of the regularisation", {"pyramid_weight": 0.01}, ()),
@@ -48,10 +48,10 @@ INFERENCES = (("as it is", {}, ()), ("textures of 1.5 times the side", {"resolut
 # Names of rows as the page shows them.
 SHOWN = {"as it is": "defaults", "cosines alone": "only cosines", "wavelets alone": "only wavelets",
          "the paper's search for levels, no learnt basis":
-             "the paper's method to search for levels, without a learnt basis",
-         "no object above 1.25 times the mean": "at most 1.25 times the mean error per object",
+             "the paper's method of searching for levels, without a learnt basis",
+         "no object above 1.25 times the mean": "the error of each object is at most 1.25 times the mean error",
          "blocks of 4 samples a parameter": "blocks of 4 samples per parameter",
-         "every sample by itself": "every sample packed separately",
+         "every sample by itself": "each sample is packed separately",
          "solved ten times nearer": "a tenth of the solver's tolerance"}
 
 
@@ -271,7 +271,8 @@ def prepared(folder, work, programs, rows, split):
 
     def measure():
         if not (inferred / "inferred.json").exists():
-            shutil.rmtree(inferred, ignore_errors=True)  # of an interrupted run, whose times are wrong
+            shutil.rmtree(inferred, ignore_errors=True)  # these textures are from an interrupted run, whose times are
+                                                         # wrong
         done = programs.infer(job, inferred)
         field = Field(job)
         geometry = field.geometry.read_bytes()
@@ -284,7 +285,7 @@ def prepared(folder, work, programs, rows, split):
                 "memory_bytes": done.memory_bytes}
 
     if rows.find(name, "field", "inferred") is None:
-        shutil.rmtree(inferred, ignore_errors=True)  # so that the time of the whole run counts
+        shutil.rmtree(inferred, ignore_errors=True)  # otherwise the time would not be for a whole run
     rows.measured(name, "field", "inferred", measure)
     return name, job, inferred
 
@@ -360,7 +361,8 @@ def curves_section(rows, name, video_codecs, stated, pictures):
                                 key=lambda row: (row["kind"], row["curve"], row.get("ratio", 0)))
               if "refused" not in row]
     return [f"![MSE over compression](images/{file.name})", at_stated,
-            f"Brackets contain the MSE divided by the MSE of {spoken(video_codecs.LEADING)}. \"-\" means that the "
+            f"Brackets contain the MSE divided by the MSE of {spoken(video_codecs.LEADING)}. The entry \"-\" means "
+            f"that the "
             "curve does not reach this compression. " + said,
             "<details><summary>All points of the curves</summary>\n\n" +
             table(["encoder", "bytes", "compression", "MSE", "MSE against inferred textures"], points) +
@@ -389,9 +391,9 @@ def inference_section(rows, name, stated):
     if not found:
         return []
     parts = [f"### Where the error of inference lies",
-             "Frames are drawn from the inferred textures, without coding, and compared with the traced frames. "
-             "*Silhouettes* are pixels next to a pixel of another object. *Part* is the contribution to the MSE of "
-             "all pixels."]
+             "Frames are drawn from the inferred textures, without compression, and compared with the traced frames. "
+             "*Silhouettes* are pixels next to a pixel of another object. *Part* is the amount that these "
+             "pixels contribute to the MSE of all pixels."]
     keys = [(one["object"], one["place"]) for one in found[0]["places"]]
     lines = []
     for row in found:
@@ -456,19 +458,19 @@ def dimensions_section(rows, name, leading):
                  f"{after['video'] / before['video']:.2f} times as high.")
     return ["### Cost of another parameter",
             table(head, lines),
-            "Rows with fewer parameters use the middle sample of each omitted parameter. At the same compression, the "
-            "file size is proportional to the number of samples." + words]
+            "Rows with fewer parameters use the middle sample of each omitted parameter. If the compression is "
+            "the same, the file size is proportional to the number of samples." + words]
 
 
 def document(rows, names, video_codecs, stated, machine, pictures):
     from playing import playing_section
     main = stated[len(stated) // 2]
     parts = ["# Packed animations compared with video codecs",
-             "This page lists the error and the size of packed fields next to video codecs, and the playback speed of "
-             "packed fields.",
+             "This page compares the error and the size of packed fields with video codecs, and lists the "
+             "playback speed of packed fields.",
              f"Generated by `tools/lab/playback_document.py` ({machine}). Do not edit.",
-             "The section of each field lists the commits at which the field was measured. Rows are measured again "
-             "only after changes that affect them.",
+             "The section of each field lists the commits at which the field was measured. A row is measured "
+             "again only after a change that affects the row.",
              "A field is a set of ray-traced frames for different values of some parameters ([animation "
              "jobs](../reference/animation_jobs.md)). `multum infer` infers textures from the frames, `multum pack` "
              "packs the textures, and `multum-view sample` unpacks and draws them.",
@@ -476,15 +478,17 @@ def document(rows, names, video_codecs, stated, machine, pictures):
              "the traced frames. The mean includes all pixels of all samples, including silhouettes.\n"
              "- *Compression* is the size of the raw 24-bit frames, divided by the total file size without the "
              "geometry of the scene. Each section states the size of the geometry.\n"
-             "- In videos, the last parameter changes fastest, alternately forwards and backwards. "
-             "Neighbouring frames therefore differ by one step of one parameter.\n"
-             "- AV1 is coded by `libaom-av1 -cpu-used 4`, and x265 uses `-preset slow`. Both codecs use constant "
-             "quality, BT.709 4:4:4, 10 bit and full range. AVIF codes each frame separately, with `-usage allintra`. "
+             "- In the videos, the last parameter changes fastest, alternately forwards and backwards, so "
+             "neighbouring frames differ by one step of one parameter.\n"
+             "- AV1 is encoded with `libaom-av1 -cpu-used 4`, and x265 uses `-preset slow`. Both codecs use constant "
+             "quality, BT.709 4:4:4, 10 bit and full range. AVIF encodes each frame separately, with `-usage "
+             "allintra`. "
              "The column *bytes* lists the size of the stream without a container.\n"
              "- If a video has a key frame every 64 frames, up to 64 frames must be decoded for a random sample. A "
              "chunk "
              "of `multum pack` can be decoded independently of other chunks.\n"
-             "- Values between measured points are interpolated linearly in the logarithms of compression and MSE."]
+             "- Values between measured points are interpolated linearly, in the logarithm of the compression and the "
+             "logarithm of the MSE."]
     for name in names:
         row = rows.find(name, "field", "inferred")
         if row is None:
@@ -528,14 +532,15 @@ def arguments():
     parser.add_argument("--videos", nargs="+",
                         help="codecs whose names begin like this, such as 'AV1' (default: all)")
     parser.add_argument("--stated", nargs="+", type=float, default=RATIOS,
-                        help="ratios of tables (default: 192 384 768); parts are compared at the middle one")
+                        help="ratios that tables list (default: 192 384 768); parts of the coder are compared at the "
+                             "middle ratio")
     parser.add_argument("--growth", nargs="+", type=float, default=GROWTH_RATIOS,
                         help="ratios at which numbers of parameters are compared (default: 96 192)")
     parser.add_argument("--measure-nothing", action="store_true", help="make the page only from existing rows")
     parser.add_argument("--context", default="auto", help="GL context: auto, egl, osmesa")
     parser.add_argument("--inferences", type=int, default=len(INFERENCES),
                         help="number of ways to infer; the first ways are used")
-    parser.add_argument("--keep", action="store_true", help="keep textures inferred in other ways")
+    parser.add_argument("--keep", action="store_true", help="also keep textures that were inferred in other ways")
     parser.add_argument("-o", "--output", required=True, type=pathlib.Path)
     committed_tree.add_option(parser)
     given = parser.parse_args()

@@ -14,12 +14,12 @@ import statistics
 
 FIGURES = "docs/evidence/readme_figures.json"
 MARK = re.compile(r"<!-- figures: (\w+) -->(.*?)<!-- /figures: \1 -->", re.DOTALL)
-# Marks that other programs fill, by name.
+# The names of marks that other programs fill.
 FOREIGN = {"lobe_textures": "tools/lab/lobe_textures_document.py"}
-# Pages that may have measured figures only between the marks.
+# In these pages, measured figures may occur only between the marks.
 MARKED_ONLY = ("README.md", "docs/explanation/")
-# A number with a unit that only a measurement can give. 0 % and 100 % are excluded, because they explain what an error
-# means.
+# Matches a number with a unit that only a measurement can give. 0 % and 100 % are excluded, because pages use them to
+# explain the meaning of an error.
 MEASURED = re.compile(r"\d[\d.,]*(?:\s|-)?(?:%|ms\b|s\b|seconds?\b|minutes?\b|[KMG]i?B\b|bytes\b|times\b)")
 COMMANDS = re.compile(r"^```.*?^```|^ {4}.*?$|`[^`\n]*`", re.DOTALL | re.MULTILINE)
 LINK = re.compile(r"\]\((docs/[^)]*)\)")
@@ -27,7 +27,7 @@ LABELS = {"multum": "multum, 4 lobes", "lean": "LEAN", "toksvig": "Toksvig", "mi
 FILTERS = {"taps": "default filter, 4 taps",
            "points": "default filter, 4 evaluations of light per pixel for every method",
            "trilinear": "trilinear filter"}
-EVALUATED = "-points"  # ending of the names of methods that are shaded at as many points as multum uses evaluations
+EVALUATED = "-points"  # names of methods with this ending are shaded at as many points as multum uses evaluations
 
 
 class Unreadable(Exception):
@@ -112,8 +112,8 @@ has {made_of["samples"]} samples per pixel. The noise of the reference is {perce
 
 # ---- highlights of texels, by roughness
 
-# Forms that a shader can draw, and the row of docs/evidence/EXPORT.md with the error of each form. Only lobes need a
-# new shader.
+# Forms that a shader can draw. For each form, the entry names the row of docs/evidence/EXPORT.md with its error. Only
+# lobes need a new shader.
 DRAWN = (("averaged normals", r"averaged normals\b[^|]*"), ("Unreal's rule", r"Unreal\b[^|]*"),
          ("Unity HDRP's rule", r"Unity HDRP\b[^|]*"), ("`multum export`", r"\*\*`?multum export`?\*\*"),
          ("four lobes of `multum bake`", r"(?:four )?lobes of `multum bake`[^|]*"))
@@ -195,9 +195,9 @@ def little_gain(figures, _root):
 
 # ---- whole models
 
-# Titles of sections of docs/evidence/GLTF_MODELS.md, and the kind of objects in each section.
+# The titles of sections in docs/evidence/GLTF_MODELS.md, with the kind of objects in each section.
 MODEL_SETS = (("## All models", "models made by other people"), ("## All surfaces", "spheres and planes with bumps"))
-# Forms that three.js draws, with the evaluations of light per pixel, and the row of each form.
+# Forms that three.js draws. Each entry contains the number of evaluations of light per pixel, and the row of the form.
 MODEL_ROWS = (("plain mips", "plain mips"), ("textures of `multum gltf`, shader unchanged", "one lobe"),
               ("plain mips at 4 points per pixel", "points, 4"), ("lobes, 4 evaluations per pixel", "lobes, 4"))
 
@@ -277,7 +277,8 @@ def texel_bytes(figures, _root):
 
 
 def whole_bakes(root):
-    """Returns the seconds and MiB of multum bake and maketx in docs/evidence/BENCHMARKS.md, and the core count."""
+    """Returns the seconds and the MiB of multum bake and maketx in docs/evidence/BENCHMARKS.md, and the number of
+    cores."""
     title = "A whole bake compared with maketx, 4096 x 4096"
     section = row_of(root, "BENCHMARKS.md", rf"(?s)^## {title}\n(.*?)(?=^## |\Z)")
     programs = [re.search(rf"^\| {name} +\| ([\d.]+)[^|]*\| [^|]*\| (\d+)", section, re.MULTILINE)
@@ -335,7 +336,7 @@ def read_figures(root):
 
 
 def marked_pages(root):
-    """Yields path and text of README.md, of every page with marks and of every page that must use marks."""
+    """Yields the path and the text of README.md, of every page with marks, and of every page that must use marks."""
     for path in [root / "README.md", *sorted((root / "docs").rglob("*.md"))]:
         text = path.read_text()
         page = str(path.relative_to(root))

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Makes parts of the pages of tools/demo and tools/lab/reproduce: style, tables, charts, and a description of the
-machine."""
+"""Makes parts of the pages that tools/demo and tools/lab/reproduce write. These parts are the style, tables, charts,
+and a description of the machine."""
 import html
 import math
 import os
@@ -72,7 +72,8 @@ def key(names):
 
 
 def nice_step(top):
-    """Returns 1, 2 or 5 times a power of ten, so that there are four to ten grid lines up to `top`."""
+    """Returns the distance between grid lines, which is 1, 2 or 5 times a power of ten. There are four to ten grid
+    lines up to `top`."""
     power = 10.0 ** math.floor(math.log10(top / 4)) if top > 0 else 1.0
     return next(power * m for m in (1, 2, 5, 10) if top / (power * m) <= 6)
 

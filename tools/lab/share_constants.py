@@ -7,7 +7,7 @@ constants of host/bakes/scene/share_cost.cpp.
     tools/lab/share_constants.py --multum build/release/bin/multum --check --size 1024
                                                                     # exit code 1 if an error exceeds a third
 
-The speed of a machine is not an error of the model, so --check compares each part's share of the whole.
+The model does not predict the speed of a machine, so --check compares each part's share of the whole time.
 """
 import argparse
 import json
@@ -51,7 +51,8 @@ class Shares:
         return seconds
 
     def measured(self, count, options):
-        """Measures one process, share 0, the band with the most rows around it, and the merge."""
+        """Measures four processes: the bake in one process, share 0, the band with the most rows around it, and the
+        merge."""
         whole = self.seconds(*options)
         times = [self.seconds(*options, "--shard", f"{i}/{count}") for i in range(count + 1)]
         return [whole, times[0], max(times[1:]), self.merge_seconds(count, *options)]
@@ -81,7 +82,7 @@ def check(shares, counts):
 
 
 def table(shares, counts):
-    """Prints all settings, measured and predicted."""
+    """Prints the measured and the predicted times of all settings."""
     for options in SETTINGS:
         for count in counts:
             measured, predicted = shares.measured(count, options), shares.predicted(count, options)

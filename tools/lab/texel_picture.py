@@ -4,11 +4,11 @@
 
     tools/lab/texel_picture.py FILE.ndf.exr -o IMAGE [--level L] [--exponent S]
 
-FILE is a bake of four lobes whose sides are powers of two. Each panel shows all half vectors from above. The middle of
-the disc is the surface's normal, and brightness is the strength of the highlight. From left to right, the panels show
-the reference, which averages the highlight over all normals of the texel, then the averaged normal, then one lobe,
-which has the mean vector of all normals, and then the stored lobes. docs/contributing/ALGORITHMS.md, "Shading a
-filtered lobe", has the formula of the lobes. The texel has the median error of all texels of its level, so it is
+FILE is a bake with four lobes, and its sides are powers of two. Each panel shows all half vectors from above. The
+middle of the disc is the surface's normal, and brightness is the strength of the highlight. From left to right, the
+panels show the reference, which averages the highlight over all normals of the texel, then the averaged normal, then
+one lobe, which has the mean vector of all normals, and then the stored lobes. docs/contributing/ALGORITHMS.md, "Shading
+a filtered lobe", has the formula of the lobes. The texel has the median error of all texels of its level, so it is
 neither the best nor the worst.
 """
 import argparse
@@ -21,12 +21,12 @@ import numpy as np  # noqa: E402
 import OpenImageIO as oiio  # noqa: E402
 
 PANEL, MARGIN, LABEL, FONT, FONT_PIXELS = 240, 8, 26, "DejaVuSans", 18
-RADIUS = 0.7  # radius of the disc that a panel shows, in the x and y of half vectors
+RADIUS = 0.7  # radius of the disc that a panel shows, measured in x and y of half vectors
 NAMES = ("reference", "averaged normal", "one lobe", "four lobes")
 
 
 def level_of(path, part, level):
-    """Returns all channels of one mip level of a part, and their names."""
+    """Returns all channels of one mip level of a part, and the names of these channels."""
     image = oiio.ImageInput.open(path)
     subimage = 0
     while image.seek_subimage(subimage, 0) and image.spec().getattribute("oiio:subimagename") != part:
@@ -60,8 +60,8 @@ def power(cosines, exponent):
 
 
 def lobe_highlight(vectors, half, exponent):
-    """Returns the highlight of lobes (a r, a): a sharp cosine power and a broad von Mises-Fisher lobe, mixed by
-    width."""
+    """Returns the highlight of lobes (a r, a). It is a mix of a sharp cosine power and a broad von Mises-Fisher lobe,
+    with weights that depend on the width."""
     shown = 0
     for *moment, amplitude in vectors:
         length = np.linalg.norm(moment)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum bake. Options that maketx also has keep their names from maketx.
+// Implements multum bake. Options that also exist in maketx have the same names as in maketx.
 #include <cstdio>
 #include <memory>
 
@@ -46,7 +46,7 @@ BakeReport bake_chosen(const BakeJob& job, const BakeOptions& o, Device& device)
   return chosen.report;
 }
 
-// Bakes each map. A map that fails does not stop the others. Returns the exit code of the first failure.
+// Bakes each map. If a map fails, the others are still baked. Returns the exit code of the first failure.
 int bake_several(const std::vector<BakeJob>& jobs, const BakeOptions& o, Device& device) {
   int code = 0;
   std::size_t unchanged = 0, failed = 0, begun = 0;
@@ -84,9 +84,10 @@ void check_merge(const BakeOptions& o, bool is_several) {
   if (o.merged_shards == 1) throw Error(ErrorCode::kUsage, "--merge is 1, expected at least 2 shares of one map");
   if (is_several)
     throw Error(ErrorCode::kUsage,
-                "found --merge for several maps, expected one map: shares of several maps need no merge");
+                "found --merge for several maps, expected one map, because shares of several maps need no merge");
   if (has_target(o.values))
-    throw Error(ErrorCode::kUsage, "--merge and a target exclude each other: the shares already have their settings");
+    throw Error(ErrorCode::kUsage,
+                "--merge and a target are mutually exclusive, because the shares already have their settings");
 }
 
 int run_bake(const CLI::App& bake, BakeOptions& o) {
@@ -102,7 +103,8 @@ int run_bake(const CLI::App& bake, BakeOptions& o) {
   check_target_values(o.values);
   apply(o.values, job);
   const DeviceChoice device_choice{o.values.text("device").value_or(""), o.values.flag("scalar")};
-  if (!o.shard.empty() && o.merged_shards > 0) throw Error(ErrorCode::kUsage, "--shard and --merge exclude each other");
+  if (!o.shard.empty() && o.merged_shards > 0)
+    throw Error(ErrorCode::kUsage, "--shard and --merge are mutually exclusive");
   if (has_manifest) {
     if (o.merged_shards > 0) check_merge(o, true);
     if (!o.shard.empty()) o.manifest.shard = parse_work_shard("--shard", o.shard);
@@ -123,7 +125,7 @@ int run_bake(const CLI::App& bake, BakeOptions& o) {
     check_merge(o, is_several);
     jobs[0].merged_shards = o.merged_shards;
   }
-  // A single map is checked before the device is opened. Several maps are read only after a device was opened.
+  // A single map is checked before the device is opened. Several maps are read only after the device has been opened.
   Device device = is_several ? Device::open(device_choice) : Device::when_needed(device_choice);
   device.time_launches(o.values.flag("runstats"));
   if (is_several) return bake_several(jobs, o, device);
@@ -144,17 +146,17 @@ int run_bake(const CLI::App& bake, BakeOptions& o) {
 void add_bake_command(CLI::App& app, int* exit_code) {
   auto options = std::make_shared<BakeOptions>();
   CLI::App* bake = app.add_subcommand("bake", "bake normal maps or height fields into mipmaps of normal distributions");
-  bake->add_option(
-      "input", options->inputs,
-      bake_parameters().at("input").help + ", several maps, a set such as rock_<UDIM>.png, or one scene.toml");
+  bake->add_option("input", options->inputs,
+                   bake_parameters().at("input").help +
+                       "; also several maps, a tile set such as rock_<UDIM>.png, or one scene.toml");
   bake->add_option("-o,--output", options->job.output,
-                   "file to write, *.ndf.exr; for several maps, a folder or a name with <UDIM>; for a scene, a folder");
+                   "output file, *.ndf.exr; for several maps, a folder or a name with <UDIM>; for a scene, a folder");
   bake->add_option("--shard", options->shard,
                    "bake only share I of N (I/N), or shares I to J (I-J/N), of several maps or a scene; for one map, "
-                   "share 0/N is the coarse levels, and shares 1/N to N/N are bands of rows");
+                   "share 0/N contains the coarse levels, and shares 1/N to N/N contain bands of rows");
   bake->add_option("--merge", options->merged_shards,
-                   "write the file of one map from its shares 0/N to N/N; for a scene, check shares 1/N to N/N and "
-                   "write plan and report")
+                   "merge shares 0/N to N/N of one map into its file; for a scene, check shares 1/N to N/N, and write "
+                   "the plan and report")
       ->type_name("N")
       ->check(CLI::Range(1, kMergedSharesMax));
   add_parameter_options(*bake, options->values);
@@ -167,7 +169,7 @@ void add_bake_command(CLI::App& app, int* exit_code) {
       "  multum bake 'rock_<UDIM>.png' -o 'rock_<UDIM>.ndf.exr'     # all tiles of a set\n"
       "  multum bake --manifest maps.toml --check                   # the changed maps of a project\n"
       "  multum bake scene.toml -o baked                            # only what a scene shows of its maps\n"
-      "A map that fails does not stop the others. Shares are files next to the output. With --region, texels\n"
+      "If one map fails, the other maps are still baked. Shares are files next to the output. With --region, texels\n"
       "outside of the region keep their lobes, so the checksum differs from a full bake. Scratch files need about\n"
       "40 bytes per texel with four lobes. More: docs/reference/input_maps.md, docs/reference/manifests.md,\n"
       "docs/reference/scenes.md and docs/how-to/clusters.md.");

@@ -19,8 +19,8 @@ namespace {
 
 constexpr char kStdout[] = "-";
 
-// Checks result files before any work, so that a long run does not end with a report that cannot be written or that
-// overwrites a map.
+// Checks the names of result files before any work. Otherwise a long run could end with a report that cannot be written
+// or that overwrites a map.
 void check_result_files(const ManifestModeOptions& o, const std::vector<ManifestMap>& maps) {
   std::vector<std::string> taken = {o.manifest};
   for (const ManifestMap& map : maps) {
@@ -47,7 +47,7 @@ void print_result(const ManifestMap& map, const BakePrinting& printing, const Ma
   }
 }
 
-// Bakes or checks one map. A map that fails does not stop the others.
+// Bakes or checks one map. If it fails, the other maps are still handled.
 MapResult run_map(const ManifestMap& map, const ManifestModeOptions& o, Device& device, const CommonOptions& common,
                   const BakePrinting& printing) {
   const Stopwatch stopwatch;
@@ -94,15 +94,16 @@ void print_outcome(const ManifestOutcome& outcome, const BakePrinting& printing)
 
 void add_manifest_options(CLI::App& bake, ManifestModeOptions& o) {
   CLI::Option* const manifest = bake.add_option("--manifest", o.manifest,
-                                                "bake the changed maps that this maps.toml lists; replaces input and "
-                                                "--output");
+                                                "bake the changed maps in this maps.toml; this option replaces the "
+                                                "input and --output");
   CLI::Option* const check = bake.add_flag("--check", o.run.check,
                                            "also verify and measure existing files; exit with code 5 if a file was "
-                                           "missing, stale, damaged, or above its stated error or error_max")
+                                           "missing, stale or damaged, or if its error exceeds its stated error or "
+                                           "error_max")
                                  ->needs(manifest);
-  bake.add_flag("--dry-run", o.run.dry_run, "with --check, only list findings and bake nothing")->needs(check);
-  bake.add_option("--junit", o.junit, "write the findings as JUnit XML")->needs(manifest);
-  bake.add_option("--summary", o.summary, "write the findings as a Markdown table; - writes to stdout")
+  bake.add_flag("--dry-run", o.run.dry_run, "with --check, list the findings, but bake nothing")->needs(check);
+  bake.add_option("--junit", o.junit, "write the findings to this file as JUnit XML")->needs(manifest);
+  bake.add_option("--summary", o.summary, "write the findings as a Markdown table to this file, or to stdout for -")
       ->needs(manifest);
   check->excludes("--force");
 }
@@ -114,12 +115,13 @@ void check_no_map_is_given(const CLI::App& bake, const ManifestModeOptions& o) {
     if (option->count() == 0) continue;
     const std::string name = shown_name(*option);
     if (std::find(kOfNamedMaps.begin(), kOfNamedMaps.end(), name) != kOfNamedMaps.end())
-      throw Error(ErrorCode::kUsage, name + " and --manifest exclude each other: the manifest names the maps");
+      throw Error(ErrorCode::kUsage,
+                  name + " and --manifest are mutually exclusive, because the manifest names the maps");
     std::string key = option->get_lnames().empty() ? name : option->get_lnames().front();
     std::replace(key.begin(), key.end(), '-', '_');
     const Parameter* const parameter = bake_parameters().find(key);
     if (parameter == nullptr || !parameter->is_on(kInManifest)) continue;
-    throw Error(ErrorCode::kUsage, name + " and --manifest exclude each other, expected " + parameter->name +
+    throw Error(ErrorCode::kUsage, name + " and --manifest are mutually exclusive, expected " + parameter->name +
                                        " under [[map]] or [defaults] in " + o.manifest);
   }
 }
@@ -129,7 +131,7 @@ int run_manifest(const ManifestModeOptions& o, const BakeJob& pattern, const Dev
   const Stopwatch stopwatch;
   add_key_words(bake_parameters().names(kInManifest));
   if (o.summary == kStdout && common.json)
-    throw Error(ErrorCode::kUsage, "--summary - and --json exclude each other: both print to stdout");
+    throw Error(ErrorCode::kUsage, "--summary - and --json are mutually exclusive, because both print to stdout");
   if (o.summary == kStdout) printing.out = stderr;
   std::vector<ManifestMap> maps = read_bake_manifest(o.manifest, pattern);
   check_result_files(o, maps);

@@ -19,7 +19,8 @@ struct ManifestModeOptions {
   std::string manifest;  // manifest file; empty if the command runs in another mode
   ManifestRunSettings run;
   std::string junit;    // JUnit XML file; empty if none is written
-  std::string summary;  // file of the summary; empty if none is written; "-" for stdout, which then has no other text
+  std::string summary;  // file of the summary; empty if none is written; "-" for stdout, to which no other text is then
+                        // printed
   WorkShard shard;      // share of the maps
 };
 

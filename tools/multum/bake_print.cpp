@@ -12,20 +12,21 @@ void print_report(const BakeJob& job, const BakePrinting& printing, const BakeRe
     return;
   }
   if (report.unchanged) {
-    print_shown(out, "%s: unchanged: it was baked from the same file with the same settings; --force bakes it again\n",
-                job.output.c_str());
+    print_shown(
+        out, "%s: unchanged, because it was baked from the same file with the same settings; --force bakes it again\n",
+        job.output.c_str());
     return;
   }
   print_shown(out, "%s: written\n%s%s", job.output.c_str(), report.choice.c_str(), report.to_text().c_str());
   if (!printing.details) return;
   if (report.rows_resumed > 0)
-    print_shown(out, "%llu rows of levels were taken from an interrupted bake\n",
+    print_shown(out, "%llu level rows were reused from an interrupted bake\n",
                 static_cast<unsigned long long>(report.rows_resumed));
   print_shown(out, "%s", report.plan().c_str());
   for (const LevelReport& level : report.fit.levels)
     print_shown(out, "level %2d  %6d x %-6d  %8.3f s  %6llu launches\n", level.level, level.width, level.height,
                 level.seconds, static_cast<unsigned long long>(level.launches));
-  print_shown(out, "choosing a start %.3f s, binning normals %.3f s\n", report.fit.start_seconds,
+  print_shown(out, "choosing starting values %.3f s, binning normals %.3f s\n", report.fit.start_seconds,
               report.fit.binning_seconds);
   for (const auto& [kernel, count] : report.launches) {
     const auto found = report.launch_seconds.find(kernel);
@@ -35,7 +36,7 @@ void print_report(const BakeJob& job, const BakePrinting& printing, const BakeRe
   }
   const TransferCounts& t = report.transfers;
   if (t.uploads + t.downloads > 0)
-    print_shown(out, "copies: %llu to the device (%.1f MiB), %llu back (%.1f MiB)\n",
+    print_shown(out, "copies: %llu to the device (%.1f MiB), and %llu back (%.1f MiB)\n",
                 static_cast<unsigned long long>(t.uploads), static_cast<double>(t.upload_bytes) / (1 << 20),
                 static_cast<unsigned long long>(t.downloads), static_cast<double>(t.download_bytes) / (1 << 20));
 }

@@ -18,9 +18,9 @@ struct BakePrinting {
 
 void print_report(const BakeJob& job, const BakePrinting& printing, const BakeReport& report);
 
-/// Returns the report that --json prints: "output", then the keys of --report.
+/// Returns the report that --json prints, which consists of "output" and the keys of --report.
 OrderedJson bake_json(const BakeJob& job, const BakeReport& report);
-/// Returns the entry of a map that failed: "output", "source", and the reason in "failed".
+/// Returns the entry of a map that failed, with "output", "source", and the reason in "failed".
 OrderedJson failed_bake_json(const BakeJob& job, const std::string& error);
 
 }  // namespace multum

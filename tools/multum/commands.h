@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Declares the subcommands of `multum`. Each function adds a subcommand to `app`. The subcommand sets *exit_code.
+// Declares the subcommands of `multum`. Each function adds a subcommand to `app`. When the subcommand runs, it sets
+// *exit_code.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -13,7 +14,7 @@
 
 namespace multum {
 
-/// Options that most commands share.
+/// The options that most commands share.
 struct CommonOptions {
   int threads = 0;  // 0 means all cores
   bool verbose = false;
@@ -22,12 +23,12 @@ struct CommonOptions {
   bool json = false;    // print the result as one JSON document on stdout, and nothing else there
 };
 
-/// Sets verbosity and thread count for the process and returns the thread count. Call it before the first OpenCL or
-/// image call.
+/// Sets the verbosity and the thread count of the process, and returns the thread count. Call this function before the
+/// first OpenCL or image call.
 int apply(const CommonOptions& options);
 void add_common_options(CLI::App& command, CommonOptions& options);
 
-/// Returns the progress of a long command: a bar on a terminal, or the callback of a worker.
+/// Returns the progress of a long command, which is a bar on a terminal or the callback of a worker.
 std::unique_ptr<Progress> make_progress(const CommonOptions& options);
 
 /// Runs a command line and returns its exit code. Throws Error and Cancelled.
@@ -38,19 +39,20 @@ int run_command_heard(const std::vector<std::string>& words, const Progress::Cal
 /// Returns the value of an environment variable, or null.
 const char* environment_variable(const char* name);
 
-/// Returns the path of multum-view: next to multum (in a build folder and when installed), otherwise in PATH.
+/// Returns the path of multum-view. It is searched for next to multum (in a build folder or an installation), and
+/// otherwise in PATH.
 std::string find_viewer();
 
 void add_bake_command(CLI::App& app, int* exit_code);
 void add_export_command(CLI::App& app, int* exit_code);
 void add_gltf_command(CLI::App& app, int* exit_code);
-/// look: writes a page that shows lobes in a browser.
+/// Adds look, which writes a page that shows lobes in a browser.
 void add_look_command(CLI::App& app, int* exit_code);
 void add_devices_command(CLI::App& app, int* exit_code);
-/// doctor: checks the machine.
+/// Adds doctor, which checks the machine.
 void add_doctor_command(CLI::App& app, int* exit_code);
 void add_info_command(CLI::App& app, int* exit_code);
-/// shaders: writes the shading of lobes in several languages.
+/// Adds shaders, which writes the shading of lobes in several languages.
 void add_shaders_command(CLI::App& app, int* exit_code);
 void add_selftest_command(CLI::App& app, int* exit_code);
 void add_tradeoff_command(CLI::App& app, int* exit_code);
@@ -59,23 +61,23 @@ void add_testmap_command(CLI::App& app, int* exit_code);
 void add_plan_command(CLI::App& app, int* exit_code);
 /// mip, reflectance, lod.
 void add_pyramid_commands(CLI::App& app, int* exit_code);
-/// parameters: prints the table of all parameters.
+/// Adds parameters, which prints the table of all parameters.
 void add_parameters_command(CLI::App& app, int* exit_code);
 /// completion, man.
 void add_help_commands(CLI::App& app, int* exit_code);
 void add_materials_command(CLI::App& app, int* exit_code);
 
-// The commands of the farm are in tools/multum/farm. A build without the farm has no_farm.cpp instead.
+// The commands of the farm are in tools/multum/farm. A build without the farm uses no_farm.cpp instead.
 
 /// Throws Error(kUsage) if the words are not a valid command line of this program.
 using CheckWords = void (*)(const std::vector<std::string>& words);
 
-/// Registers the job types of the farm. Call it once, before any command.
+/// Registers the job types of the farm. Call this function once, before any command.
 void register_jobs();
-/// serve, jobs, openjd. Refuses old names of commands.
+/// Adds serve, jobs and openjd. Also refuses old names of commands.
 void add_farm_commands(CLI::App& app, int* exit_code, CheckWords check_words);
-/// Asks the service at `server`, or at the default address if `server` is empty, whether it works. Returns no findings
-/// without the farm.
+/// Asks the service at `server`, or at the default address if `server` is empty, whether it works. In a build without
+/// the farm, returns no findings.
 DoctorFindings service_findings(const std::string& server);
 /// Returns the schemas of docs/reference/openapi.json that are made from tables of the program, by name
 /// (host/farm/service/http/job_schemas.h).

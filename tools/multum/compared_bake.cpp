@@ -26,7 +26,7 @@ BakeJob compared_bake_job(const ExportJob& job, const std::string& output) {
 ComparedBake::ComparedBake(const ExportJob& job, const std::string& page, Device& device, Progress* progress) {
   work_ = WorkFolder::make(std::filesystem::path(page).parent_path().string());
   path_ = work_->path() + "/lobes.ndf.exr";
-  const QuietLog quiet;  // the export prints the warnings about the map
+  const QuietLog quiet;  // the export already prints the warnings about the map
   bake_file(compared_bake_job(job, path_), nullptr, device, progress);
 }
 

@@ -12,13 +12,14 @@
 
 namespace multum {
 
-/// Returns the job that bakes the map of an export to `output`, with the memory and scratch folder of the export.
+/// Returns the job that bakes the map of an export to `output`, with the memory limit and the scratch folder of the
+/// export.
 BakeJob compared_bake_job(const ExportJob& job, const std::string& output);
 
 /// Bakes into a temporary file. The destructor removes the file.
 class ComparedBake {
  public:
-  /// Bakes into the folder of `page`. Throws as bake_file() does.
+  /// Bakes into the folder of `page`. Throws the same errors as bake_file().
   ComparedBake(const ExportJob& job, const std::string& page, Device& device, Progress* progress);
   const std::string& path() const { return path_; }
 

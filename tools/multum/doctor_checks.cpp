@@ -60,7 +60,7 @@ DoctorFinding cache_finding(const std::string& folder, const std::string& what, 
   if (folder.empty())
     return {DoctorState::kWarning, "cache", fmt::format("{}: switched off, so kernels are compiled in every run", what),
             fmt::format("Unset {}, or set it to a folder that can be written.", variable)};
-  // If a folder is not writable, opening a device replaces it with a private folder (kernel_caches.h).
+  // If a folder is not writable, it is replaced with a private folder when a device is opened (kernel_caches.h).
   const char* const used = std::getenv(variable.c_str());
   if (used != nullptr && used != folder)
     return {DoctorState::kWarning, "cache",
@@ -90,7 +90,7 @@ std::string last_line(const std::string& text) {
   return text.substr(begin == std::string::npos ? 0 : begin + 1, end - (begin == std::string::npos ? -1 : begin));
 }
 
-// Returns the reason why a child failed, in one line. Empty if it succeeded.
+// Returns one line with the reason why a child process failed, or an empty string if it succeeded.
 std::string failure_of(const ChildResult& child) {
   if (child.is_over_time) return "it took longer than five minutes";
   if (child.signal != 0) return fmt::format("it was terminated by signal {}", child.signal);
@@ -161,7 +161,7 @@ DoctorFindings device_findings(const DoctorSettings& settings) {
     const std::string& cache = pocl_cache_failure();
     return {{DoctorState::kFailure, "OpenCL", cache.empty() ? "no device" : "no device: " + cache,
              cache.empty()
-                 ? "Install a driver, such as PoCL (Debian package pocl-opencl-icd), then run `multum devices`."
+                 ? "Install a driver, such as PoCL (Debian package pocl-opencl-icd). Then run `multum devices`."
                  : "Set POCL_CACHE_DIR to a folder that can be written."}};
   }
   DoctorFindings findings;
@@ -172,7 +172,7 @@ DoctorFindings device_findings(const DoctorSettings& settings) {
                         ""});
   if (!choose_device(devices, settings.device))
     findings.push_back({DoctorState::kFailure, "OpenCL", fmt::format("--device {}: no such device", settings.device),
-                        "Give a number of `multum devices`, or part of a name."});
+                        "Give a device number from `multum devices`, or part of a device name."});
   return findings;
 }
 
@@ -220,8 +220,8 @@ DoctorFindings trial_findings(const DoctorSettings& settings, const std::string&
   }
   if (!failure.empty())
     return {{DoctorState::kFailure, "bake", "a map of 32 x 32 texels: " + failure,
-             "Run `multum selftest`: it names the kernels that this driver computes wrongly."},
-            {DoctorState::kAbsent, "GL", "not tried, because no map was baked", ""}};
+             "Run `multum selftest`, which names the kernels that this driver computes wrongly."},
+            {DoctorState::kAbsent, "GL", "not tested, because no map was baked", ""}};
   DoctorFindings findings = {
       {DoctorState::kFine, "bake", fmt::format("a map of 32 x 32 texels, in {:.1f} s", seconds), ""}};
   const DoctorFindings contexts = context_findings(settings, folder);
@@ -236,7 +236,8 @@ DoctorFindings program_findings(const std::string& folder) {
     settings.option = "--format";
     settings.folder = folder;
     check_uastc_encoder(settings);
-    findings.push_back({DoctorState::kFine, "programs", "Node.js with ktx2-encoder: UASTC textures can be made", ""});
+    findings.push_back(
+        {DoctorState::kFine, "programs", "Node.js and ktx2-encoder are installed, so UASTC textures can be made", ""});
   } catch (const Error& error) {
     findings.push_back({DoctorState::kAbsent, "programs", error.what(), "Needed only for UASTC textures."});
   }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Checks of the machine that `multum doctor` runs. Each check reports its findings and, after a failure, what to do.
+// Declares the checks of the machine that `multum doctor` runs. Each check reports its findings and, after a failure,
+// what the user should do.
 #pragma once
 
 #include <string>
@@ -16,7 +17,7 @@ enum class DoctorState {
   kFailure,  // at least one command cannot work
 };
 
-/// "ok", "absent", "warning" or "failure".
+/// Returns "ok", "absent", "warning" or "failure".
 const char* doctor_state_name(DoctorState state);
 
 struct DoctorFinding {
@@ -36,20 +37,20 @@ struct DoctorSettings {
 /// Checks the processors and the memory that this process may use.
 DoctorFindings machine_findings();
 
-/// Checks OpenCL devices, and whether --device names one of them.
+/// Checks the OpenCL devices, and checks that --device names one of them.
 DoctorFindings device_findings(const DoctorSettings& settings);
 
-/// Checks the access rights and sizes of the folders of compiled kernels. Call it after device_findings().
+/// Checks the access rights and sizes of the folders of compiled kernels. Call this function after device_findings().
 DoctorFindings cache_findings(const KernelCacheFolders& folders);
 
-/// Checks the program that decodes images and meshes, and whether the kernel can confine it.
+/// Checks the program that decodes images and meshes, and checks whether the operating system's kernel can confine it.
 DoctorFindings decoder_findings();
 
 /// Checks the free space and access rights of the current folder and of the folder for temporary files.
 DoctorFindings disk_findings();
 
 /// Makes a map of 32 x 32 texels in `folder`, bakes it with this program, and draws the result with each GL context
-/// that multum-view supports. Returns findings of the areas "bake" and "GL". `folder` must be empty and writable.
+/// that multum-view supports. Returns findings for the areas "bake" and "GL". `folder` must be empty and writable.
 DoctorFindings trial_findings(const DoctorSettings& settings, const std::string& folder);
 
 /// Checks optional programs: Node.js with ktx2-encoder, and ffmpeg.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum doctor: checks the machine, reports problems, and says how to solve them.
+// Implements multum doctor, which checks the machine, reports problems, and says how to solve them.
 #include <fmt/format.h>
 
 #include <filesystem>
@@ -75,7 +75,7 @@ int run_doctor(const DoctorOptions& options) {
   else write_shown(stdout, findings_text(findings) + fmt::format("\n{} failures, {} warnings\n", failures, warnings));
   if (failures > 0)
     throw Error(ErrorCode::kEnvironment,
-                fmt::format("this machine fails {} checks: follow the advice under each failure", failures));
+                fmt::format("this machine fails {} checks; follow the advice under each failure", failures));
   return 0;
 }
 
@@ -83,7 +83,7 @@ int run_doctor(const DoctorOptions& options) {
 
 void add_doctor_command(CLI::App& app, int* exit_code) {
   auto options = std::make_shared<DoctorOptions>();
-  CLI::App* command = app.add_subcommand("doctor", "check this machine, report problems, and say how to solve them");
+  CLI::App* command = app.add_subcommand("doctor", "check this machine, report problems, and suggest solutions");
   command->add_option("--device", options->device,
                       "check this OpenCL device: its number in `multum devices`, or part of its name");
   command->add_option("--server", options->server,

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum export: writes a normal map as a material with one lobe per texel. Engines load it without a new shader.
+// Implements multum export, which writes a normal map as a material with one lobe per texel. Engines can load this
+// material without a new shader.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -54,13 +55,13 @@ const char* finding_name(ExportFinding finding) {
   return "";
 }
 
-// Throws Error(kUsage) for options about reading a map. These options have no effect on a baked file, which already
+// Throws Error(kUsage) for options that control how a map is read. They have no effect on a baked file, which already
 // holds decoded normals.
 void check_no_reading_is_given(const std::string& input, const ParameterValues& values) {
   for (const Parameter& row : export_parameters().rows())
     if (row.group == kSourceGroup && values.has(row.name))
       throw Error(ErrorCode::kUsage,
-                  input + " is a baked file, whose normals are already decoded: expected no " + row.option());
+                  input + " is a baked file, whose normals are already decoded; expected no " + row.option());
 }
 
 ExportReport export_with_page(ExportJob job, const std::string& page, const CommonOptions& common, Device& device) {
@@ -87,7 +88,7 @@ void print_export(const ExportJob& job, const CommonOptions& common, const Expor
   print_shown(stdout, "%s", report.accuracy.to_text().c_str());
   if (!common.verbose) return;
   if (report.rows_resumed > 0)
-    print_shown(stdout, "%llu rows of levels were taken from an interrupted export\n",
+    print_shown(stdout, "%llu level rows were reused from an interrupted export\n",
                 static_cast<unsigned long long>(report.rows_resumed));
   print_shown(stdout, "%s", report.plan.c_str());
   for (const auto& [stage, seconds] : report.seconds) print_shown(stdout, "%s %.2f s\n", stage.c_str(), seconds);
@@ -100,7 +101,7 @@ OrderedJson export_json(const ExportJob& job, const ExportReport& report) {
   return json;
 }
 
-// Exports each map. A map that fails does not stop the others. Returns the exit code of the first failure.
+// Exports each map. If a map fails, the others are still exported. Returns the exit code of the first failure.
 int export_several(const std::vector<ExportJob>& jobs, const CommonOptions& common, Device& device) {
   int code = 0;
   std::size_t failed = 0;
@@ -166,7 +167,7 @@ int run_export_manifest(const ExportOptions& o) {
       const Error error = caught_error(maps[i].job.input);
       print_shown(stderr, "multum: %s\n", error.what());
       counts.maps.push_back({{"name", maps[i].name}, {"state", "failed"}, {"why", error.what()}});
-      // A setting that does not fit its map is an error in the manifest file, not in the command line.
+      // A setting that does not suit its map is an error in the manifest, not in the command line.
       if (code == 0) code = exit_code(error.code() == ErrorCode::kUsage ? ErrorCode::kInput : error.code());
     }
   }
@@ -182,10 +183,11 @@ int run_export_manifest(const ExportOptions& o) {
 // Throws Error(kUsage) for an option that the manifest sets for each map.
 void check_no_map_is_given(const ExportOptions& o) {
   if (!o.inputs.empty() || !o.job.output.empty())
-    throw Error(ErrorCode::kUsage, "input, --output and --manifest exclude each other: the manifest names the maps");
+    throw Error(ErrorCode::kUsage,
+                "input, --output and --manifest are mutually exclusive, because the manifest names the maps");
   for (const Parameter& row : export_parameters().rows())
     if ((row.is_on(kInManifest) || row.name == "report" || row.name == "page") && o.values.has(row.name))
-      throw Error(ErrorCode::kUsage, row.option() + " and --manifest exclude each other, expected " + row.name +
+      throw Error(ErrorCode::kUsage, row.option() + " and --manifest are mutually exclusive, expected " + row.name +
                                          " under [[map]] or [defaults] in " + o.manifest);
 }
 
@@ -199,7 +201,8 @@ LobeExportJob lobe_export_job(const ExportOptions& o) {
   for (const Parameter& row : export_parameters().rows())
     if (o.values.has(row.name) && std::find(kWithLobes.begin(), kWithLobes.end(), row.name) == kWithLobes.end())
       throw Error(ErrorCode::kUsage,
-                  "--lobes: found " + row.option() + ", expected it without --lobes: lobes are stored unchanged");
+                  "--lobes: found " + row.option() +
+                      ", which has no effect because lobes are stored unchanged; expected it only without --lobes");
   LobeExportJob job{o.inputs[0], o.job.output, o.values.text("report").value_or("")};
   if (!o.job.output.ends_with(".ktx2"))
     throw Error(ErrorCode::kUsage, o.job.output + ": is not the name of a KTX2 file, expected NAME.ktx2 with --lobes");
@@ -271,17 +274,21 @@ void add_export_command(CLI::App& app, int* exit_code) {
                                          "write normal maps as textures for engines: normal, roughness and anisotropy "
                                          "with fitted mips");
   command->add_option("input", o.inputs,
-                      "normal map, height field or baked file with level 0 (NAME.ndf.exr); several maps; or a set such "
-                      "as rock_<UDIM>.png");
+                      "normal map, height field or baked file with level 0 (NAME.ndf.exr); also several maps, or a "
+                      "tile set such as rock_<UDIM>.png");
   command->add_option("-o,--output", o.job.output,
-                      "folder to write to, or NAME.ktx2 or NAME.dds for NAME_normal.ktx2, NAME_orm.ktx2 and so on; for "
-                      "several maps, a folder or a name with <UDIM>");
-  CLI::Option* const manifest = command->add_option(
-      "--manifest", o.manifest, "export the changed maps that this maps.toml lists; replaces input and --output");
-  CLI::Option* const check =
-      command->add_flag("--check", o.check, "print a list and exit with code 5 if files were missing, stale or damaged")
-          ->needs(manifest);
-  command->add_flag("--dry-run", o.dry_run, "with --check, only list findings and export nothing")->needs(check);
+                      "output folder, or NAME.ktx2 or NAME.dds, which gives NAME_normal.ktx2, NAME_orm.ktx2 and so on;"
+                      " for several maps, a folder or a name with <UDIM>");
+  CLI::Option* const manifest =
+      command->add_option("--manifest", o.manifest,
+                          "export the changed maps in this maps.toml; this option replaces the input and "
+                          "--output");
+  CLI::Option* const check = command
+                                 ->add_flag("--check", o.check,
+                                            "list files that were missing, stale or damaged, and exit with code 5 if "
+                                            "there are any")
+                                 ->needs(manifest);
+  command->add_flag("--dry-run", o.dry_run, "with --check, list the findings, but export nothing")->needs(check);
   command->add_option("--shard", o.shard_text,
                       "export only share I of N (I/N), or shares I to J (I-J/N), of several maps");
   add_parameter_options(*command, o.values);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum info, verify, devices, testmap.
+// Implements multum info, verify, devices and testmap.
 #include <fmt/format.h>
 
 #include <cstdio>
@@ -53,7 +53,8 @@ std::string size_text(std::uint64_t bytes) {
   return kib < 1024.0 ? fmt::format("{:.1f} KiB", kib) : fmt::format("{:.1f} MiB", kib / 1024.0);
 }
 
-// The lines of `multum info` that depend on the representation: texel contents and encoding losses.
+// The lines of `multum info` that depend on the representation. They describe the texel contents and the losses of the
+// encoding.
 struct InfoKind {
   Representation representation;
   std::string (*texels)(const std::string& path, const BakedHeader& file);
@@ -92,7 +93,7 @@ constexpr InfoKind kInfoKinds[] = {
                           file.has_colours ? ", mean colour" : "", material_texts(file));
      },
      [](const BakedHeader& file) {
-       return fmt::format("at a slope b, stores deviations of slopes down to {:.4f} b",
+       return fmt::format("at a slope b, stores deviations of slopes as small as {:.4f} b",
                           static_cast<double>(least_slope_deviation(file.encoding)));
      }},
     {Representation::kSh,
@@ -116,7 +117,7 @@ const InfoKind& info_kind(Representation representation) {
   return kInfoKinds[0];
 }
 
-// Returns the size on the GPU, compared with BC5 and BC4 textures of the same map.
+// Describes the size on the GPU, compared with BC5 and BC4 textures of the same map.
 std::string on_the_gpu(std::uint64_t bytes, const BakedHeader& file) {
   const std::uint64_t by_default = default_gpu_bytes(file.width, file.height);
   return fmt::format("on the GPU      {}{}, {:.1f} times the {} of a BC5 normal and a BC4 roughness\n",
@@ -124,7 +125,8 @@ std::string on_the_gpu(std::uint64_t bytes, const BakedHeader& file) {
                      static_cast<double>(bytes) / static_cast<double>(by_default), size_text(by_default));
 }
 
-// Returns what the bake found in its source files. Empty for files that earlier versions wrote.
+// Returns the properties that the bake found in its source files. The result is empty for files that earlier versions
+// wrote.
 std::string reading_text(const std::string& reading) {
   const nlohmann::json json = nlohmann::json::parse(reading, nullptr, false);
   if (!json.is_object()) return "";
@@ -138,11 +140,11 @@ std::string reading_text(const std::string& reading) {
   for (const auto& [key, label] : kLines)
     if (json.contains(key)) line(label, json.at(key));
   constexpr std::pair<const char*, const char*> kCounts[] = {
-      {"unused_texels", "black texels, taken as unused"},
+      {"unused_texels", "black texels, which are taken as unused"},
       {"nonfinite_repaired", "texels that are not finite"},
       {"zero_length_repaired", "texels of length 0"},
       {"below_horizon_repaired", "texels below the horizon"},
-      {"albedo_clamped", "texels of the albedo without a colour"}};
+      {"albedo_clamped", "albedo texels without a colour"}};
   for (const auto& [key, label] : kCounts)
     if (json.contains(key)) line("repaired", fmt::format("{} {}", json.at(key).dump(), label));
   if (json.contains("doubts"))
@@ -193,8 +195,7 @@ int print_info(const std::string& path) {
   text += on_the_gpu(baked_gpu_bytes(path), file);
   text += fmt::format("source          {}, SHA-256 {}\n", from.source_name, from.file_hash());
   if (!from.source_tiles.empty())
-    text +=
-        fmt::format("with its set    SHA-256 {} of the source and of the data from other tiles\n", from.source_hash);
+    text += fmt::format("with its set    SHA-256 {} of the source and the data from other tiles\n", from.source_hash);
   text += reading_text(from.reading);
   text += fmt::format("settings        {}\n", rounded_settings(from.settings));
   text += fmt::format("checksum        {}\n", from.content_hash);
@@ -280,7 +281,9 @@ void add_verify_command(CLI::App& app, int* exit_code) {
   auto path = std::make_shared<std::string>();
   auto common = std::make_shared<CommonOptions>();
   CLI::App* verify =
-      app.add_subcommand("verify", "check a baked file or a packed field: structure, finite values, sums, checksums");
+      app.add_subcommand("verify",
+                         "check the structure, finite values, sums and checksums of a baked file or a packed"
+                         " field");
   verify->add_option("file", *path, "baked file, *.ndf.exr, or packed field, *.mpt")->required();
   add_common_options(*verify, *common);
   verify->callback([path, common, exit_code] { *exit_code = run_verify(*path, *common); });

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum gltf: writes a copy of a model whose normal and roughness textures have fitted mips.
+// Implements multum gltf, which writes a copy of a model whose normal and roughness textures have fitted mips.
 #include <cstdio>
 #include <memory>
 

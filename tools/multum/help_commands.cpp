@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum completion, multum man: write shell completion and manual pages of multum and multum-view.
+// Implements multum completion and multum man, which write shell completion and manual pages of multum and multum-view.
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -18,7 +18,8 @@ struct ManOptions {
   bool markdown = false, json = false;
 };
 
-// Runs the same command of multum-view, which describes its own command line. Returns "" if it is not installed.
+// Runs the same command of multum-view, which describes its own command line. Returns "" if multum-view is not
+// installed.
 std::string answer_of_viewer(const std::vector<std::string>& words) {
   std::vector<std::string> command = {find_viewer()};
   command.insert(command.end(), words.begin(), words.end());
@@ -40,8 +41,8 @@ int run_man(const CLI::App& program, const ManOptions& o) {
   answer_of_viewer({"man", "-o", std::filesystem::absolute(o.folder).string()});
   if (o.json) print_json({{"output", path_json(o.folder)}});
   else
-    print_shown(stdout, "%s: written: %d pages of multum, and one of multum-view for each of its commands\n",
-                o.folder.c_str(), count);
+    print_shown(stdout, "%s: written: %d pages for multum, and one for each command of multum-view\n", o.folder.c_str(),
+                count);
   return 0;
 }
 
@@ -51,7 +52,9 @@ void add_help_commands(CLI::App& app, int* exit_code) {
   auto shell = std::make_shared<std::string>();
   CLI::App* completion =
       app.add_subcommand("completion", "print a script that completes commands and options in a shell");
-  completion->add_option("shell", *shell, "shell to write the script for")->required()->check(CLI::IsMember(kShells));
+  completion->add_option("shell", *shell, "shell for which the script is printed")
+      ->required()
+      ->check(CLI::IsMember(kShells));
   completion->footer(
       "Examples:\n"
       "  multum completion bash > ~/.local/share/bash-completion/completions/multum\n"

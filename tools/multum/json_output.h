@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Prints the result of a command as JSON (--json): one document on stdout and nothing else.
+// Prints the result of a command as JSON (--json). The only output on stdout is one document.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -14,7 +14,7 @@ namespace multum {
 
 using OrderedJson = nlohmann::ordered_json;
 
-/// Heading for the options that most commands share.
+/// The heading for the options that most commands share.
 inline constexpr char kCommonGroup[] = "Common";
 
 /// Adds --json to a command that has no common options.
@@ -29,7 +29,7 @@ void print_json(const OrderedJson& json);
 /// Parses a JSON text that this program made.
 OrderedJson parsed(const std::string& json_text);
 
-/// Returns a path as a JSON string. Bytes that are not UTF-8 are encoded (host/foundation/base/path_text.h).
+/// Returns a path as a JSON string. Bytes that are not valid UTF-8 are encoded (host/foundation/base/path_text.h).
 OrderedJson path_json(const std::string& path);
 
 }  // namespace multum

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum look: writes a page that shows lobes next to the results of engines, and opens it on a desktop.
+// Implements multum look, which writes a page that shows lobes next to the results of engines, and opens this page on a
+// desktop.
 #include <fmt/format.h>
 
 #include <cstdio>
@@ -32,9 +33,9 @@ int run_look(LookOptions& o) {
   o.job.threads = apply(o.common);
   keep_freed_memory();
   if (!o.sources.empty() && o.sources.size() != o.inputs.size())
-    throw Error(ErrorCode::kUsage, fmt::format("found {} --source, expected none, or one for each of {} files in the "
-                                               "same order",
-                                               o.sources.size(), o.inputs.size()));
+    throw Error(ErrorCode::kUsage,
+                fmt::format("found {} --source, expected none, or one for each of the {} files in the same order",
+                            o.sources.size(), o.inputs.size()));
   for (std::size_t i = 0; i < o.inputs.size(); ++i)
     o.job.maps.push_back({o.inputs[i], o.sources.empty() ? "" : o.sources[i]});
   if (o.job.output.empty()) {
@@ -64,19 +65,21 @@ void add_look_command(CLI::App& app, int* exit_code) {
   auto options = std::make_shared<LookOptions>();
   LookOptions& o = *options;
   CLI::App* command = app.add_subcommand("look",
-                                         "show lobes in a browser and compare them with averaged normals, the "
+                                         "show lobes in a browser, and compare them with averaged normals, the "
                                          "roughness rules of engines and the one-lobe export");
   command->add_option("inputs", o.inputs, "baked files of lobes, *.ndf.exr; the page lists them")->required();
   command
       ->add_option("--source", o.sources,
-                   "normal map from which the file was baked; once per file (default: level 0 of the file)")
+                   "the normal map from which a file was baked; give one per file (default: level 0 of the file)")
       ->allow_extra_args(false);
   command->add_option("-o,--output", o.job.output,
                       "page to write, *.html (default: the name of the input, or look.html for several)");
   command->add_option("--base-roughness", o.job.base_roughness, "set one perceptual roughness for the whole surface")
       ->check(CLI::Range(0.05, 1.0))
       ->capture_default_str();
-  command->add_flag("--same-source", o.job.same_source, "refuse a normal map that differs from the map that was baked");
+  command->add_flag("--same-source", o.job.same_source,
+                    "reject a normal map that is not the map from which the file "
+                    "was baked");
   command->add_flag("--no-open", o.stays_closed, "do not open the page");
   command->add_option("--device", o.device,
                       "use this OpenCL device: its number in `multum devices`, or part of its name");

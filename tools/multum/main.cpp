@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum: the command line.
+// The command line program multum.
 #include "host/foundation/base/error.h"
 #include "tools/multum/commands.h"
 

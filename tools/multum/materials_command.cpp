@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum materials: lists the materials of a glTF model and writes a manifest that bakes its normal maps.
+// Implements multum materials, which lists the materials of a glTF model and writes a manifest for baking its normal
+// maps.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -87,7 +88,7 @@ std::string map_text(const GltfMaterials& model, const GltfMaterial& material, c
   if (material.colour->uv_set != material.normal->uv_set)
     return text + fmt::format("# no albedo: {} uses TEXCOORD_{}\n", relative(colour), material.colour->uv_set);
   if (!(size_of(colour) == size_of(normal)))
-    return text + fmt::format("# no albedo: {} has another size\n", relative(colour));
+    return text + fmt::format("# no albedo, because {} has a different size\n", relative(colour));
   return text + fmt::format("albedo = {}\n", relative(colour));
 }
 
@@ -163,10 +164,10 @@ int run_materials(const MaterialsOptions& o) {
 void add_materials_command(CLI::App& app, int* exit_code) {
   auto options = std::make_shared<MaterialsOptions>();
   CLI::App* materials = app.add_subcommand(
-      "materials", "list the materials of a glTF model; write a manifest that bakes its normal maps");
+      "materials", "list the materials of a glTF model, and write a manifest that bakes its normal maps");
   materials->add_option("model", options->model, "model to read, *.gltf or *.glb")->required();
   materials->add_option("-o,--output", options->folder,
-                        "folder for maps.toml and for images inside the model; created if missing");
+                        "folder for maps.toml and for the images inside the model; a missing folder is created");
   materials->add_flag("--force", options->force, "overwrite an existing maps.toml");
   add_json_option(*materials, options->json);
   add_decoding_option(*materials);

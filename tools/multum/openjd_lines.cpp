@@ -34,7 +34,7 @@ std::string one_line(std::string text) {
   return text;
 }
 
-// Prints at most one line per second, because stages change often at coarse levels, and a log keeps every line.
+// Prints at most one line per second. On coarse levels, stages change often, and a log keeps every line.
 class OpenJdPrinter {
  public:
   void show(const ProgressEvent& event) {
@@ -75,7 +75,8 @@ std::unique_ptr<Progress> make_openjd_progress() {
   const auto signals = std::shared_ptr<Progress>(make_terminal_progress(false));
   return std::make_unique<Progress>([signals, printer = std::make_shared<OpenJdPrinter>()](const ProgressEvent& event) {
     printer->show(event);
-    // finish() ignores a returned false, but not an exception. When the work is done, it is too late to cancel.
+    // finish() ignores a returned false, because it is too late to cancel when the work is done, but it does not ignore
+    // an exception.
     try {
       signals->advance(0);
     } catch (const Cancelled&) {

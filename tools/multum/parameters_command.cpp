@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum parameters: prints the tables of parameters as text or JSON.
+// Implements multum parameters, which prints the tables of parameters as text or JSON.
 #include <fmt/format.h>
 
 #include <algorithm>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum mip, reflectance, lod: make pyramids of images, of lights over normals, and of surfaces (Williams 1983).
+// Implements multum mip, reflectance and lod, which make pyramids of images, of reflected light by normal, and of
+// surfaces (Williams 1983).
 #include <fmt/format.h>
 
 #include <cmath>
@@ -149,7 +150,7 @@ int run_reflectance(ReflectanceOptions& o) {
   char rest = 0;
   if (std::sscanf(brdf.c_str(), "blinn-phong:%f%c", &job.exponent, &rest) != 1)
     throw Error(ErrorCode::kUsage, "--brdf is '" + brdf + "', expected blinn-phong:S with S from 1 to 100000");
-  validate(o.job);  // called before a device is searched
+  validate(o.job);  // called before a device is selected
   Device device = Device::when_needed(device_of(values));
   const auto progress = make_progress(o.common);
   return print_result(o.common, o.job.output, PyramidKind::kReflectance,
@@ -169,8 +170,10 @@ void add_mip(CLI::App& app, int* exit_code) {
 
 void add_reflectance(CLI::App& app, int* exit_code) {
   auto o = std::make_shared<ReflectanceOptions>();
-  CLI::App* command = app.add_subcommand(
-      "reflectance", "bake lights into a mip-mapped map over normals, for alias-free highlights on curved surfaces");
+  CLI::App* command =
+      app.add_subcommand("reflectance",
+                         "bake the light reflected by each normal into a mip-mapped map, for alias-free highlights on "
+                         "curved surfaces");
   add_output_option(*command, o->job.output);
   add_parameter_options(*command, o->values);
   add_common_options(*command, o->common);
@@ -184,7 +187,9 @@ void add_lod(CLI::App& app, int* exit_code) {
   o->job.encoding = StorageEncoding::kFloat;
   o->job.wrap_s = o->job.wrap_t = WrapMode::kClamp;
   CLI::App* lod = app.add_subcommand("lod", "make a pyramid of levels of detail from heights or a grid of positions");
-  lod->add_option("image", o->job.input, "heights (integers become 0 to 1), or x, y, z of a grid of points")
+  lod->add_option("image", o->job.input,
+                  "image of heights (integers are scaled to 0 to 1), or of the positions x, y, "
+                  "z of a grid")
       ->required();
   add_output_option(*lod, o->job.output);
   add_parameter_options(*lod, o->values);

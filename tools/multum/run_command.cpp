@@ -117,8 +117,8 @@ int run_command(int argc, char** argv) {
   }
   if (has_openjd_lines() && exit_code == 0) print_openjd_success();
   else if (has_openjd_lines()) print_openjd_failure("exit code " + std::to_string(exit_code) + "; stderr says why");
-  // A command has succeeded only if its results reached stdout. If the disk is full or the pipe is closed, the exit
-  // code must not be 0.
+  // A command has succeeded only if its results have been written to stdout. If the disk is full or the pipe is closed,
+  // the exit code must not be 0.
   if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0)
     throw Error(ErrorCode::kEnvironment, "standard output cannot be written");
   return exit_code;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum plan, and multum bake of a scene.
+// Implements multum plan, and multum bake for a scene.
 #include "tools/multum/scene_mode.h"
 
 #include <sys/ioctl.h>
@@ -50,7 +50,7 @@ struct PlanOptions {
   double share_seconds = -1.0;
 };
 
-// Throws Error(kUsage) for an image, because many users first try to plan an image.
+// Throws Error(kUsage) for an image, because many users try to plan an image at first.
 void check_is_scene(const std::string& path) {
   if (!image_format(path).empty())
     throw Error(
@@ -149,7 +149,7 @@ int run_scene_merge(const SceneRun& run, int count, const CommonOptions& common,
 }  // namespace
 
 void check_no_map_option_is_given(const CLI::App& bake, const std::string& scene) {
-  // Parameters that the command line sets for all maps at once.
+  // The parameters that the command line sets for all maps at once.
   static const std::set<std::string> kOfTheScene = {"memory", "device", "scalar",  "scratch",
                                                     "force",  "resume", "runstats"};
   for (const CLI::Option* option : bake.get_options()) {
@@ -157,8 +157,8 @@ void check_no_map_option_is_given(const CLI::App& bake, const std::string& scene
     std::string key = option->get_lnames().front();
     std::replace(key.begin(), key.end(), '-', '_');
     if (bake_parameters().find(key) != nullptr && !kOfTheScene.contains(key))
-      throw Error(ErrorCode::kUsage,
-                  shown_name(*option) + " cannot be given with " + scene + ": the scene has the settings of its maps");
+      throw Error(ErrorCode::kUsage, shown_name(*option) + " cannot be given with " + scene +
+                                         ": the scene contains the settings of its maps");
   }
 }
 
@@ -201,11 +201,13 @@ void add_plan_command(CLI::App& app, int* exit_code) {
       "Examples:\n"
       "  multum plan scene.toml\n"
       "  multum plan cliff.png --shards 8");
-  plan->add_option("scene", options->scene, "scene.toml with maps, materials, objects, lights and camera, or one map")
+  plan->add_option("scene", options->scene,
+                   "scene.toml, which lists maps, materials, objects, lights and the camera, "
+                   "or one map")
       ->required();
   plan->add_option(
           "--shards", options->shares,
-          "predict the processor time of shares 0/N to N/N of one map and of their merge (docs/how-to/clusters.md)")
+          "predict the processor time of one map's shares 0/N to N/N and of their merge (docs/how-to/clusters.md)")
       ->type_name("N")
       ->check(CLI::Range(2, 4096));
   plan->add_option("--share-seconds", options->share_seconds,
@@ -218,7 +220,7 @@ void add_plan_command(CLI::App& app, int* exit_code) {
       ->check(CLI::Range(60, 1000));
   add_decoding_option(*plan);
   add_common_options(*plan, options->common);
-  // Adds the options of multum bake, because shares of one map depend on the fit settings.
+  // Adds the options of multum bake, because the shares of one map depend on the fit settings.
   add_parameter_options(*plan, options->values);
   plan->callback([plan, options, exit_code] { *exit_code = run_plan(*plan, *options); });
 }

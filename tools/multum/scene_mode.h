@@ -14,7 +14,7 @@ namespace multum {
 /// Throws Error(kUsage) for options of one map, because the scene sets them for its maps.
 void check_no_map_option_is_given(const CLI::App& bake, const std::string& scene);
 
-/// The part of a bake to run: everything, some shares, or the merge of all shares.
+/// The part of a bake to run, which is everything, some shares, or the merge of all shares.
 struct SceneDivision {
   std::optional<WorkShard> shares;
   int merged_shards = 0;  // 0 if no shares are merged

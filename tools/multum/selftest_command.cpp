@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum selftest: runs the numerical test cases of the kernels on the user's device and driver.
+// Implements multum selftest, which runs the numerical test cases of the kernels on the user's device and driver.
 #include <fmt/format.h>
 
 #include <cstdio>
@@ -38,7 +38,7 @@ NumericalRun read_run(const std::string& path) {
 void check(const SelftestCommandOptions& options) {
   if (!options.with.empty() && options.markdown.empty()) throw Error(ErrorCode::kUsage, "--with needs --markdown");
   if (!options.markdown.empty() && !options.selftest.filter.empty())
-    throw Error(ErrorCode::kUsage, "--markdown and --filter exclude each other: the page lists all cases");
+    throw Error(ErrorCode::kUsage, "--markdown and --filter are mutually exclusive, because the page lists all cases");
 }
 
 int run_selftest_command(SelftestCommandOptions options) {
@@ -67,7 +67,7 @@ int run_selftest_command(SelftestCommandOptions options) {
   }
   if (broken > 0)
     throw Error(ErrorCode::kVerification,
-                fmt::format("{} of {} numerical cases are broken on {} ({}, {}): do not trust its bakes", broken,
+                fmt::format("{} of {} numerical cases fail on {} ({}, {}); do not trust its bakes", broken,
                             run.verdicts.size(), run.device, run.platform, run.driver));
   return 0;
 }
@@ -77,17 +77,21 @@ int run_selftest_command(SelftestCommandOptions options) {
 void add_selftest_command(CLI::App& app, int* exit_code) {
   auto options = std::make_shared<SelftestCommandOptions>();
   CLI::App* selftest =
-      app.add_subcommand("selftest", "run numerically hard test cases of the kernels on a device, to check its driver");
+      app.add_subcommand("selftest",
+                         "check the driver of a device by running numerically difficult test cases of the "
+                         "kernels");
   selftest->add_option("--device", options->device,
                        "use this OpenCL device: its number in `multum devices`, or part of its name");
-  selftest->add_option("--filter", options->selftest.filter, "run only cases or kernels with this text in their name");
+  selftest->add_option("--filter", options->selftest.filter,
+                       "run only the cases and kernels whose names contain this "
+                       "text");
   selftest->add_flag("--without-guards", options->selftest.without_guards,
-                     "also run each case without the code that protects against it");
-  selftest->add_option("--report", options->report, "write the verdicts to this file as JSON");
+                     "also run each case without the code that guards against the numerical problem");
+  selftest->add_option("--report", options->report, "write the results to this file as JSON");
   selftest->add_option("--markdown", options->markdown,
                        "write docs/contributing/STABILITY.md to this file; implies --without-guards");
   selftest->add_option("--with", options->with,
-                       "with --markdown, read the verdicts about GL from this file, which gl_stability_test wrote");
+                       "with --markdown, read the GL results from this file, which gl_stability_test wrote");
   add_common_options(*selftest, options->common);
   selftest->callback([options, exit_code] { *exit_code = run_selftest_command(*options); });
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum shaders: writes the shading of lobes for engines. The output consists of one file per language, textures, and
-// the npm package @multum/three.
+// Implements multum shaders, which writes the shading of lobes for engines. The output consists of one file per
+// language, textures, and the npm package @multum/three.
 #include <fmt/format.h>
 
 #include <cstdio>

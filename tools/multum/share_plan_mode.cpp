@@ -61,7 +61,8 @@ std::string plan_text(const BakeJob& job, const BakeShape& shape, double whole, 
   for (std::size_t i = 0; i < count; ++i)
     line(fmt::format("--shard {}/{}", i + 1, count), cost.band_seconds[i],
          i == 0 ? fmt::format("each fits a band of the finer levels, after share 0/{}", count) : "");
-  line(fmt::format("--merge {}", count), cost.merge_seconds, "measures and writes, after all shares");
+  line(fmt::format("--merge {}", count), cost.merge_seconds,
+       "measures the error and writes the file, after all shares");
   line("all", cost.total_seconds(), fmt::format("{:.2f} of one process", cost.total_seconds() / whole));
   return text;
 }

@@ -11,7 +11,7 @@ namespace multum {
 struct SharePlanOptions {
   std::string input;
   ParameterValues values;      // values of a bake
-  int count = 0;               // number of bands; if 0, chosen so that each band takes `share_seconds`
+  int count = 0;               // number of bands; if 0, the number is chosen so that each band takes `share_seconds`
   double share_seconds = 0.0;  // processor time per band
   bool json = false;
 };

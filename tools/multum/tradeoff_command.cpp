@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum tradeoff: measures error, time and memory of many settings for one map on this machine.
+// Implements multum tradeoff, which measures error, time and memory of many settings for one map on this machine.
 #include <cstdio>
 #include <memory>
 
@@ -73,13 +73,14 @@ void add_tradeoff_command(CLI::App& app, int* exit_code) {
   CLI::App* command = app.add_subcommand(
       "tradeoff", "bake a map with many settings, and write a page that compares their error, time and memory");
   command->add_option("input", o->job.bake.input, "normal map or height field")->required();
-  command->add_option("-o,--output", o->output, "page to write, *.html; one file with all pictures")->required();
+  command->add_option("-o,--output", o->output, "page to write, *.html; a single file with all pictures")->required();
   command->add_option("--report", o->report, "write all figures to this file as JSON");
   command->add_option("--markdown", o->markdown, "write the table to this file as Markdown");
   CLI::Option* error =
       command
           ->add_option("--target-error", o->job.error,
-                       "choose the cheapest settings within this relative L1 error of pixels (0.1 means 10 %)")
+                       "choose the cheapest settings whose relative L1 error of pixels is at most this (0.1 means 10 "
+                       "%)")
           ->check(CLI::PositiveNumber);
   command
       ->add_option("--budget-ms", o->budget_ms,
@@ -88,11 +89,17 @@ void add_tradeoff_command(CLI::App& app, int* exit_code) {
       ->excludes(error);
   command
       ->add_option("--max-bytes", o->job.bytes_max,
-                   "exclude settings that need more GPU memory than this, such as 33M (MiB)")
+                   "exclude settings that need more GPU memory than this size, such as 33M (33 MiB)")
       ->transform(CLI::AsSizeValue(false));
-  command->add_option("--max-frame-ms", o->job.frame_ms_max, "exclude settings whose frame time is above this (ms)")
+  command
+      ->add_option("--max-frame-ms", o->job.frame_ms_max,
+                   "exclude settings whose frame time is above this many "
+                   "milliseconds")
       ->check(CLI::PositiveNumber);
-  command->add_option("--max-bake-ms", o->bake_ms_max, "exclude settings whose bake time is above this (ms)")
+  command
+      ->add_option("--max-bake-ms", o->bake_ms_max,
+                   "exclude settings whose bake time is above this many "
+                   "milliseconds")
       ->check(CLI::PositiveNumber);
   CLI::Option* const brdf =
       command
@@ -102,11 +109,11 @@ void add_tradeoff_command(CLI::App& app, int* exit_code) {
   CLI::Option* quick = command->add_flag("--quick", o->quick, "run about 12 bakes instead of about 40");
   command
       ->add_flag("--full", o->full,
-                 "run about 65 bakes: harmonics up to order 20, and longer fits for every number of lobes")
+                 "run about 65 bakes, with harmonics up to order 20 and longer fits for every number of lobes")
       ->excludes(quick);
   command->add_flag("--no-pictures", o->no_pictures,
-                    "draw no pictures; frame times and rendered errors are then missing");
-  command->add_option("--context", o->job.context, "draw with this GL: auto, osmesa (software) or egl")
+                    "do not draw pictures; the page then lacks frame times and rendered errors");
+  command->add_option("--context", o->job.context, "draw with this GL implementation: auto, osmesa (software) or egl")
       ->check(CLI::IsMember(choice_names(kContextBackends)))
       ->capture_default_str();
   add_parameter_options(*command, o->values, parameters_of_the_map());

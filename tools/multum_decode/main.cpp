@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum-decode: the child process in which multum and multum-view read images and meshes
-// (host/foundation/sandbox/decoding_child.h). Users do not run it, because its requests come over an inherited socket.
+// The program multum-decode is the child process in which multum and multum-view read images and meshes
+// (host/foundation/sandbox/decoding_child.h). Users cannot run it themselves, because it receives its requests through
+// an inherited socket.
 #include <cstdio>
 
 #include "host/formats/decoder/image_decoder.h"

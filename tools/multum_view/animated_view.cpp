@@ -14,7 +14,7 @@
 namespace multum {
 namespace {
 
-// Interpolates geometrically, so that a highlight narrows steadily.
+// Interpolates geometrically, so that a highlight narrows at a steady rate.
 float between(float from, float to, double t) {
   return static_cast<float>(
       std::exp((1.0 - t) * std::log(static_cast<double>(from)) + t * std::log(static_cast<double>(to))));
@@ -43,7 +43,7 @@ gl::RenderScene scene_between(const gl::RenderScene& from, const gl::RenderScene
   scene.brdf = brdf_between(from.brdf, to.brdf, t);
   MULTUM_CHECK(from.lights.size() == to.lights.size() && from.point_lights.size() == to.point_lights.size());
   for (std::size_t i = 0; i < scene.lights.size(); ++i) {
-    // Directions may have any length. The mix moves along the arc between them at nearly constant speed.
+    // The directions may have any length. The mix moves along the arc between them at a nearly constant speed.
     scene.lights[i].direction =
         glm::mix(glm::normalize(from.lights[i].direction), glm::normalize(to.lights[i].direction), share);
     scene.lights[i].irradiance = glm::mix(from.lights[i].irradiance, to.lights[i].irradiance, share);

@@ -9,9 +9,8 @@
 
 namespace multum {
 
-/// Interpolates between `from` and `to`, at `t` in 0..1: roughnesses and exponents geometrically, other values
-/// linearly.
-/// Both scenes need the same kind of BRDF and the same number of lights.
+/// Interpolates between `from` and `to`, where `t` is in 0..1. Roughnesses and exponents are interpolated
+/// geometrically, and other values linearly. Both scenes must have the same kind of BRDF and the same number of lights.
 gl::RenderScene scene_between(const gl::RenderScene& from, const gl::RenderScene& to, double t);
 
 /// Writes FOLDER/frame_0000.png and so on, with a picture or sheet for every frame. Returns one report row per frame.

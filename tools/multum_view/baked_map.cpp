@@ -113,7 +113,7 @@ std::unique_ptr<gl::Material> make_material(const gl::GlFunctions& gl, const Bak
 
 namespace {
 
-// Tan's model supports only one BRDF, and lights but no environment.
+// Tan's model supports only one BRDF. It supports lights, but no environment.
 void check_options_of_gaussians(const std::string& file, const PictureOptions& options, const Brdf& brdf) {
   const auto refuse = [&](const std::string& found) {
     throw Error(ErrorCode::kUsage, fmt::format("{}: holds planar Gaussians, which do not support {}; expected a file "
@@ -126,17 +126,18 @@ void check_options_of_gaussians(const std::string& file, const PictureOptions& o
   if (options.shading.formula == gl::LobeFormula::kPaper) refuse("--formula paper");
 }
 
-// A map that was baked with roughness stores the BRDF's width per texel. Brute force and the paper's formula support
-// only one BRDF for the whole map.
+// A map that was baked with roughness stores the BRDF's width per texel. The brute-force method and the paper's formula
+// support only one BRDF for the whole map.
 void check_options_of_roughness(const std::string& file, const PictureOptions& options, bool compares) {
   if (!options.material.brdfs.empty())
     throw Error(
         ErrorCode::kUsage,
         file + ": was baked with roughness (multum:roughness), which defines the BRDF; found --brdf, expected none");
   if (!options.light.environment.empty() && compares)
-    throw Error(ErrorCode::kUsage, file +
-                                       ": was baked with roughness; found --environment with --compare, expected "
-                                       "lights, because the reference supports only one BRDF under an environment");
+    throw Error(ErrorCode::kUsage,
+                file +
+                    ": was baked with roughness; found --environment with --compare, expected lights instead of an "
+                    "environment, because the reference supports only one BRDF under an environment");
   if (options.shading.formula == gl::LobeFormula::kPaper)
     throw Error(ErrorCode::kUsage, file + ": was baked with roughness; found --formula paper, expected product");
 }
@@ -158,7 +159,7 @@ void check_options_of(const std::string& file, const PictureOptions& options, co
   if (info.lobes == nullptr && !shading.colour_map.empty()) refuse("--colour-map", "files of lobes");
   if (baked.has_colours && !shading.colour_map.empty())
     throw Error(ErrorCode::kUsage,
-                file + ": has colours of its own, and --colour-map was given too; expected only one of them");
+                file + ": contains colours, and --colour-map was given too; expected only one of them");
   if (!info.takes_every_brdf) check_options_of_gaussians(file, options, scenes.first.brdf);
   if (!info.has_slopes && shading.moments) refuse("--moments", "files of moments");
   if (!info.has_kappa && shading.formula == gl::LobeFormula::kPaper) refuse("--formula paper", "lobes");
@@ -175,8 +176,8 @@ std::string environment_note(const MapOptions& options, const BakedHeader& baked
       representation_info(baked.representation).has_slopes &&
       options.picture.shading.moments.value_or(kDefaultMomentShading) != gl::MomentShading::kToksvig;
   if (options.picture.light.environment.empty() || (!compares_lean && !draws_lean)) return "";
-  return "--environment: under this light, lean and lean-jacobian are drawn like toksvig, with one lobe around the "
-         "mean normal";
+  return "--environment: under this light, lean and lean-jacobian are drawn in the same way as toksvig, with one lobe "
+         "around the mean normal";
 }
 
 }  // namespace multum

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Reads a baked file of any representation, makes the material that draws it, and checks options that only some
-// representations support. A new representation needs an alternative in BakedLevels, and overloads for its visitors.
+// representations support. A new representation needs an alternative in BakedLevels, and overloads for the visitors of
+// BakedLevels.
 #pragma once
 
 #include <memory>
@@ -32,12 +33,12 @@ void keep_stored_levels(BakedMap& map);
 /// Returns level 0 as normals. Level 0 must be stored.
 gl::NormalImage finest_normals(const BakedMap& map);
 
-/// Makes a material that shades as the options say. Levels that are not in the file come from `source`.
+/// Makes a material that shades according to the options. Levels that are missing in the file are taken from `source`.
 std::unique_ptr<gl::Material> make_material(const gl::GlFunctions& gl, const BakedMap& map,
                                             const ShadingOptions& options, const gl::NormalImage& source);
 
-/// Throws Error(kUsage) that names `file` if an option is meant for files of another representation. `compares` is true
-/// if --compare was given.
+/// Throws Error(kUsage) that names `file` if an option applies only to files of another representation. `compares` is
+/// true if --compare was given.
 void check_options_of(const std::string& file, const PictureOptions& options, const ViewScenes& scenes, bool compares,
                       const BakedHeader& baked);
 

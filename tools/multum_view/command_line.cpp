@@ -25,7 +25,7 @@ namespace multum {
 namespace {
 
 void add_object_option(CLI::App& app, MapOptions& options) {
-  app.add_option("--object", options.object, "object of the scene to draw (default: the only one)");
+  app.add_option("--object", options.object, "object of the scene to draw (default: the only object)");
 }
 
 void add_scene_options(CLI::App& app, CommandOptions& o) {
@@ -59,15 +59,14 @@ const ViewCommand kOwnCommands[] = {
      "  multum-view scene out/plan.json --object wall -o wall.png", add_scene_options,
      [](const CommandOptions& o) { return draw_map(o.map); }},
     {"animate",
-     "Draw frames between two cameras, lights or BRDFs in even steps; exponents and roughnesses change by equal "
+     "Draw frames in even steps between two cameras, lights or BRDFs. Exponents and roughnesses change by equal "
      "factors",
      "  multum-view animate bricks.ndf.exr --brdf ggx:0.5 --to-brdf ggx:0.1 -o frames/ --frames 60\n\n"
-     "In the report, environment_processor_ms is the processor time for the light of a frame. The value made is the\n"
-     "time to make the maps of the light. Frames between the first and the last mix the maps of these two frames.\n"
-     "The value set is the time for uploads and, with --environment-mode sh, for harmonics over the half vectors of\n"
-     "the frame.",
+     "In the report, environment_processor_ms contains two processor times of a frame, made and set. made is the time\n"
+     "to compute the maps of the light. Frames between the first and the last mix the maps of these two frames. set\n"
+     "is the time for uploads and, with --environment-mode sh, for harmonics over the half vectors of the frame.",
      add_animate_options, run_animate},
-    {"pyramid", "Draw a surface with colours from a pyramid, looked up in several ways",
+    {"pyramid", "Draw a surface with colours from a pyramid, using several lookup methods",
      "  multum-view pyramid bricks.exr --lookup reference,nearest,level,driver -o sheet.png\n"
      "  multum-view pyramid lights.exr --mesh ball.obj --lookup reference,level --shifts 8 -o sheet.png",
      [](CLI::App& app, CommandOptions& o) { add_pyramid_options(app, o.pyramid); },
@@ -87,8 +86,9 @@ const ViewCommand kOwnCommands[] = {
      "only render.png.",
      [](CLI::App& app, CommandOptions& o) { add_thumbnail_options(app, o.thumbnails); },
      [](const CommandOptions& o) { return draw_thumbnails(o.thumbnails); }},
-    {"each", "Run several command lines in one process, so that GL is loaded once",
-     "  multum-view each views.json\n\n"
+    {"each", "Run several command lines in one process, so that GL is loaded only once",
+     "  multum-view each views.json\n"
+     "\n"
      "views.json: [[\"bricks.ndf.exr\", \"-o\", \"bricks.png\"], [\"wall.ndf.exr\", \"-o\", \"wall.png\"]]\n"
      "The first command line that fails ends the run with its exit code.",
      [](CLI::App& app, CommandOptions& o) { add_each_options(app, o.each); },
@@ -104,7 +104,7 @@ const std::vector<ViewCommand>& view_commands() {
   return commands;
 }
 
-const char* const kDescription = "Render a baked map without a window, in software or on a GPU.";
+const char* const kDescription = "Draw a baked map to a file, in software or on a GPU.";
 
 const char* const kExamples =
     "Examples:\n"
@@ -113,8 +113,9 @@ const char* const kExamples =
     "sheet.png\n"
     "  multum-view animate bricks.ndf.exr --brdf ggx:0.5 --to-brdf ggx:0.1 -o frames/ --frames 60\n\n"
     "--compare: mip, toksvig, lean and lean-jacobian use averaged normals and the filter of the baked map. points,\n"
-    "toksvig-points and so on shade the averaged normals at several points of each pixel: as many points as the baked\n"
-    "map needs evaluations. On a mesh, all methods add the variance of the mesh normals within a pixel. Under\n"
+    "toksvig-points and so on shade averaged normals at several points per pixel. The number of points is the number "
+    "of\n"
+    "evaluations of the baked map. On a mesh, all methods add the variance of the mesh normals within a pixel. Under\n"
     "--environment, lean is the same as toksvig. For a file with roughness, the pictures of points use unit normals\n"
     "and a roughness map whose levels average perceptual roughness, as in engines.\n\n"
     "--evaluations: where the normals under a pixel are similar, each evaluation shades one lobe at its own point.\n"
@@ -162,7 +163,7 @@ void run_help_command(const CLI::App& app, const std::string& command, const Hel
   else write_man_pages(app, o.folder);
 }
 
-/// Returns the message about a misspelt subcommand if no file has that name, otherwise an empty string.
+/// Returns the message about a misspelt subcommand, or an empty string if there is a file with this name.
 std::string misspelt_command(const std::string& word) {
   std::error_code ignored;
   if (word.empty() || word.find_first_of("./") != std::string::npos || std::filesystem::exists(word, ignored))

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The command line of multum-view, with its subcommands and the older options that they replaced.
+// Implements the command line of multum-view, with its subcommands and the older options that they replaced.
 #pragma once
 
 namespace multum {

@@ -30,7 +30,7 @@ void add_environment_options(CLI::App& app, LightOptions& options) {
   app.add_option("--environment", options.environment,
                  "light the scene with this latitude-longitude image, .exr or .hdr, and show it in the background");
   app.add_option("--environment-turn", options.environment_turn,
-                 "rotate the environment about the up axis by this many degrees, counterclockwise seen from above")
+                 "rotate the environment by this many degrees about the up axis, counterclockwise when seen from above")
       ->check(number_in(-3600.0f, 3600.0f));
   app.add_flag("--no-background", options.no_background, "draw a black background instead of the environment");
   add_choice(app, "--environment-mode", options.environment_mode, kEnvironmentModes,
@@ -44,12 +44,12 @@ void add_shading_options(CLI::App& app, ShadingOptions& options) {
       app, "--formula", options.formula, kLobeFormulas,
       "combine lobe and BRDF by the product of mean cosines (product), or as in Han et al. 2007, eq. 20 (paper)");
   app.add_flag("--shade-first", options.shade_first,
-               "shade the lobes of all eight texels of a trilinear lookup, then mix the light; slow, for --unaligned "
-               "bakes");
+               "shade the lobes of all eight texels of a trilinear lookup, and then mix the light; slow, but correct "
+               "for --unaligned bakes");
   add_choice(
       app, "--surface", options.surface, kMapSurfaces,
-      "magnify lobes of level 0 by blending the light of the texels (texels), or by interpolating the normal map "
-      "as engines do (interpolated)")
+      "in near views of level 0, blend the light of the texels (texels), or interpolate the normal map as engines do "
+      "(interpolated)")
       ->default_str("the value of --reference-texels, else texels");
   add_choice(app, "--moments", options.moments, kMomentShadings,
              "shade a file of moments by this method (default: lean-jacobian); under --environment, all methods draw "
@@ -65,7 +65,7 @@ void add_filter_options(CLI::App& app, ShadingOptions& options) {
           ->check(CLI::Range(1, kTapCountMax))
           ->capture_default_str();
   CLI::Option* const bias =
-      add_level_bias_option(app, options.level_bias, "add this to the mip level; negative values are sharper")
+      add_level_bias_option(app, options.level_bias, "add this to the mip level; negative values make pictures sharper")
           ->default_str(fmt::format("{:g}", kLevelBiasDefault));
   CLI::Option* const shade =
       app.add_flag("--shade-taps,!--no-shade-taps", options.filter.shades_taps,
@@ -74,8 +74,8 @@ void add_filter_options(CLI::App& app, ShadingOptions& options) {
   CLI::Option* const evaluations =
       app.add_option_function<int>(
              "--evaluations", [&options](const int& count) { options.evaluations = count; },
-             "evaluate the light of the map this often per pixel; 0 means once per lobe (default: the number of lobes, "
-             "rounded up to a power of two)")
+             "evaluate the light of the map this many times per pixel; 0 means once per lobe (default: the number of "
+             "lobes, rounded up to a power of two)")
           ->check(CLI::IsMember({0, 1, 2, 4, 8, 16}))
           ->excludes(shade);
   app.add_option_function<float>(
@@ -84,7 +84,7 @@ void add_filter_options(CLI::App& app, ShadingOptions& options) {
            options.anisotropy = anisotropy;
            options.filter.is_drivers = true;
          },
-         "let the driver filter with this anisotropy; results depend on the driver")
+         "let the driver filter the textures with this anisotropy; the result depends on the driver")
       ->check(number_in(1.0f, 16.0f))
       ->excludes(taps)
       ->excludes(bias)
@@ -110,49 +110,52 @@ void add_repeat_option(CLI::App& app, SurfaceOptions& options) {
 
 void add_camera_options(CLI::App& app, CameraOptions& options) {
   add_parsed(app, "--camera", options.place, parse_camera,
-             "set eye and target: x,y,z,x,y,z[,field of view in degrees] (default: 0,0,0.3,0,1,-0.0939; on a mesh, the "
-             "whole mesh)");
+             "set the eye and the target: x,y,z,x,y,z[,field of view in degrees] (default: 0,0,0.3,0,1,-0.0939; on a "
+             "mesh, the whole mesh)");
   add_parsed(app, "--up", options.up, parse_up,
              "set the up direction of the picture, x,y,z (default: 0,0,1, or 0,1,0 on a mesh)");
 }
 
 void add_distance_option(CLI::App& app, CameraOptions& options) {
   add_parsed(app, "--distance", options.distances, parse_distances,
-             "draw the mesh at a list of relative distances; 1,5,25 writes NAME_1.png, NAME_5.png and NAME_25.png for "
-             "-o NAME.png");
+             "draw the mesh at these relative distances; 1,5,25 with -o NAME.png writes NAME_1.png, NAME_5.png and "
+             "NAME_25.png");
 }
 
 void add_light_options(CLI::App& app, LightOptions& options) {
   add_parsed_list(app, "--light", options.distant, parse_light,
-                  "add a distant light: x,y,z[,irradiance], the direction towards it; up to 8 times");
-  add_parsed_list(app, "--point-light", options.points, parse_point_light,
-                  "add a point light: x,y,z,i or x,y,z,r,g,b, its position and intensity; up to 8 times");
+                  "add a distant light in the direction x,y,z[,irradiance]; can be repeated up to 8 times");
+  add_parsed_list(
+      app, "--point-light", options.points, parse_point_light,
+      "add a point light by its position x,y,z and its intensity i or r,g,b; can be repeated up to 8 times");
 }
 
 void add_material_options(CLI::App& app, MaterialOptions& options) {
   using CLI::MultiOptionPolicy;
   app.add_option("--brdf", options.brdfs,
                  "shade with " + brdf_forms("", true) +
-                     ", or a measured BRDF (.brdf text, MERL .binary, .json of a fit); once per basis BRDF (default: "
-                     "blinn-phong:100, or the roughness of the file)")
+                     ", or a measured BRDF (.brdf text, MERL .binary, .json of a fit); give one per basis BRDF "
+                     "(default: blinn-phong:100, or the roughness of the file)")
       ->expected(1)
       ->multi_option_policy(MultiOptionPolicy::TakeAll);
   app.add_option("--brdf-terms", options.term_count,
-                 "fit measured facets (under an environment all facets) by a sum of this many vMF densities; more "
-                 "densities take longer and lower the error")
+                 "approximate measured facets (under an environment, all facets) by a sum of this many vMF densities; "
+                 "more densities lower the error but take longer")
       ->check(CLI::Range(1, kBrdfTermCountMax))
       ->capture_default_str();
   add_parsed_list(app, "--diffuse", options.diffuse, parse_colour,
-                  "set the diffuse reflectance, grey or r,g,b (default: 0.5, or the measured one); once per --brdf")
+                  "set the diffuse reflectance, a grey value or r,g,b (default: 0.5, or the measured reflectance); "
+                  "give one per --brdf")
       ->expected(1)
       ->multi_option_policy(MultiOptionPolicy::TakeAll);
   add_parsed_list(app, "--specular", options.specular, parse_colour,
-                  "set the specular factor, grey or r,g,b (default: 0.1, or 1 for measured BRDFs and BRDFs with "
-                  "Fresnel); once per --brdf")
+                  "set the specular factor, a grey value or r,g,b (default: 0.1, or 1 for measured BRDFs and BRDFs "
+                  "with Fresnel); give one per --brdf")
       ->expected(1)
       ->multi_option_policy(MultiOptionPolicy::TakeAll);
   add_parsed(app, "--fixed-fresnel", options.fixed_fresnel, parse_colour,
-             "replace the Fresnel term of the BRDF by this constant, grey or r,g,b, and omit the code of the term");
+             "replace the Fresnel term of the BRDF with this constant, a grey value or r,g,b, and omit the term from "
+             "the shader");
 }
 
 CLI::Option* add_picture_option(CLI::App& app, OutputOptions& options) {
@@ -172,7 +175,9 @@ CLI::Option* add_level_bias_option(CLI::App& app, std::optional<float>& bias, co
 }
 
 void add_context_option(CLI::App& app, gl::ContextBackend& context) {
-  add_choice(app, "--context", context, kContextBackends, "draw with this GL: auto, osmesa (software) or egl");
+  add_choice(app, "--context", context, kContextBackends,
+             "draw with this GL implementation: auto, osmesa (software) "
+             "or egl");
 }
 
 void add_rendering_options(CLI::App& app, PictureOptions& options) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The options of pictures, with a struct for each subject and functions that add them to a command line. An option that
-// a scene plan can also set stays unset or empty until the command line gives it (scene_plan.h).
+// Defines the options of pictures, with one struct per subject, and functions that add the options to a command line.
+// An option that can also be set in a scene plan stays unset or empty if the command line does not contain it
+// (scene_plan.h).
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -21,8 +22,8 @@ struct SurfaceOptions {
 struct CameraOptions {
   std::optional<CameraPlace> place;  // if not set, above the plane, or where the whole mesh is visible
   std::optional<glm::vec3> up;       // unit vector; if not set, +Z over the plane, +Y with a mesh
-  std::vector<float> distances;      // factors of the camera's own distance, one picture each; if empty, one picture is
-                                     // drawn
+  std::vector<float> distances;      // factors by which the camera's distance is multiplied, one picture per factor; if
+                                     // empty, one picture is drawn
 };
 
 struct LightOptions {
@@ -68,7 +69,7 @@ struct OutputOptions {
   int height() const { return size.value_or(PictureSize{}).height; }
 };
 
-/// The options that are common to baked maps, models and surfaces of a level of detail.
+/// The options that are common to baked maps, models and level-of-detail surfaces.
 struct PictureOptions {
   SurfaceOptions surface;
   CameraOptions camera;
@@ -95,7 +96,8 @@ void add_output_options(CLI::App& app, OutputOptions& options);
 /// Adds --level-bias.
 CLI::Option* add_level_bias_option(CLI::App& app, std::optional<float>& bias, const std::string& help);
 void add_context_option(CLI::App& app, gl::ContextBackend& context);
-/// Adds the options of every drawn baked map: lights, environment, materials, shading, outputs except -o, GL.
+/// Adds the options for drawing any baked map, which are the lights, the environment, materials, shading, outputs
+/// except -o, and GL.
 void add_rendering_options(CLI::App& app, PictureOptions& options);
 
 }  // namespace multum

@@ -15,7 +15,7 @@
 namespace multum {
 namespace {
 
-// The message is prepared in advance, because no memory may be allocated after a fault.
+// The message is prepared in advance, because no memory can safely be allocated after a fault.
 std::array<char, 300> g_message;
 size_t g_message_size = 0;
 

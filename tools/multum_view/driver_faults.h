@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Explains crashes of OpenGL drivers to the user. If memory runs out, Mesa's drivers end the program with a signal.
+// Explains crashes of OpenGL drivers to the user. If memory runs out, Mesa's drivers terminate the program with a
+// signal.
 #pragma once
 
 namespace multum {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum-view each: runs several command lines in one process. Loading a GL driver takes tens of milliseconds, longer
-// than drawing a small map.
+// Implements multum-view each, which runs several command lines in one process. Loading a GL driver takes tens of
+// milliseconds, which is longer than drawing a small map.
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>

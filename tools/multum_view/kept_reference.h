@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Keeps a reference picture for later runs that compare other bakes of the same map with it (--keep-reference). Drawing
-// the reference takes longer than the rest of a comparison. The file has the native byte order of the machine, and only
-// this program reads it.
+// Keeps a reference picture for later runs, which compare other bakes of the same map with it (--keep-reference).
+// Drawing the reference takes longer than the rest of a comparison. The file has the byte order of the machine, and it
+// is read only by this program.
 //
 //   "MTREF001"  width, height, samples: int32   noise, frame_time_ms: double   width * height * RGBA: float
 #pragma once

@@ -14,7 +14,7 @@ int draw_map(MapOptions options) {
   check_map_options(options);
   if (!options.picture.shading.surface && options.comparison.reference == gl::NormalMaterial::Sampling::kInterpolated)
     options.picture.shading.surface = MapSurface::kInterpolated;
-  // With several evaluation points per pixel, the texels that are read would differ from those of the pixel's filter.
+  // With several evaluation points per pixel, other texels would be read than by the pixel's filter.
   if (!options.picture.shading.evaluations && options.comparison.is_of_texels())
     options.picture.shading.evaluations = 0;
   const PictureOptions& picture = options.picture;

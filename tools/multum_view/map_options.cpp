@@ -16,8 +16,8 @@ namespace {
 
 void add_source_options(CLI::App& app, SourceOptions& options) {
   app.add_option("--source", options.normals,
-                 "read the original normal map from this file; the reference, the baselines and the levels missing "
-                 "from the baked file need it (default: level 0 of the baked file)");
+                 "read the original normal map from this file, for the reference, the baselines and levels that are "
+                 "not in the baked file (default: level 0 of the baked file)");
   app.add_option("--albedo", options.albedo, "read the colours of the source from this map");
   CLI::Option* const roughness = app.add_option(
       "--roughness", options.roughness, "read the roughness of the source from FILE or FILE:CHANNEL, as in the bake");
@@ -37,7 +37,8 @@ void add_comparison_options(CLI::App& app, ComparisonOptions& options) {
              "draw the reference with this many samples per pixel (default: as many as --reference-noise needs)")
           ->check(CLI::Range(1, gl::kReferenceSampleCountMax));
   app.add_option("--reference-noise", options.sampling.noise_max,
-                 "draw the reference until its noise (relative L1) is at most this; slow in software")
+                 "add samples to the reference until its noise (relative L1) is at most this; software rendering is "
+                 "slow")
       ->check(number_in(1e-5f, 1.0f))
       ->capture_default_str()
       ->excludes(samples);
@@ -47,22 +48,22 @@ void add_comparison_options(CLI::App& app, ComparisonOptions& options) {
       ->default_str("box");
   CLI::Option* const texels =
       add_choice(app, "--reference-texels", options.reference, kReferenceTexels,
-                 "between centres of the finest texels, shade the reference with the nearest normal, with a blend of "
-                 "the light of four texels, or with the interpolated normal of these texels")
+                 "between the centres of the finest texels, shade the reference with the nearest normal, with a blend "
+                 "of the light of four texels, or with the interpolated normal")
           ->default_str("nearest");
   app.add_option_function<std::string>(
          "--reference-of",
          [&options](const std::string& text) {
            if (text == "texels") options.reference = gl::NormalMaterial::Sampling::kFootprint;
          },
-         "average the reference over the pixel, or, to leave out the error of the filter, over the texels that the "
-         "filter reads for the pixel")
+         "average the reference over the pixel, or over the texels that the filter reads for the pixel, which excludes"
+         " the error of the filter")
       ->check(CLI::IsMember({"pixel", "texels"}))
       ->excludes(texels)
       ->default_str("pixel");
   app.add_option("--keep-reference", options.kept_reference,
-                 "store the reference in this file, or read it if the file exists; other bakes of the same map with "
-                 "the same view, BRDF and lights can use the file");
+                 "read the reference from this file if it exists, else store it there; other bakes of the same map "
+                 "with the same view, BRDF and lights can use the file");
 }
 
 }  // namespace
@@ -72,7 +73,8 @@ void add_map_options(CLI::App& app, MapOptions& options) {
   add_comparison_options(app, options.comparison);
   add_source_options(app, options.source);
   app.add_flag("--stored-only", options.stored_only,
-               "draw the finest stored level instead of finer levels that the file leaves out; needs no --source");
+               "draw the finest stored level instead of finer levels that are not in the file; --source is then not "
+               "needed");
   add_mesh_option(app, picture.surface);
   add_repeat_option(app, picture.surface);
   add_camera_options(app, picture.camera);
@@ -83,7 +85,7 @@ void add_map_options(CLI::App& app, MapOptions& options) {
       "lights, with --compare reference or mip");
   app.add_option(
       "--shaders", options.shaders,
-      "write the shader variants in use as JSON: flags, text without #version, and uniforms that the driver kept");
+      "write the used shader variants as JSON: flags, source without #version, and uniforms that the driver kept");
   add_parameter_options(app, options.source.reading,
                         {"bumpformat", "green", "signed", "unsigned", "two_channel", "z_range", "height_scale",
                          "dequantize", "normal_scale", "fixnan", "repair_max"},
@@ -93,14 +95,15 @@ void add_map_options(CLI::App& app, MapOptions& options) {
 
 void add_pictures_option(CLI::App& app, OutputOptions& options) {
   app.add_option("--pictures", options.pictures,
-                 "also write each picture to its own file: PREFIX_multum.png, PREFIX_reference.png, "
+                 "also write each picture to its own file, PREFIX_multum.png, PREFIX_reference.png, "
                  "PREFIX_multum_difference.png and so on");
 }
 
 void add_alone_option(CLI::App& app, OutputOptions& options) {
   app.add_flag(
       "--alone", options.is_alone,
-      "with --compare, show only the baked map in -o; the other pictures are drawn and measured, but not shown");
+      "with --compare, write only the picture of the baked map to -o; the other pictures are drawn and measured, but "
+      "not written");
 }
 
 void add_animation_options(CLI::App& app, AnimationOptions& options) {
@@ -125,10 +128,11 @@ void add_animation_options(CLI::App& app, AnimationOptions& options) {
       "set --point-light of the last frame; give this option as often as --point-light");
   app.add_option(
       "--to-environment", options.environment,
-      "fade --environment into this environment of the same size; harmonics and filtered levels change in every frame");
+      "change gradually from --environment to this environment of the same size; harmonics and filtered levels change "
+      "in every frame");
   app.add_option("--to-environment-turn", options.environment_turn, "set --environment-turn of the last frame")
       ->check(number_in(-3600.0f, 3600.0f));
-  app.add_option("--to-brdf", options.brdf, "set --brdf of the last frame; the family must be the same");
+  app.add_option("--to-brdf", options.brdf, "set --brdf of the last frame; both BRDFs must belong to the same family");
   app.add_option_function<std::string>(
       "--to-diffuse", [&](const std::string& text) { options.diffuse = parse_colour("--to-diffuse", text); },
       "set --diffuse of the last frame");
@@ -139,7 +143,7 @@ void add_animation_options(CLI::App& app, AnimationOptions& options) {
 
 namespace {
 
-/// Throws Error(kUsage) for options that need one roughness for the whole picture.
+/// Throws Error(kUsage) for options that require a single roughness for the whole picture.
 void check_brdf_roughness(const MapOptions& options) {
   const PictureOptions& picture = options.picture;
   const auto refuse = [](const std::string& found, const char* expected) {
@@ -163,11 +167,11 @@ void check_map_options(const MapOptions& options) {
   if (options.comparison.is_of_texels() && picture.shading.filter.is_drivers)
     throw Error(ErrorCode::kUsage,
                 "--reference-of texels averages the texels that --taps and --level-bias select; found --anisotropy, "
-                "which lets the driver filter");
+                "with which the driver filters instead");
   for (const auto& [option, path] : {std::pair{"--albedo", &source.albedo}, std::pair{"--roughness", &source.roughness},
                                      std::pair{"--gloss", &source.gloss}, std::pair{"--weights", &source.weights}})
     if (!path->empty() && source.normals.empty())
-      throw Error(ErrorCode::kUsage, fmt::format("{} requires --source: both describe the baked map", option));
+      throw Error(ErrorCode::kUsage, fmt::format("{} requires --source, because both describe the baked map", option));
   if (!options.brdf_roughness.empty()) check_brdf_roughness(options);
   if (!options.comparison.kept_reference.empty() &&
       (!options.animation.folder.empty() || !picture.camera.distances.empty() || options.comparison.is_of_texels()))

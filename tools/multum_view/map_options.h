@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The options for pictures and frames of a baked map.
+// Defines the options for pictures and frames of a baked map.
 #pragma once
 
 #include "host/foundation/parameters/bake_parameters.h"
@@ -10,12 +10,12 @@
 
 namespace multum {
 
-/// The inputs of the bake, for the reference, the baselines and levels that the file does not contain.
+/// The inputs of the bake. They are needed for the reference, the baselines, and levels that the file does not contain.
 struct SourceOptions {
   std::string normals;                         // normal map; if empty, level 0 of the file is used
   std::string albedo;                          // needs `normals`, like the next three
   std::string roughness;                       // FILE or FILE:CHANNEL
-  std::string gloss;                           // replaces roughness: roughness = 1 - gloss
+  std::string gloss;                           // replaces roughness, which is then 1 - gloss
   std::string weights;                         // blend weights of basis BRDFs
   ParameterValues reading{bake_parameters()};  // settings for reading `normals` that differ from the bake's settings
 };
@@ -32,7 +32,7 @@ struct ComparisonOptions {
 struct AnimationOptions {
   std::string folder;  // folder of the frames; if empty, one picture is drawn
   int frame_count = 24;
-  // Settings of the last frame. If unset or empty, the setting of the first frame is used.
+  // The settings of the last frame. If a setting is unset or empty, the setting of the first frame is used.
   std::optional<CameraPlace> camera;
   std::string brdf;
   std::optional<glm::vec3> diffuse, specular;
@@ -71,7 +71,7 @@ void add_animation_options(CLI::App& app, AnimationOptions& options);
 /// Throws Error(kUsage) for options that exclude each other with any map.
 void check_map_options(const MapOptions& options);
 
-/// Draws a baked map: one picture, a sheet, or frames.
+/// Draws a baked map as one picture, a sheet or frames.
 int draw_map(MapOptions options);
 
 }  // namespace multum

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum-view model: draws a glTF model with its own materials. Uses base colour, metallic and roughness factors in the
-// BRDF of glTF. For a material that --material names, it draws the map that was baked from its normal texture.
+// Implements multum-view model, which draws a glTF model with its own materials. It uses the base colour, metallic and
+// roughness factors in the BRDF of glTF. For a material that --material names, it draws the map that was baked from the
+// material's normal texture.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -81,7 +82,8 @@ glm::vec3 mean_of(const GltfImage& image) {
   return sum / (static_cast<double>(rows.planes.width()) * rows.planes.height());
 }
 
-/// Multiplies the factors by the means of glTF's metallic-roughness texture: roughness is in green, metallic in blue.
+/// Multiplies the factors by the means of glTF's metallic-roughness texture, which has roughness in green and metallic
+/// in blue.
 Brdf brdf_of(const GltfMaterials& model, GltfMaterial material) {
   if (material.metallic_roughness) {
     const glm::vec3 mean = mean_of(model.images[static_cast<std::size_t>(material.metallic_roughness->image)]);
@@ -138,7 +140,7 @@ class Model {
 
   void upload(const gl::GlFunctions& gl) {
     const int count = static_cast<int>(materials_.materials.size());
-    for (int i = 0; i <= count; ++i) {  // the last round draws triangles without a material
+    for (int i = 0; i <= count; ++i) {  // the last iteration draws triangles without a material
       const GltfMaterial material = i < count ? materials_.materials[static_cast<std::size_t>(i)] : GltfMaterial{};
       const gl::MeshData data = part_data(mesh(material.normal ? material.normal->uv_set : 0), i);
       if (data.indices.empty()) continue;
@@ -164,7 +166,7 @@ class Model {
     check_options_of(file->second, picture_, scenes_, false, map.header);
     if (map.header.first_level > 0)
       throw Error(ErrorCode::kInput,
-                  file->second + ": holds no level 0, expected files with all levels for --material");
+                  file->second + ": does not contain level 0, expected files with all levels for --material");
     surfaces_.push_back(make_material(gl, map, picture_.shading, {}));
     return surfaces_.back().get();
   }
@@ -185,8 +187,8 @@ void add_model_options(CLI::App& app, ModelOptions& options) {
   PictureOptions& picture = options.picture;
   app.add_option("model", picture.surface.mesh, "model to draw: glTF or GLB")->required();
   app.add_option("--material", options.materials,
-                 "draw the material NAME with its baked map, NAME=FILE.ndf.exr; once per material (multum materials "
-                 "lists them)");
+                 "draw the material NAME with a baked map, NAME=FILE.ndf.exr; give one per material (`multum "
+                 "materials` lists them)");
   add_picture_option(app, picture.output)->required();
   add_repeat_option(app, picture.surface);
   add_camera_options(app, picture.camera);

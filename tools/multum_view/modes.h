@@ -36,15 +36,15 @@ void add_sample_options(CLI::App& app, SampleOptions& options);
 int draw_samples(const SampleOptions& options);
 
 struct PlayOptions {
-  std::string file;  // output of multum pack
+  std::string file;  // a file that multum pack wrote
   std::string path;  // a path (host/fields/playback/parameter_path.h) or a file (host/fields/playback/recorded_path.h)
   std::string folder;
   int frame_count = 0;    // if 0, 24, or all frames of a recorded path
   float rate = 30.0f;     // frames per second
-  int supersampling = 0;  // sub-pixels along each side of a pixel; if 0, as the field says
+  int supersampling = 0;  // sub-pixels along each side of a pixel; if 0, the number in the field is used
   bool is_linear = false;
   bool is_cold = false;              // forget all decoded data before each frame
-  bool draws_what_is_there = false;  // if false, waits for all data of the frame
+  bool draws_what_is_there = false;  // if false, playback waits for all data of each frame
   int ahead = 8;                     // number of frames to decode ahead
   std::string memory = "256M", upload = "16M";
   float lifetime = 20.0f, lifetime_factor = 4.0f;
@@ -82,13 +82,14 @@ struct PyramidOptions {
   std::string file;
   std::optional<PyramidKind> expected;  // kind of the file; if not set, colours or reflected light
   SurfaceOptions surface;
-  std::string surface_pyramid;  // replaces surface.mesh, at level `detail` except in the reference; empty if there is
-                                // none
+  std::string surface_pyramid;  // pyramid that replaces surface.mesh, at level `detail` except in the reference; empty
+                                // if there is none
   DetailOptions detail;
   CameraOptions camera;
   OutputOptions output;
   std::vector<std::string> lookups = {"level"};  // reference, nearest, bilinear, level or driver
-  std::optional<float> level_bias;               // if not set, 0 for colours and the pixel's width for reflected light
+  std::optional<float> level_bias;               // if not set, 0 for colours; for reflected light, it follows from the
+                                                 // pixel's width
   int shifts = 0;                                // number of pictures for measuring flicker; if 0, it is not measured
   int samples = 256;                             // reference samples per pixel
   float anisotropy = 1.0f;
@@ -101,8 +102,8 @@ int draw_pyramid(const PyramidOptions& options);
 struct LodOptions {
   std::string file;
   DetailOptions detail;
-  std::optional<int> patch_steps;  // cells along each side of a bicubic patch; if not set, the points are triangle
-                                   // corners
+  std::optional<int> patch_steps;  // number of cells along each side of a bicubic patch; if not set, the points are
+                                   // corners of triangles
   PictureOptions picture;
 };
 void add_lod_options(CLI::App& app, LodOptions& options);

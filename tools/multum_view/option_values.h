@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Parses the values of multum-view's options, which have the same form on command lines and in scene plans. Each
+// Parses the values of multum-view's options. The values have the same form on command lines and in scene plans. Each
 // function throws Error(kUsage) that names `option`, the value found and the value expected.
 #pragma once
 
@@ -45,10 +45,10 @@ CameraPlace parse_camera(const std::string& option, const std::string& text);
 /// Returns a unit vector.
 glm::vec3 parse_up(const std::string& option, const std::string& text);
 PictureSize parse_size(const std::string& option, const std::string& text);
-/// Parses factors of a camera's distance. Each may occur only once, because files are named after them.
+/// Parses factors of a camera's distance. Each factor may occur only once, because files are named after the factors.
 std::vector<float> parse_distances(const std::string& option, const std::string& text);
-/// Parses the pictures that --compare draws. Each may occur only once, because two pictures of one name would share a
-/// file.
+/// Parses the pictures that --compare draws. Each picture may occur only once, because two pictures with the same name
+/// would be written to the same file.
 std::vector<std::string> parse_compared(const std::string& option, const std::string& text);
 /// Parses lookups of a pyramid. Each may occur only once. Puts the reference first, because the others are compared
 /// with it.

@@ -32,7 +32,7 @@ const Json& object_named(const Json& plan, const std::string& path, const std::s
   return objects[static_cast<std::size_t>(found - names.begin())];
 }
 
-/// Reads an object's "view" from a plan, and sets the options that the command line left unset.
+/// Reads an object's "view" from a plan, and sets the options that are not on the command line.
 class PlanView {
  public:
   PlanView(const Json& view, fs::path folder) : view_(view), folder_(std::move(folder)) {}

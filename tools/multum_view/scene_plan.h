@@ -6,8 +6,9 @@
 
 namespace multum {
 
-/// Sets unset options from the plan's entry for options.object, or for the plan's only object if that is empty. Throws
-/// Error(kInput) if the file is not a plan, and Error(kUsage) if the plan does not contain the object.
+/// Sets options that are still unset from the plan's entry for options.object. If options.object is empty, uses the
+/// only object of the plan. Throws Error(kInput) if the file is not a plan, and Error(kUsage) if the plan does not
+/// contain the object.
 void apply_scene_plan(MapOptions& options);
 
 }  // namespace multum

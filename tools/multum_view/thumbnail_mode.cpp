@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum-view thumbnails: draws pictures of a job for the service. It runs in its own process, so that a crash caused
-// by a map or a driver ends only the pictures. The most trusted input is drawn first, because after a failure the
-// earlier pictures remain and the later ones are missing.
+// Implements multum-view thumbnails, which draws pictures of a job for the service. It runs in its own process, so that
+// a crash due to a map or a driver affects only the pictures. The most trusted input is drawn first, because pictures
+// that were drawn before a failure are kept.
 #include <fmt/format.h>
 #include <filesystem>
 
@@ -30,9 +30,10 @@ namespace fs = std::filesystem;
 
 constexpr int kWidth = 384, kHeight = 288;  // size of renders
 constexpr int kSamples = 64;                // reference samples per pixel
-// The nearest tile of the plane fills the picture, so the picture needs no levels that are wider than this.
+// The nearest tile of the plane fills the picture, so levels that are wider than this are not needed.
 constexpr int kLevelSide = 1024;
-// Maximum number of texels for a reference, which is drawn from the whole map. At this limit, it needs a third of a GB.
+// The maximum number of texels for a reference, which is drawn from the whole map. At this limit, the reference needs a
+// third of a GB.
 constexpr std::int64_t kReferenceTexelsMax = std::int64_t{1} << 24;
 
 std::string file_in(const ThumbnailOptions& options, const char* name) {
@@ -75,7 +76,7 @@ NormalMapSettings source_settings(const ThumbnailOptions& options, const MovmfMi
   NormalMapSettings settings = parse_reading_settings(mipmap.header.provenance.settings);
   settings.wrap_s = mipmap.header.wrap_s;
   settings.wrap_t = mipmap.header.wrap_t;
-  settings.repair_share_max = 1.0f;  // the bake accepted the same texels
+  settings.repair_share_max = 1.0f;  // the bake has already accepted these texels
   settings.texel_count_max = kReferenceTexelsMax;
   return settings;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The subcommands of multum-view, with one row for each, and the options that they set.
+// Lists the subcommands of multum-view, with one row per subcommand, and the options that they set.
 #pragma once
 
 #include <vector>
@@ -28,7 +28,8 @@ struct ViewCommand {
   int (*run)(const CommandOptions&);
 };
 
-/// Returns the subcommands for fields: sample, play, probe. A build without fields (MULTUM_FIELDS) returns none.
+/// Returns the subcommands for fields, which are sample, play and probe. In a build without fields (MULTUM_FIELDS),
+/// returns none.
 std::vector<ViewCommand> field_commands();
 
 }  // namespace multum

@@ -19,7 +19,7 @@ namespace {
 
 struct ComparedMethod {
   gl::Baseline baseline;
-  bool has_points;  // true if shaded at as many points as the baked map needs evaluations
+  bool has_points;  // true if the picture is shaded at as many points as the baked map needs evaluations
 };
 
 ComparedMethod method_of(const std::string& name) {
@@ -47,7 +47,8 @@ int lobe_count_of(const BakedMap& map) {
 
 bool is_power_of_two(int size) { return (size & (size - 1)) == 0; }
 
-// Draws one basis BRDF after another and sums the pictures, each times its weight. Reflected light is such a sum.
+// Draws one basis BRDF after another, and adds up the pictures, each multiplied by its weight. Reflected light is such
+// a sum.
 template <typename Draw>
 gl::Picture draw_blended(const std::vector<Brdf>& basis, gl::RenderScene scene, gl::Material& material,
                          const Draw& draw) {
@@ -140,14 +141,14 @@ std::vector<NamedPicture> PictureDrawer::draw(const gl::RenderScene& scene) {
   return pictures;
 }
 
-/// Warns about a fault of Mesa 22.3.6. The fault was measured with averaged normals on the plane seen from above. A
-/// terrain of 403 x 344 texels has an error of 85 % with --anisotropy 4 and 60 % without it. Resized to 256 x 256
-/// texels, the terrain has errors of 65 % and 66 %.
+/// Warns about a fault of Mesa 22.3.6. The fault was measured with averaged normals on the plane seen from above. For a
+/// terrain of 403 x 344 texels, the error is 85 % with --anisotropy 4 and 60 % without it. For the same terrain resized
+/// to 256 x 256 texels, the errors are 65 % and 66 %.
 void warn_of_wrong_anisotropy(const MapOptions& options, const BakedHeader& baked, const std::string& renderer) {
   if (options.picture.shading.anisotropy <= 1.0f || renderer.find("llvmpipe") == std::string::npos) return;
   if (is_power_of_two(baked.width) && is_power_of_two(baked.height)) return;
-  log_warning(options.file, fmt::format("is {} x {} texels; with --anisotropy this software renderer filters maps "
-                                        "wrongly unless their sides are powers of two. Leave the option out",
+  log_warning(options.file, fmt::format("has {} x {} texels; with --anisotropy, this software renderer filters maps "
+                                        "wrongly unless their sides are powers of two. Omit --anisotropy",
                                         baked.width, baked.height));
 }
 

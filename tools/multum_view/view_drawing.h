@@ -18,13 +18,13 @@ struct NamedPicture {
   std::shared_ptr<const gl::FloatImage> background = nullptr;  // shown behind the picture; ignored by errors
 };
 
-/// Returns the background of a picture of the scene: the environment, or null for a black background.
+/// Returns the background of a picture of the scene, which is the environment, or null for a black background.
 std::shared_ptr<const gl::FloatImage> background_of(const PictureOptions& options, const gl::RenderScene& scene);
 
 /// Returns the picture drawn in front of its background.
 gl::FloatImage shown_image(const NamedPicture& picture);
 
-/// Draws every picture that the options list, for any number of scenes. Textures are uploaded once.
+/// Draws every picture that the options list, for any number of scenes. Textures are uploaded only once.
 class PictureDrawer {
  public:
   /// All arguments must outlive this object.

@@ -26,13 +26,13 @@
 namespace multum {
 namespace {
 
-/// Returns the settings of the bake. Settings from the command line replace them.
+/// Returns the settings of the bake. Settings on the command line override them.
 NormalMapSettings source_settings(const MapOptions& options, const BakedHeader& baked) {
   NormalMapSettings settings = parse_reading_settings(baked.provenance.settings);
   settings.wrap_s = baked.wrap_s;
   settings.wrap_t = baked.wrap_t;
   if (hash_file(options.source.normals) == baked.provenance.file_hash()) {
-    settings.repair_share_max = 1.0f;  // the bake accepted the same texels
+    settings.repair_share_max = 1.0f;  // the bake has already accepted these texels
   } else if (!baked.provenance.source_hash.empty()) {
     log_warning(options.source.normals,
                 fmt::format("is not the file that {} was baked from ({}, SHA-256 {}): {} may show another map",
@@ -183,8 +183,8 @@ gl::NormalImage read_source(const MapOptions& options, const ViewScenes& scenes,
   const std::string& source = options.source.normals;
   if (source.empty() && baked.first_level > 0)
     throw Error(ErrorCode::kUsage,
-                fmt::format("{}: holds {} of a map of {} x {}; found no --source, expected the normal map of the bake, "
-                            "which contains the finer levels ({}, SHA-256 {})",
+                fmt::format("{}: contains only {} of a map of {} x {}; found no --source, expected the normal map of "
+                            "the bake, which contains the finer levels ({}, SHA-256 {})",
                             options.file, levels_text(baked.first_level, baked.level_count()), baked.width,
                             baked.height, baked.provenance.source_name, baked.provenance.file_hash()));
   if (source.empty()) return finest_normals(map);
@@ -192,7 +192,7 @@ gl::NormalImage read_source(const MapOptions& options, const ViewScenes& scenes,
   log_info(source + ": " + normals.report.encoding);
   for (const std::string& warning : normals.report.warnings) log_warning(source, warning);
   if (normals.width != baked.width || normals.height != baked.height)
-    throw Error(ErrorCode::kInput, fmt::format("{}: is {} x {} texels; {} was baked from {} x {}", source,
+    throw Error(ErrorCode::kInput, fmt::format("{}: has {} x {} texels, but {} was baked from {} x {}", source,
                                                normals.width, normals.height, options.file, baked.width, baked.height));
   const ChannelFile roughness = roughness_file(options.source);
   check_materials(options, baked, roughness, scenes.basis.size());
@@ -226,7 +226,7 @@ std::shared_ptr<const EnvironmentLight> read_environment(const LightOptions& opt
   const ColourMap colours = read_environment_map(options.environment);
   if (colours.clamped_count > 0)
     log_warning(options.environment,
-                fmt::format("{} texels are negative or not finite and are read as black", colours.clamped_count));
+                fmt::format("{} texels are negative or not finite, and are read as black", colours.clamped_count));
   EnvironmentMap map{colours.width, colours.height, {}};
   for (std::size_t i = 0; i < colours.r.size(); ++i) map.texels.emplace_back(colours.r[i], colours.g[i], colours.b[i]);
   return make_environment_light(std::move(map));

@@ -68,13 +68,14 @@ nlohmann::json brdf_json(const Brdf& brdf) {
   return json;
 }
 
-// The noise is not finite if the picture has only one sample per pixel, from which noise cannot be measured.
+// The noise is not finite if the picture has only one sample per pixel, because noise cannot be measured from a single
+// sample.
 nlohmann::json noise_json(double noise) { return std::isfinite(noise) ? nlohmann::json(noise) : nlohmann::json(); }
 
 std::string reference_line(const gl::Picture& reference) {
   const std::string noise =
       std::isfinite(reference.noise) ? fmt::format("{:.2f} % of itself", 100.0 * reference.noise) : "unknown";
-  return fmt::format("the reference has {} samples per pixel; its noise is {}\n", reference.sample_count, noise);
+  return fmt::format("the reference has {} samples per pixel, and its noise is {}\n", reference.sample_count, noise);
 }
 
 nlohmann::json filter_json(const ShadingOptions& shading) {
@@ -87,7 +88,7 @@ nlohmann::json filter_json(const ShadingOptions& shading) {
   return filter;
 }
 
-/// Adds the sheet and, with --pictures, each picture.
+/// Adds the sheet and, if --pictures is given, each picture.
 void add_pictures(const OutputOptions& options, const std::vector<std::string>& compared,
                   std::vector<std::string>& outputs) {
   outputs.push_back(options.path);

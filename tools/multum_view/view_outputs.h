@@ -10,8 +10,8 @@
 
 namespace multum {
 
-/// Refuses output files that cannot be written, or that would overwrite each other or an input. Runs before anything is
-/// drawn, so that no rendering is wasted, and no picture is written without its report.
+/// Refuses output files that cannot be written, or that would overwrite each other or an input. This check runs before
+/// anything is drawn, so that no rendering is wasted and no picture is written without its report.
 void check_outputs(const MapOptions& options, const ViewScenes& scenes);
 
 /// Writes the sheet. With --pictures, also writes every picture, and its difference from the reference, to its own

@@ -24,14 +24,14 @@ void place_camera(const CameraPlace& place, gl::Camera& camera) {
   if (place.fov_y_degrees) camera.fov_y_degrees = *place.fov_y_degrees;
 }
 
-/// Sets the up direction: +Y for meshes, as in glTF, and +Z for the plane.
+/// Sets the up direction, which is +Y for meshes, as in glTF, and +Z for the plane.
 void set_up(const PictureOptions& options, ViewScenes& scenes) {
   gl::Camera& camera = scenes.first.camera;
   const bool is_plane = options.surface.mesh.empty();
   scenes.up = options.camera.up.value_or(is_plane ? glm::vec3(0.0f, 0.0f, 1.0f) : glm::vec3(0.0f, 1.0f, 0.0f));
   if (options.camera.up && (scenes.has_camera || is_plane) && looks_along(camera, scenes.up))
     throw Error(ErrorCode::kUsage, "--up is parallel to the line of sight, expected another direction, such as 0,0,1");
-  // A camera that looks straight up or down needs another up direction, which is +Y over the plane and -Z with a mesh.
+  // A camera that looks straight up or down needs another up direction. It is +Y for the plane and -Z for a mesh.
   if (!options.camera.up && scenes.has_camera && looks_along(camera, scenes.up))
     scenes.up = is_plane ? glm::vec3(0.0f, 1.0f, 0.0f) : glm::vec3(0.0f, 0.0f, -1.0f);
   camera.up = scenes.up;
@@ -63,8 +63,8 @@ std::vector<Brdf> make_basis(const MaterialOptions& options, bool has_environmen
   for (const auto& [option, colours] :
        {std::pair{"--diffuse", &options.diffuse}, std::pair{"--specular", &options.specular}})
     if (colours->size() > 1 && colours->size() != brdfs.size())
-      throw Error(ErrorCode::kUsage, fmt::format("{}: found {}, expected one, or one for each of {} --brdf", option,
-                                                 colours->size(), brdfs.size()));
+      throw Error(ErrorCode::kUsage, fmt::format("{}: found {}, expected one, or one for each of the {} --brdf options",
+                                                 option, colours->size(), brdfs.size()));
   std::vector<Brdf> basis;
   for (std::size_t k = 0; k < brdfs.size(); ++k) {
     Brdf brdf = parse_brdf("--brdf", brdfs[k], options.term_count);
@@ -85,7 +85,7 @@ void change_brdf(const AnimationOptions& options, const ViewScenes& scenes, Brdf
     const Brdf before = brdf;
     brdf = parse_brdf("--to-brdf", options.brdf, before.term_count);
     if (brdf.kind != before.kind || brdf.kind == BrdfKind::kMeasured)
-      refuse_value("--to-brdf", options.brdf, "another parameter of the family of --brdf");
+      refuse_value("--to-brdf", options.brdf, "another parameter of the same BRDF family as --brdf");
     brdf.diffuse = before.diffuse;
     brdf.specular = before.specular;
   }
@@ -118,9 +118,9 @@ ViewScenes make_scenes(const PictureOptions& options) {
   scenes.first.filter.is_turned = !options.surface.mesh.empty();
   scenes.first.filter.level_bias = options.shading.level_bias.value_or(static_cast<float>(kLevelBiasDefault));
   if (options.material.fixed_fresnel && !options.light.environment.empty())
-    throw Error(ErrorCode::kUsage, "--fixed-fresnel: works only with lights; found --environment, expected none");
+    throw Error(ErrorCode::kUsage, "--fixed-fresnel works only with lights; found --environment, expected none");
   if (options.shading.formula == gl::LobeFormula::kPaper && scenes.first.brdf.kind != BrdfKind::kBlinnPhong)
-    throw Error(ErrorCode::kUsage, "--formula paper: needs Blinn-Phong, expected --brdf blinn-phong:S");
+    throw Error(ErrorCode::kUsage, "--formula paper works only with Blinn-Phong, expected --brdf blinn-phong:S");
   scenes.last = scenes.first;
   return scenes;
 }

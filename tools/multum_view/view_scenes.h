@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Makes the scenes that the renderer draws: cameras, lights and BRDFs from the options.
+// Makes the scenes that the renderer draws, with cameras, lights and BRDFs from the options.
 #pragma once
 
 #include <optional>
@@ -20,10 +20,10 @@ struct ViewScenes {
 
 /// Throws Error(kUsage) for cameras, lights and BRDFs that exclude each other.
 ViewScenes make_scenes(const PictureOptions& options);
-/// Sets the last frame's scene as the options say.
+/// Sets the scene of the last frame according to the options.
 void change_last_scene(const AnimationOptions& options, ViewScenes& scenes);
 
-/// One picture of a scene: a camera, and the names of its outputs.
+/// One picture of a scene, which consists of a camera and the names of its outputs.
 struct View {
   OutputOptions output;
   gl::RenderScene scene;

@@ -33,7 +33,7 @@ std::vector<std::uint8_t> encode_srgb(const gl::FloatImage& image, float exposur
 
 void check_picture_path(const std::string& path) {
   if (!ends_with(path, ".png") && !ends_with(path, ".exr"))
-    throw Error(ErrorCode::kUsage, path + ": found another extension, expected .png or .exr");
+    throw Error(ErrorCode::kUsage, path + ": has another extension, expected .png or .exr");
 }
 
 void write_picture(const std::string& path, const gl::FloatImage& image, float exposure) {

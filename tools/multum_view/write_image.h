@@ -8,9 +8,9 @@
 
 namespace multum {
 
-/// Writes a PNG or EXR file, as the extension of the name says. PNG files hold values times `exposure`, clamped, as
-/// 8-bit sRGB. EXR files hold linear 32-bit floats without `exposure`. Throws Error(kUsage) for other names, and
-/// Error(kEnvironment) if writing fails.
+/// Writes a PNG or EXR file, depending on the extension of the name. PNG files hold values that are multiplied by
+/// `exposure`, clamped and converted to 8-bit sRGB. EXR files hold linear 32-bit floats, to which `exposure` is not
+/// applied. Throws Error(kUsage) for other extensions, and Error(kEnvironment) if writing fails.
 void write_picture(const std::string& path, const gl::FloatImage& image, float exposure);
 
 /// Throws Error(kUsage) unless write_picture() supports the name's extension.

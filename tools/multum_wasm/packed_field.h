@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// The decoder of packed fields (docs/reference/packed_fields.md) as functions that WebAssembly can export. Arguments
-// and results are only numbers and addresses in the module's memory. tools/wasm_decoder compiles the functions, and
+// Declares the decoder of packed fields (docs/reference/packed_fields.md) as functions that WebAssembly can export. All
+// arguments and results are numbers or addresses in the module's memory. tools/wasm_decoder compiles the functions, and
 // packed_field.mjs calls them from JavaScript. No function throws. If memory runs out, the module traps, and JavaScript
-// gets an exception.
+// receives an exception.
 #pragma once
 
 #include <cstddef>
@@ -41,8 +41,8 @@ MULTUM_EXPORT(multum_chunk_block) std::uint32_t multum_chunk_block(const MultumP
 /// Decodes the coefficients of all images in a chunk. Returns null if the chunk is damaged. The field may be closed
 /// afterwards.
 MULTUM_EXPORT(multum_decode) MultumTextureChunk* multum_decode(const MultumPackedField* field, std::size_t chunk);
-/// Decodes a chunk from its section only, for callers that fetch byte ranges of a file. The caller must have checked
-/// the checksum.
+/// Decodes a chunk from the bytes of its section, for callers that fetch byte ranges of a file. The caller must have
+/// verified the checksum.
 MULTUM_EXPORT(multum_decode_section)
 MultumTextureChunk* multum_decode_section(const std::uint8_t* bytes, std::size_t size);
 MULTUM_EXPORT(multum_chunk_close) void multum_chunk_close(MultumTextureChunk* chunk);
@@ -55,7 +55,7 @@ MULTUM_EXPORT(multum_sample_count) std::size_t multum_sample_count(const MultumT
 /// Writes the texture of a sample to `out` as [height][width][3] gamma-coded floats for red, green and blue, with 255
 /// for a radiance of 1. `sample` must be below the sample count.
 MULTUM_EXPORT(multum_texture) void multum_texture(const MultumTextureChunk* chunk, std::size_t sample, float* out);
-/// Writes the texture as radiance in half floats, rounded to nearest. The largest value is 65504.
+/// Writes the texture as radiance in half floats, which are rounded to the nearest value. The largest value is 65504.
 MULTUM_EXPORT(multum_radiance_halves)
 void multum_radiance_halves(const MultumTextureChunk* chunk, std::size_t sample, std::uint16_t* out);
 

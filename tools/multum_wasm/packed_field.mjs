@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Packed fields of animations (docs/reference/packed_fields.md) in JavaScript, for browsers and Node. Two classes wrap
-// packed_field.wasm, which tools/wasm_decoder compiles.
+// Decodes packed fields of animations (docs/reference/packed_fields.md) in JavaScript, for browsers and Node. Two
+// classes wrap packed_field.wasm, which tools/wasm_decoder compiles.
 //
 //     const decoder = await loadDecoder(bytesOfWasm)
 //     const field = decoder.open(bytesOfFile)
@@ -40,8 +40,8 @@ class Decoder {
     return new PackedField(this, memory, field)
   }
 
-  // Decodes a chunk from the bytes of its section. The caller must have checked the checksum. Throws Error with the
-  // reason.
+  // Decodes a chunk from the bytes of its section. The caller must have verified the checksum. Throws Error with the
+  // reason if the bytes are bad.
   chunkOf(bytes) {
     const memory = this.allocated(bytes.length)
     new Uint8Array(this.wasm.memory.buffer, memory, bytes.length).set(bytes)

@@ -27,7 +27,7 @@ int main(int argc, char** argv) {
     multum_error_free(error);
     return code;
   }
-  // Light that the texel reflects towards the eye from a white sky.
+  // The light from a white sky that the texel reflects towards the eye.
   const double view[3] = {0.6, 0.0, 0.8};
   constexpr int kCount = 20000;
   std::mt19937_64 engine(1);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The Python module multum._multum: multum.h for Python, with as little added as possible. The package's Python files
+// The Python module multum._multum, which is a thin layer over multum.h. The Python files of the package
 // (host/api/python/multum) give it the form that users see.
 #include <multum.h>
 #include <pybind11/numpy.h>
@@ -16,7 +16,7 @@ namespace py = pybind11;
 
 namespace {
 
-// Raises the exception of multum._errors for an error, which it frees.
+// Raises the exception of multum._errors that belongs to an error, and frees the error.
 [[noreturn]] void raise(multum_error* error, multum_status status) {
   const std::unique_ptr<multum_error, decltype(&multum_error_free)> owned(error, multum_error_free);
   const py::object made =
@@ -34,7 +34,7 @@ void check(const Call& call) {
   if (status != MULTUM_OK) raise(error, status);
 }
 
-// Connects Python functions to a long call, which runs without the interpreter's lock. Ctrl-C cancels the call.
+// Connects Python functions to a long call. The call runs without the lock of the interpreter, and Ctrl-C cancels it.
 class Callbacks {
  public:
   Callbacks(py::object progress, py::object log) : progress_(std::move(progress)), log_(std::move(log)) {
@@ -63,7 +63,7 @@ class Callbacks {
   }
 
  private:
-  // Keeps an exception of Python until the call has ended.
+  // Keeps a Python exception until the call has ended.
   template <typename Body>
   int hear(const Body& body) {
     const py::gil_scoped_acquire acquire;
@@ -108,7 +108,7 @@ class Device {
   std::shared_ptr<multum_device> device_;
 };
 
-// Settings of a command from a dictionary; None leaves the default.
+// Makes the settings of a command from a dictionary. None means the default.
 class Values {
  public:
   Values(const std::string& command, const py::dict& settings) {
@@ -143,8 +143,8 @@ multum_type type_of(const py::array& array) {
   return MULTUM_FLOAT;
 }
 
-// Arrays of shape (height, width, channels) whose pixels are contiguous within a row. The package's Python code makes
-// sure of the shape and the type.
+// Arrays of shape (height, width, channels) whose pixels are contiguous within a row. The Python code of the package
+// ensures the shape and the type.
 struct Maps {
   Maps(const std::string& input, const py::dict& images) : file(input) {
     maps.input = file.empty() ? nullptr : file.c_str();
@@ -256,7 +256,8 @@ class Brdf {
 using Doubles = py::array_t<double, py::array::c_style | py::array::forcecast>;
 using Floats = py::array_t<float, py::array::c_style | py::array::forcecast>;
 
-// Lobes of many points: arrays (count, lobes, 4), and (count, lobes, 3) or (0,) without colours.
+// The lobes of many points. They are arrays of shape (count, lobes, 4), and of shape (count, lobes, 3), or (0,) if
+// there are no colours.
 struct LobeRows {
   LobeRows(Floats lobes_in, Floats colours_in) : lobes(std::move(lobes_in)), colours(std::move(colours_in)) {
     count = lobes.shape(0);
@@ -284,7 +285,7 @@ struct LobeRows {
   bool has_colours;
 };
 
-// `places`: (count, 3) with u, v and level of detail.
+// `places` has the shape (count, 3), with u, v and level of detail.
 py::tuple look_up(const Map& map, const Doubles& places) {
   const multum_info info = multum_map_info(map.get());
   const py::ssize_t count = places.shape(0), lobes = info.lobe_count;

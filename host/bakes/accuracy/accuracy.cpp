@@ -15,13 +15,13 @@
 namespace multum {
 namespace {
 
-// Sums errors per level, kind of point and BRDF. Each sample counts for all texels of its cell. For sampled levels, the
-// errors of each point are also kept, because their spread gives the confidence interval.
+// Adds up the errors of each level, kind of point and BRDF. Each sample represents all texels of its cell. For sampled
+// levels, the errors of each point are also kept, because the confidence interval follows from their spread.
 //
 // The error of a level is R = sum_i w_i d_i / sum_i w_i t_i. For the sample of cell i, d_i is the difference, t_i is
 // the reference, and w_i is the number of texels in the cell. Both sums are Horvitz-Thompson estimates (Cochran 1977,
 // section 9A.7). With e_i = d_i - R t_i, the variance of R is the variance of sum_i w_i e_i, divided by the squared sum
-// of the reference (the delta method, Cochran section 6.4). If a texel has no point of this kind, e_i = 0 (section
+// of the reference (the delta method, Cochran section 6.4). For a texel without a point of this kind, e_i is 0 (section
 // 5A.14).
 //
 //   v = n / (n - 1) sum_i (1 - 1 / w_i) (w_i e_i - mean)^2
@@ -121,12 +121,12 @@ std::vector<Highlight> highlights_of(const AccuracySettings& settings) {
   return all;
 }
 
-// Texels and footprints that a measurement reads.
+// The texels and footprints that a measurement reads.
 struct MeasuredPlaces {
   const AccuracyPoints& points;
   const FootprintAverages& footprints;
   const TexelSelection& model_texels;
-  const std::vector<std::size_t>& model_slots;  // slots of the points' texels
+  const std::vector<std::size_t>& model_slots;  // the slots of the texels that points read
 };
 
 void append_taps(const SamplePoint& point, const std::vector<std::size_t>& model_slots, PointTaps& taps) {
@@ -167,7 +167,7 @@ class Comparison {
     for (std::size_t direction = 0; direction < direction_count() && !points_.samples().empty();) {
       const Pass pass = next_pass(direction);
       for (const auto& reference : pass.references) streamed.push_back(reference.get());
-      // In this pass, footprints use all directions and reuse the evaluated values.
+      // This pass also measures the footprints in all directions, and reuses the values that it has evaluated.
       for (std::size_t d = 0; d < footprint_references.size() && direction == 0; ++d)
         if (d < pass.references.size()) pass.references[d]->share_with(*footprint_references[d]);
         else streamed.push_back(footprint_references[d].get());
@@ -192,7 +192,7 @@ class Comparison {
     return rows;
   }
 
-  // Errors of one part of the footprints, which are split into `count` equal, consecutive parts.
+  // Measures one part of the footprints, which are split into `count` equal, consecutive parts.
   std::vector<FootprintError> footprint_errors(int part, int count) const {
     const std::vector<Footprint>& all = places_.footprints.footprints();
     const auto place = [&](int number) {
@@ -218,10 +218,10 @@ class Comparison {
   std::size_t direction_count() const { return half_count() + settings_.directions.lights.size(); }
   std::size_t half_count() const { return highlights_.empty() ? 0 : settings_.directions.half_vectors.size(); }
 
-  // Directions that do not fit into memory need another pass over the map. With 2048 samples per level, all 40 values
-  // of a map of 16384 x 16384 need 33 MB, or four times as much with colours. If every texel of a map of 1024 x 1024 is
-  // measured, three values need 34 MB. The result does not depend on the number of threads, because sums are added pass
-  // by pass.
+  // If the values of all directions do not fit into memory, another pass over the map is made. With 2048 samples per
+  // level, the 40 values of all directions need 33 MB for a map of 16384 x 16384 texels, or four times as much with
+  // colours. If every texel of a map of 1024 x 1024 texels is measured, three values need 34 MB. The result does not
+  // depend on the number of threads, because sums are added pass by pass.
   Pass next_pass(std::size_t first) const {
     constexpr std::size_t kReferenceBytesMax = std::size_t{256} << 20;
     Pass pass{{{}, {}, highlights_, settings_.has_roughness ? settings_.mean_cosine : 0.0f}, {}};
@@ -320,7 +320,7 @@ class Comparison {
     }
   }
 
-  // Returns the factor that the averages of the reference do not include.
+  // Returns the factor by which the averages of the reference must still be multiplied.
   double value_scale(bool is_light, std::size_t highlight) const {
     return is_light || settings_.has_roughness ? 1.0 : highlight_scale(highlights_[highlight]);
   }
@@ -612,7 +612,7 @@ std::vector<AccuracyRow> measure_accuracy(Device& device, const MovmfMipmap& mip
 
 namespace {
 
-// `levels` hold rows that the meter's add_rows() accepts.
+// `levels` holds rows in the form that add_rows() of the meter accepts.
 template <typename Meter, typename Level>
 void add_levels(Meter& meter, const BakedHeader& header, const std::vector<Level>& levels) {
   for (int l = header.first_level; l < header.level_count(); ++l)

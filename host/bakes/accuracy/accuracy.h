@@ -1,20 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 // Measures the error of a baked mipmap against its reference in two ways.
 //
-// The pixel error is stored in the file, and settings are chosen by the pixel error
-// (host/bakes/accuracy/footprint_error.h). For its reference, the BRDF times n . l of every finest normal is averaged
-// over the pixel's footprint in double precision. Its model takes the texels as rounded for storage, reads them with
-// the runtime's filter (host/formats/asset/tap_filter.h), and shades them by the runtime's formula (accuracy_model.h).
+// The pixel error is stored in the file and used to choose settings (host/bakes/accuracy/footprint_error.h). Its
+// reference is the BRDF times n . l of every finest normal, averaged over the pixel's footprint in double precision.
+// Its model takes the texels as rounded for storage, reads them with the runtime's filter
+// (host/formats/asset/tap_filter.h), and shades them with the runtime's formula (accuracy_model.h).
 // The error is relative L1, sum |model - reference| / sum reference, over footprints and a fixed set of lights and
 // views.
 //
-// The table of levels shows where a fit is good: at texel centres, midway between texels and between levels. The
+// The table of levels shows the error at texel centres, midway between texels and between levels. The
 // reference of the table is the BRDF averaged over the normals that each texel covers, filtered as in the model. The
 // table measures only the convolution of the BRDF f, without the factor n . l.
 //
-// Levels finer than the first stored level are float mips of the normal map. Each of their texels is one lobe: the mean
-// vector of the normals that the texel covers. Between such a level and a stored level, both levels are shaded and
-// mixed, as renderers do (docs/contributing/ALGORITHMS.md).
+// Levels finer than the first stored level are float mips of the normal map. Each of their texels is one lobe, which is
+// the mean vector of the normals that the texel covers. Between such a level and a stored level, both levels are shaded
+// and mixed, as in renderers (docs/contributing/ALGORITHMS.md).
 #pragma once
 
 #include <cstdint>
@@ -46,20 +46,20 @@ struct AccuracyRow {
   AccuracyBrdf brdf;
   double error;  // relative L1 error (0.1 is 10 %); the denominator is at least 1 % of the reflection of a white
                  // diffuse surface
-  // Half width of the 95 % interval of `error`. It is 0 if all texels were measured, at least kIntervalMin if they were
-  // sampled, and kIntervalUnstated in rows of a file whose header states no interval.
+  // Half width of the 95 % interval of `error`. The half width is 0 if all texels were measured, at least kIntervalMin
+  // if they were sampled, and kIntervalUnstated in rows of a file whose header states no interval.
   double confidence;
   std::int64_t sample_count;  // number of measured texels; 0 in rows read from a file
 };
-/// The smallest interval that is stated, because errors have six decimal places.
+/// The smallest half width that is stated. Smaller ones would be rounded to 0, because errors have six decimal places.
 constexpr double kIntervalMin = 1e-6;
 constexpr double kIntervalUnstated = -1.0;
 
 /// The finest level whose differences are averages (host/bakes/scene/scene_difference.h).
 constexpr int kSummaryLevel = 2;
 
-/// Difference between two files: the sum of |a - b| and the sum of b, over texel centres, midpoints and points
-/// half-way to the next level.
+/// The difference between two files a and b. It consists of the sum of |a - b| and the sum of b over texel centres,
+/// midpoints and points half-way to the next level.
 struct LevelDifference {
   int level;
   AccuracyBrdf brdf;  // the BRDF only, without a shading method or colours
@@ -69,8 +69,7 @@ struct LevelDifference {
 /// Formats an error and its interval: "7.4 +- 0.2 %".
 std::string error_text(double error, double confidence);
 
-/// The lights and half vectors of all measured errors: 4 lights, 12 half vectors (docs/evidence/ACCURACY.md lists
-/// them).
+/// The 4 lights and 12 half vectors for which all errors are measured (docs/evidence/ACCURACY.md lists them).
 struct AccuracyDirections {
   std::vector<glm::dvec3> lights;        // at least one direction
   std::vector<glm::dvec3> half_vectors;  // at least one direction
@@ -92,15 +91,16 @@ struct AccuracySettings {
   TapFilter filter = {};
   WrapMode wrap_s = WrapMode::kPeriodic, wrap_t = WrapMode::kPeriodic;  // wrap modes of the file
   AccuracyDirections directions = accuracy_directions();
-  // True if normals are shortened by the width of their BRDF (host/formats/image/material_maps.h), by `mean_cosine` on
-  // average. Each normal then has its own highlight width, and the measured BRDFs are "roughness" and "lambert".
+  // True if normals are shortened according to the width of their BRDF (host/formats/image/material_maps.h). The mean
+  // of their lengths is `mean_cosine`. Each normal then has its own highlight width, and the measured BRDFs are
+  // "roughness" and "lambert".
   bool has_roughness = false;
   float mean_cosine = 1.0f;
   int threads = 2;
 };
 
-/// Measures a file's error. Takes the baked rows as they are stored, and keeps the texels that the measurement reads
-/// until the end. With 2048 samples per level it needs about 50 MB for maps of any size.
+/// Measures a file's error. The baked rows are passed in as they are stored, and the texels that the measurement reads
+/// are kept until the end. With 2048 samples per level, this takes about 50 MB for a map of any size.
 class AccuracyMeter {
  public:
   virtual ~AccuracyMeter() = default;
@@ -110,24 +110,25 @@ class AccuracyMeter {
   /// True if the measurement reads any texel of these rows. Other rows do not need to be added.
   bool needs_rows(int level, int first_row, int row_count) const;
 
-  /// Measures the error. Call this function once, after all needed rows were added. If `albedo` is given, the file must
-  /// have colours, and each channel is compared. Reads every normal once, or several times if it measures millions of
-  /// texels. Progress counts no units.
+  /// Measures the error. Call this function once, after all rows that the measurement reads have been added. If
+  /// `albedo` is given, the file must have colours, and each channel is compared. Reads every normal once, or several
+  /// times if millions of texels are measured. The function advances no progress units.
   std::vector<AccuracyRow> run(Device& device, const PlaneStore& normals, const PlaneStore* albedo, Progress* progress);
-  /// Computes the difference between the shading of this file and of `by_default`, for the same map at the same texels.
-  /// Call this function before run(). If `albedo` is given, `by_default` must have colours, and Lambert is compared per
-  /// channel. A file without colours is then multiplied by the albedo's mean.
+  /// Computes the difference between the shading of this file and the shading of `by_default`, which is made from the
+  /// same map, at the same texels. Call this function before run(). If `albedo` is given, `by_default` must have
+  /// colours, and Lambert is compared per channel. If this file has no colours, its shading is multiplied by the mean
+  /// albedo.
   std::vector<LevelDifference> difference_from(AccuracyMeter& by_default, Device& device, const PlaneStore& normals,
                                                const PlaneStore* albedo, Progress* progress);
-  /// Returns one error per BRDF, measured over all replicates. Valid after run() if there are footprints.
+  /// Returns one error per BRDF, measured over all replicates. The result is valid after run() if there are footprints.
   const std::vector<FootprintError>& footprint_errors() const { return footprint_errors_; }
   /// Errors of each replicate: [replicate][BRDF].
   const std::vector<std::vector<FootprintError>>& replicate_errors() const { return replicate_errors_; }
 
  protected:
-  /// Reads from `header` the wrap modes, and whether the file contains the width of a BRDF.
+  /// Reads the wrap modes from `header`, and determines whether the file contains the width of a BRDF.
   AccuracyMeter(PlaneSize map, const BakedHeader& header, const AccuracySettings& settings);
-  /// Texels that models keep.
+  /// Returns the texels that models keep.
   const TexelSelection& texels() const { return texels_; }
   virtual AccuracyModel& model() = 0;
 

@@ -17,7 +17,7 @@ using Plane = std::vector<double>;
 
 constexpr double kHorizonZ = 0.05;  // smallest z for slopes, because slopes are infinite at the horizon
 
-// Planes that can be averaged linearly: the normal, its slopes and their products.
+// The planes that can be averaged linearly, which are the normal, its slopes and their products.
 struct LinearPlanes {
   Plane nx, ny, nz, sx, sy, sxx, sxy, syy;
 };

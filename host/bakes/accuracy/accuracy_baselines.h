@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Measures the alternatives to a bake: averaged normals, Toksvig, and LEAN moments. The method is that of
-// host/bakes/accuracy/accuracy.h at texel centres. Uses convolved Blinn-Phong without n . l, in double precision.
+// Measures the alternatives to a bake, which are averaged normals, Toksvig and LEAN moments. Errors are measured at
+// texel centres as in host/bakes/accuracy/accuracy.h, in double precision and with convolved Blinn-Phong without n . l.
 #pragma once
 
 #include <string>
@@ -12,9 +12,9 @@ namespace multum {
 
 enum class Baseline {
   kMip,           // the averaged normal, normalised
-  kToksvig,       // exponent reduced according to the averaged normal's length (Toksvig 2005)
-  kLean,          // Gaussian of slopes with covariance Sigma + I/s (Olano and Baker 2010)
-  kLeanJacobian,  // LEAN divided by cos^3, which makes it a density per solid angle
+  kToksvig,       // an exponent that is reduced according to the length of the averaged normal (Toksvig 2005)
+  kLean,          // a Gaussian of slopes with covariance Sigma + I/s (Olano and Baker 2010)
+  kLeanJacobian,  // LEAN divided by cos^3, which turns it into a density per solid angle
 };
 const char* baseline_name(Baseline baseline);
 

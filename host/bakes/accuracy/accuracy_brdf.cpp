@@ -13,7 +13,7 @@ namespace {
 constexpr std::string_view kLambertText = "lambert", kRoughnessText = "roughness",
                            kBlinnPhongText = "blinn-phong:", kColouredText = " coloured";
 
-// Parses the BRDF from a text without shading and colours.
+// Parses a BRDF from a text that contains neither a shading method nor colours.
 AccuracyBrdf parse_brdf_alone(const std::string& text) {
   if (text == kLambertText) return AccuracyBrdf::lambert();
   if (text == kRoughnessText) return AccuracyBrdf::roughness();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Identifies the subject of a measured error: a BRDF, its shading method, and whether colours are included. Only this
-// file writes and parses its text form, which is used in tables, reports and file headers.
+// Identifies what an error was measured for. This is a BRDF, its shading method, and whether colours are included. The
+// text form, which is used in tables, reports and file headers, is written and parsed only here.
 #pragma once
 
 #include <string>
@@ -18,7 +18,7 @@ struct AccuracyBrdf {
   AccuracyBrdfKind kind = AccuracyBrdfKind::kLambert;
   double exponent = 0.0;  // exponent of kBlinnPhong
   std::string name;       // name of kNamed, such as "ggx:0.5"
-  std::string shading;    // "toksvig", "lean" or another method if there are several; otherwise empty
+  std::string shading;    // "toksvig", "lean" or another method if there are several methods; otherwise empty
   bool has_colours = false;
 
   static AccuracyBrdf lambert() { return {}; }
@@ -39,7 +39,8 @@ struct AccuracyBrdf {
   std::string text() const;
 };
 
-/// Parses the output of text(). Keeps unknown texts of other programs as names.
+/// Parses the output of text(). A text that is not recognised is kept as a name, because another program may have
+/// written it.
 AccuracyBrdf parse_accuracy_brdf(const std::string& text);
 
 }  // namespace multum

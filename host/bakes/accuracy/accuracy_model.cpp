@@ -4,7 +4,7 @@
 namespace multum {
 namespace {
 
-// The result is never empty, because a buffer cannot be empty.
+// The result has at least one element, because a buffer cannot be empty.
 std::vector<glm::vec4> padded(const std::vector<glm::dvec3>& directions, float w) {
   std::vector<glm::vec4> result;
   for (const glm::dvec3& direction : directions) result.emplace_back(glm::vec3(direction), w);

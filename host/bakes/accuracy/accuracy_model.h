@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Models what a renderer shows of a baked file, for the measurement in host/bakes/accuracy/accuracy.h. Computes values
-// at points of the pyramid, filtered and shaded as the runtime does. If a representation has several shading methods,
-// each is measured.
+// at points of the pyramid by filtering and shading as the runtime does. If a representation has several shading
+// methods, each is measured.
 #pragma once
 
 #include <memory>
@@ -24,7 +24,8 @@ struct ShadingDirections {
   std::vector<glm::dvec3> half_vectors;
   std::vector<glm::dvec3> lights;
   std::vector<Highlight> highlights;
-  float mean_cosine = 0.0f;  // mean cosine of a baked roughness map, by which lights are divided; 0 without such a map
+  float mean_cosine = 0.0f;  // the mean cosine of a baked roughness map, by which lights are divided; 0 if there is no
+                             // such map
   // [half vector]: index in `lights` of the light whose cosine n . l multiplies the highlights. Empty if highlights are
   // not multiplied by a cosine.
   std::vector<int> half_vector_lights = {};
@@ -34,8 +35,8 @@ struct ShadingDirections {
 class PointShading {
  public:
   virtual ~PointShading() = default;
-  /// Writes [point][highlights x half vectors, then lights] to values[0 .. points x values). `shading` is the number
-  /// of one of the model's shadings. Values are multiplied by the colours in `channel` unless it is -1.
+  /// Writes [point][highlights x half vectors, then lights] to values[0 .. points x values). `shading` is the number of
+  /// one of the model's shadings. Values are multiplied by the colours of channel `channel`, unless `channel` is -1.
   virtual void shade(const PointTaps& points, int shading, int channel, int threads, std::vector<float>& values) = 0;
 };
 
@@ -50,7 +51,7 @@ class AccuracyModel {
   void set_map_averages(const TexelSums* averages) { map_averages_ = averages; }
   /// Returns the names of the shading methods. If there is only one method, its name is empty.
   virtual const std::vector<std::string>& shadings() const = 0;
-  /// Call it after all texels were added. The model must outlive the result.
+  /// Call this function after all texels have been added. The model must outlive the result.
   virtual std::unique_ptr<PointShading> make_shading(Device& device, const ShadingDirections& directions) const = 0;
 
  protected:
@@ -78,8 +79,8 @@ class DirectionBuffers {
   int half_count() const { return half_count_; }
   int light_count() const { return light_count_; }
   int highlight_count() const { return highlight_count_; }
-  /// Multiplies values by the integral of the highlight. The values were shaded as Blinn-Phong with the highlight's
-  /// exponent.
+  /// Multiplies values by the integral of the highlight. The values must have been shaded as Blinn-Phong with the
+  /// highlight's exponent.
   void scale_by_totals(std::vector<float>& values) const;
   const DeviceBuffer& half_vectors() const { return half_buffer_; }
   const DeviceBuffer& lights() const { return light_buffer_; }

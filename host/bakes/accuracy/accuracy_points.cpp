@@ -22,7 +22,7 @@ int cell_side(PlaneSize size, std::int64_t wanted) {
 }
 
 // Chooses one texel at random in each cell of a regular grid, so that samples are spread evenly and never repeat.
-// Takes all texels if there are few enough. Cells at the right and lower borders are cut off, and their texels are
+// If there are few texels, all of them are taken. Cells at the right and lower borders are smaller, so their texels are
 // more likely to be drawn:
 //
 //      7 rows, cells of 4 x 4:   | 16 | 16 | .. | 4 |      the number of texels that a sample counts for; without it
@@ -87,8 +87,8 @@ std::vector<AccuracySample> choose_samples(const std::vector<PlaneSize>& levels,
   return samples;
 }
 
-// If every texel of a level is a sample, points read no other texels of this level. The same is true for every coarser
-// level.
+// If every texel of a level is a sample, the points read only sampled texels of this level. The same is true for every
+// coarser level.
 TexelSelection needed_texels(const std::vector<PlaneSize>& levels, const std::vector<AccuracySample>& samples,
                              std::int64_t wanted) {
   std::vector<std::vector<int>> texels(levels.size());

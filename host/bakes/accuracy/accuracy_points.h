@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Chooses the points where a pyramid's error is measured. They are texels, spread evenly at random over each level, and
-// points around them.
+// Chooses the points where a pyramid's error is measured. The points are texels, which are spread evenly at random over
+// each level, and places around these texels.
 #pragma once
 
 #include <array>
@@ -11,7 +11,7 @@
 
 namespace multum {
 
-/// Positions in the pyramid where the model is evaluated.
+/// The positions in the pyramid at which the model is evaluated.
 enum class AccuracyPoint {
   kCentre,   // texel centres: no filtering
   kMidX,     // midway between a texel and its right neighbour
@@ -28,7 +28,8 @@ struct AccuracySample {
                     // samples
 };
 
-/// A point as weighted texels: one texel for a centre, two for a midpoint, and up to five between levels.
+/// A point is a list of weighted texels. A centre has one texel, a midpoint has two, and a point between levels has up
+/// to five.
 struct SamplePoint {
   AccuracyPoint kind;
   std::size_t sample;  // index into AccuracyPoints::samples()
@@ -54,11 +55,12 @@ class AccuracyPoints {
  public:
   AccuracyPoints(const std::vector<PlaneSize>& levels, const SampleSettings& settings);
 
-  /// Samples in order of levels, the finest level first.
+  /// Returns the samples, ordered from the finest level to the coarsest.
   const std::vector<AccuracySample>& samples() const { return samples_; }
-  /// Number of samples in sampled levels. These samples come first; in later levels, every texel is a sample.
+  /// Returns the number of samples in sampled levels. These samples come first. In the remaining levels, every texel is
+  /// a sample.
   std::size_t chosen_count() const { return chosen_count_; }
-  /// All texels that any point reads.
+  /// All texels that are read by at least one point.
   const TexelSelection& texels() const { return texels_; }
   /// Appends the points of a sample. Samples at borders have fewer points.
   void append_points(std::size_t sample, std::vector<SamplePoint>& points) const;

@@ -53,7 +53,7 @@ class Band {
 };
 
 int default_rows_per_band(const PlaneStore& normals) {
-  constexpr int kTexelsPerBand = 1 << 18;  // a band needs some milliseconds and stays in the last-level cache
+  constexpr int kTexelsPerBand = 1 << 18;  // a band takes a few milliseconds and fits into the last-level cache
   return std::clamp(kTexelsPerBand / normals.width(), 1, normals.height());
 }
 
@@ -77,8 +77,8 @@ BrdfValues power_values(const glm::dvec3& omega, const std::vector<double>& expo
 
 namespace {
 
-// e = 1 - omega . n = |n - omega|^2 / 2, where n is a unit vector. The second form gives e in full precision, which a
-// narrow f needs.
+// e = 1 - omega . n = |n - omega|^2 / 2, where n is a unit vector. The second form gives e at full precision, which is
+// necessary for a narrow f.
 void evaluate_density(const Brdf& brdf, const glm::dvec3& omega, const std::array<const float*, 3>& normals, int count,
                       double* values) {
   for (int i = 0; i < count; ++i) {

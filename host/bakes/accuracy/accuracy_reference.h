@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Computes the reference with which bakes are compared. The reference of a texel is an average over all finest normals
-// that the texel covers. One pass over the map, by bands of rows, computes all averages. The pass needs memory for some
-// rows per light or half vector, and for one value per measured texel.
+// that the texel covers. All averages are computed in one pass over the map, band by band. The pass needs memory for
+// some rows per light or half vector, and for one value per measured texel.
 //
 // The directions of a band are divided among threads. For each direction, rows are added in order. The result therefore
 // depends neither on the number of threads nor on the height of the bands.
@@ -23,7 +23,7 @@
 
 namespace multum {
 
-/// Normals and linear colours of the size of level 0; colours may be null.
+/// The normals and the linear colours, both of the size of level 0. The colours may be null.
 struct FinestPlanes {
   const PlaneStore& normals;
   const PlaneStore* albedo;
@@ -40,7 +40,7 @@ struct FinestRow {
 class RowSums {
  public:
   virtual ~RowSums() = default;
-  /// Adds a row. Call it once per row, from the top.
+  /// Adds a row. Call this function once per row, from the top.
   virtual void add_row(const FinestRow& row) = 0;
   /// Called after the last row.
   virtual void finish() {}
@@ -50,7 +50,7 @@ class RowSums {
 class TexelSums : public RowSums {
  public:
   void finish() override;
-  /// Average of value number `value` of a texel.
+  /// Returns the average of value number `value` of a texel.
   double at(std::size_t slot, std::size_t value) const { return sums_[slot * value_count_ + value]; }
 
  protected:
@@ -79,11 +79,11 @@ BrdfValues power_values(const glm::dvec3& omega, const std::vector<double>& expo
 BrdfValues highlight_values(const glm::dvec3& omega, const std::vector<Highlight>& highlights);
 /// Returns (s + 1) / (2 pi) for Blinn-Phong, which is averaged without this factor. Returns 1 for other BRDFs.
 double highlight_scale(const Highlight& highlight);
-/// One value per shortened normal (evaluate_shortened()).
+/// Evaluates one value per shortened normal (evaluate_shortened()).
 BrdfValues shortened_values(const glm::dvec3& omega, bool is_lambert);
 
 /// Averages a BRDF times n . l over footprints. These averages are the reference of pixels. Value e belongs to
-/// highlight e; with colours, value (1 + c) * count + e is also multiplied by channel c.
+/// highlight e. If there are colours, value (1 + c) * count + e is the same, multiplied by colour channel c.
 class FootprintReference : public RowSums {
  public:
   /// `values` are the highlights, which are multiplied by `cosines`. They are nullopt for Lambert, which uses only the
@@ -106,14 +106,14 @@ class FootprintReference : public RowSums {
   std::vector<double> sums_;          // [footprint][value]
 };
 
-/// Averages BRDF values over texels. Value e belongs to BRDF e; with colours, value (1 + c) * count + e is also
-/// multiplied by channel c.
+/// Averages BRDF values over texels. Value e belongs to BRDF e. If there are colours, value (1 + c) * count + e is the
+/// same, multiplied by colour channel c.
 class BrdfReference : public TexelSums {
  public:
   BrdfReference(const TexelAverages& averages, BrdfValues values, bool has_colours);
   void add_row(const FinestRow& row) override;
-  /// Passes the values on to `footprints`, so that values that both objects need are evaluated only once. `footprints`
-  /// is not owned.
+  /// Also passes the values to `footprints`, so that values that both objects need are evaluated only once. The object
+  /// does not own `footprints`.
   void share_with(FootprintReference& footprints) { footprints_ = &footprints; }
 
  private:
@@ -123,7 +123,7 @@ class BrdfReference : public TexelSums {
   FootprintReference* footprints_ = nullptr;
 };
 
-/// Averages the planes themselves: values 0 to 2 are the normal, 3 to 5 the colour if there is one.
+/// Averages the planes themselves. Values 0 to 2 are the normal. Values 3 to 5 are the colour if there is one.
 class PlaneAverages : public TexelSums {
  public:
   PlaneAverages(const TexelAverages& averages, bool has_colours);
@@ -139,7 +139,8 @@ struct StreamSettings {
   int rows_per_band = 0;  // 0 chooses bands of about 3 MB of normals
 };
 
-/// Adds every row to all of `sums` and finishes them. Progress counts no units, but can cancel between bands.
+/// Adds every row to all of `sums` and finishes them. The function advances no progress units, but the progress
+/// callback can cancel it between bands.
 void stream_rows(const FinestPlanes& planes, const StreamSettings& settings, const std::vector<RowSums*>& sums,
                  Progress* progress);
 

@@ -12,13 +12,14 @@
 namespace multum {
 namespace {
 
-constexpr int kLevelMax = 63;  // more levels than any file has, because sides fit into 32 bits
+constexpr int kLevelMax = 63;  // no file has this many levels, because sides fit into 32 bits
 
-// Rounds a value as the file does, before the table rounds it again. A bake and its file then give the same text.
+// Rounds a value as the file does, before it is rounded again for the table. A bake and its file then give the same
+// text.
 double rounded(double error) { return std::round(error * 1e6) / 1e6; }
 
-// Half width in millionths, rounded up so that no stated interval is too narrow. The rounding error of the product is
-// subtracted first.
+// Returns the half width in millionths, rounded up so that no stated interval is too narrow. The rounding error of the
+// product is subtracted first.
 double millionths_up(double half_width) { return std::max(0.0, std::ceil(half_width * 1e6 - 1e-6)); }
 double hundredths_of_percent_up(double half_width) { return std::ceil(millionths_up(half_width) / 100.0); }
 
@@ -48,7 +49,7 @@ std::string texels_text(double confidence) {
   return confidence > 0.0 ? "sampled" : "all";
 }
 
-// The part of a table's heading that describes the shading of its BRDFs, such as " of lean with colours".
+// Returns the part of a table's heading that describes how its BRDFs were shaded, such as " of lean with colours".
 std::string group_text(const AccuracyBrdf& brdf) {
   return (brdf.shading.empty() ? "" : " of " + brdf.shading) + (brdf.has_colours ? " with colours" : "");
 }

@@ -15,7 +15,7 @@
 namespace multum {
 namespace {
 
-constexpr int kColumnsOfBlock = 128;  // so many that about twelve powers of a block stay in the first-level cache
+constexpr int kColumnsOfBlock = 128;  // with this number, about twelve powers of a block fit into the first-level cache
 constexpr double kIntegerMax = 1e6;
 
 MULTUM_VECTOR_CLONES
@@ -28,7 +28,7 @@ void clamped_cosines(const float* __restrict x, const float* __restrict y, const
   }
 }
 
-// Works on whole blocks, so that the inner loops have no remainder.
+// Processes whole blocks only, so that the inner loops have no remainder.
 MULTUM_VECTOR_CLONES
 void multiply_powers(const PowerProduct* products, std::size_t product_count, double* const* powers) {
   for (std::size_t p = 0; p < product_count; ++p) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Evaluates max(0, omega . n)^s on rows of normals, for several s at once and in double precision. This is Blinn-Phong
-// without its scale, and Lambert if s = 1. Powers are products of lower powers: t^20, t^100 and t^500 together take 11
-// products.
+// Evaluates max(0, omega . n)^s on rows of normals, for several s at once and in double precision. The result is
+// Blinn-Phong without its scale, or Lambert if s = 1. Powers are computed as products of lower powers. For example,
+// t^20, t^100 and t^500 together take 11 products.
 #pragma once
 
 #include <array>
@@ -13,7 +13,7 @@
 
 namespace multum {
 
-/// A power as the product of two earlier powers. Power 0 is t itself.
+/// A power that is the product of two earlier powers. Power 0 is t itself.
 struct PowerProduct {
   int first, second;
 };
@@ -22,7 +22,8 @@ struct PowerPlan {
   std::vector<int> whole;              // [exponent]: number of its power; -1 for an exponent that is not an integer and
                                        // needs pow()
 };
-/// Integer exponents up to 1e6 become products. The relative error of t^s is then that of s roundings.
+/// Powers with integer exponents up to 1e6 are computed as products. The relative error of t^s is then at most the
+/// error of s roundings.
 PowerPlan plan_powers(const std::vector<double>& exponents);
 
 class BrdfRows {

@@ -16,7 +16,8 @@ namespace {
 constexpr std::size_t kStrips = 4;
 
 // Returns the number of columns of each strip except the last, which has the remaining columns. A strip has slightly
-// less than a quarter of the columns, because addresses whose distance is a power of two share sets of the cache.
+// less than a quarter of the columns. With exactly a quarter, the distance between strips could be a power of two, and
+// their addresses would compete for the same cache sets.
 std::size_t strip_width(std::size_t width) { return width / 4 - width / 64; }
 
 // Sets before[i] to the sum of the strip's columns before column i. Also returns the sums of whole strips.
@@ -56,9 +57,9 @@ struct HorizontalLine {
   double y, thickness;
 };
 
-// Cuts a footprint into thin slices and returns the lines through their middles. Slices end at rows and at corners, so
-// that the ends of the lines move evenly within each slice. A tall footprint is divided into equal strips, with one
-// random row in each.
+// Cuts a footprint into thin slices and returns the lines through their middles. Slices end at the borders of rows and
+// at corners of the footprint, so that the ends of the lines change linearly within each slice. A tall footprint is
+// divided into equal strips, and one row of each strip is chosen at random.
 std::vector<HorizontalLine> horizontal_lines(const Footprint& footprint, std::uint64_t seed) {
   const double height = std::abs(footprint.longer_side.y) + std::abs(footprint.shorter_side.y);
   const double top = footprint.centre.y - 0.5 * height, bottom = top + height;

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Averages a plane over footprints (host/bakes/accuracy/footprints.h). These averages are the reference of pixels. The
-// plane comes row by row, and only one sum per footprint is kept. Texels of level 0 are squares of constant value, as
-// with "nearest" filtering.
+// rows of the plane are added one by one, and only one sum per footprint is kept. Each texel of level 0 is a square of
+// constant value, as with "nearest" filtering.
 //
-// A footprint is cut into horizontal lines. Along a line, the average is exact. It is computed from the sums of the row
-// up to each end of the line:
+// A footprint is cut into horizontal lines. The average along a line is exact. It is computed from the integrals of the
+// row up to each end of the line:
 //
 //      ..|..____:::     the part of a line inside the footprint is whole texels and a fraction of a texel at each end
 //      ..|:::::/..      sum = C(x1) - C(x0); C(x) is the integral of the row from its border to x, for any wrap mode
@@ -29,7 +29,7 @@ class FootprintAverages {
 
   const std::vector<Footprint>& footprints() const { return footprints_; }
   int map_width() const { return map_width_; }
-  /// Number of doubles that add_row() needs as scratch memory.
+  /// Returns the number of doubles that add_row() needs as scratch memory.
   std::size_t scratch_length() const { return static_cast<std::size_t>(map_width_); }
   bool needs_row(int y) const {
     return line_begin_[static_cast<std::size_t>(y)] < line_begin_[static_cast<std::size_t>(y) + 1];

@@ -26,9 +26,9 @@ struct ErrorSum {
   ErrorSum times(double weight) const { return {weight * difference, weight * reference, weight * count}; }
 };
 
-/// The denominator of relative errors is the reference, but at least 1 % of 1/pi. A white diffuse surface reflects
-/// 1/pi. If no light or view is near the highlight, the reference is almost 0, and errors relative to such a value have
-/// no meaning.
+/// The denominator of relative errors is the reference, but at least 1 % of 1/pi, the value that a white diffuse
+/// surface reflects. If no light or view is near the highlight, the reference is almost 0, and errors relative to such
+/// a value have no meaning.
 class ErrorBase {
  public:
   explicit ErrorBase(const ErrorSum& all) : is_floor_(all.reference < kFloor * all.count) {}
@@ -52,7 +52,7 @@ struct FootprintError {
   std::int64_t sample_count = 0;  // number of footprints
 };
 
-/// `sums` has one entry per footprint. `footprints` are in the order of choose_footprints().
+/// `sums` has one entry per footprint. The order of `footprints` is that of choose_footprints().
 FootprintError footprint_error(AccuracyBrdf brdf, const std::vector<Footprint>& footprints,
                                const std::vector<ErrorSum>& sums);
 

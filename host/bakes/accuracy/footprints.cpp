@@ -22,8 +22,8 @@ std::vector<double> stratified(int count, SplitMix64& random) {
   return values;
 }
 
-// Returns one random point in each of `count` cells of equal area. Cells are about square and form rows. Some rows have
-// one more cell, and the height of a row is proportional to its number of cells.
+// Returns one random point in each of `count` cells of equal area. Cells are approximately square and form rows. Some
+// rows have one more cell than the others. The height of a row is proportional to its number of cells.
 std::vector<glm::dvec2> spread_points(int count, double width, double height, SplitMix64& random) {
   const int rows = std::clamp(static_cast<int>(std::lround(std::sqrt(count * height / width))), 1, count);
   std::vector<glm::dvec2> points;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Chooses the footprints whose errors are measured: the areas of a map that pixels of pictures cover. The footprints
-// are spread evenly over octaves of size, over directions and elongations, and over the map. Also lists the texels
+// Chooses the footprints whose errors are measured. A footprint is the area of a map that a pixel of a picture covers.
+// The footprints
+// are spread evenly over sizes (by octaves), directions, elongations and the map. Also lists the texels
 // that the runtime's filter reads for each footprint (host/formats/asset/tap_filter.h).
 //
 //         ______             a footprint is a rectangle in texels of level 0: the pixel's square, projected onto a
@@ -38,12 +39,13 @@ struct FootprintSettings {
   double elongation_max = 4.0;  // longer side / shorter side of the longest footprint
 };
 
-/// Number of octaves of a map, from 1 texel to the longer side. There is at least one.
+/// Returns the number of octaves from 1 texel to the longer side of the map, which is at least 1.
 int footprint_octave_count(int map_width, int map_height);
 
 /// Returns settings.per_octave footprints for each octave, octave by octave. Each centre is a random point in its own
-/// cell. The cells have equal areas and are about square. Each u and each log2 e is random within its own interval. The
-/// intervals have equal lengths and are in random order. The elongation e is from 1 to settings.elongation_max.
+/// cell. The cells have equal areas and are approximately square. Each u and each log2 e is random within its own
+/// interval. The intervals have equal lengths and are in random order. The elongation e is from 1 to
+/// settings.elongation_max.
 std::vector<Footprint> choose_footprints(int map_width, int map_height, const FootprintSettings& settings);
 
 /// A texel that a filter reads.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Indexes the texels that a model keeps. A texel has an entry if a point reads it (texel_selection.h) and the file
-// stores it.
+// Indexes the texels that a model keeps. A texel has an entry if the file stores it and at least one point reads it
+// (texel_selection.h).
 #pragma once
 
 #include <cstddef>

@@ -11,8 +11,8 @@ namespace {
 
 constexpr int kMomentPointsPerBand = 4096;
 
-// Sums over taps. Stored texels give normal, share, five moments and colour. The normal map gives normal, share and
-// colour.
+// Sums over taps. Stored texels contribute a normal, a share, five moments and a colour. The normal map contributes a
+// normal, a share and a colour.
 enum MomentSum : std::size_t {
   kNormal = 0,
   kShare = 3,

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Models what a renderer shows of a baked file of moments. Filters the moments of the texels around a point linearly,
-// and shades them by the runtime's formulas on the device (kernels/moment_shade.cl). Keeps only the texels that points
-// read.
+// and shades them on the device with the runtime's formulas (kernels/moment_shade.cl). Keeps only the texels that
+// points read.
 #pragma once
 
 #include <memory>
@@ -26,9 +26,9 @@ class MomentModel : public AccuracyModel {
   const std::vector<std::string>& shadings() const override;
   std::unique_ptr<PointShading> make_shading(Device& device, const ShadingDirections& directions) const override;
 
-  /// Returns moments at points, filtered as hardware does. Their share is multiplied by the colours in `channel` unless
-  /// `channel` is -1. Shading is linear in the share. At points between a stored level and a level of the normal map,
-  /// each of the two levels has its own colour.
+  /// Returns moments at points, filtered as in hardware. Their share is multiplied by the colours of channel `channel`,
+  /// unless `channel` is -1. This suffices because shading is linear in the share. At points between a stored level and
+  /// a level of the normal map, each of the two levels has its own colour.
   std::vector<MultumFilteredMoments> filtered(const PointTaps& points, int channel, int threads) const;
 
  private:

@@ -11,7 +11,7 @@
 namespace multum {
 namespace {
 
-// Returns the Gaussian of a mean normal as a renderer without other data computes it. E[x^2 + y^2] = 1 - E[z^2] is
+// Returns the Gaussian that a renderer computes if it knows only the mean normal. E[x^2 + y^2] = 1 - E[z^2] is
 // approximated by 1 minus the square of the mean z.
 glm::dvec4 as_gaussian(const glm::dvec4& mean) {
   return {mean.x, mean.y, mean.w > 0.0 ? mean.w - mean.z * mean.z / mean.w : 0.0, mean.w};
@@ -20,7 +20,7 @@ glm::dvec4 as_gaussian(const glm::dvec4& mean) {
 }  // namespace
 
 ProgramChoice MovmfModel::program(Representation representation, int lobe_count, int first_level) {
-  const int lobes = lobe_count + (first_level > 0 ? 1 : 0);  // the map's averages are one more lobe
+  const int lobes = lobe_count + (first_level > 0 ? 1 : 0);  // the averages of the map form one more lobe
   return {"movmf_shade", {lobes, 1, false, lobe_family(representation).is_planar}};
 }
 
@@ -45,7 +45,7 @@ void MovmfModel::add_rows(int level, int first_row, const MovmfLevel& rows) {
 
 // Adds weight * (a r, a) of each lobe and, for a channel, weight * a y.
 void MovmfModel::add_tap(std::size_t slot, double weight, int channel, glm::dvec4* lobes, double* colours) const {
-  if (!kept().is_stored(slot)) {  // a texel that is not stored is a lobe of amplitude 1, after the other lobes
+  if (!kept().is_stored(slot)) {  // a texel that is not stored becomes a lobe with amplitude 1, after the other lobes
     const glm::dvec3 normal(map_averages().at(slot, 0), map_averages().at(slot, 1), map_averages().at(slot, 2));
     lobes[lobe_count_] += weight * glm::dvec4(normal, 1.0);
     if (channel >= 0) colours[lobe_count_] += weight * map_averages().at(slot, 3 + static_cast<std::size_t>(channel));
@@ -58,8 +58,8 @@ void MovmfModel::add_tap(std::size_t slot, double weight, int channel, glm::dvec
   }
 }
 
-// Shading is linear in (a r, a). If T(x) is the filtered x, a lobe that is multiplied by T(a y) / T(a) therefore has
-// the shading T(a y) times the lobe's shape.
+// Shading is linear in (a r, a). Let T(x) be the filtered x. A lobe that is multiplied by T(a y) / T(a) therefore
+// contributes T(a y) times its shape.
 std::vector<glm::vec4> MovmfModel::filtered_lobes(const PointTaps& points, int channel, int threads) const {
   constexpr int kPointsPerBand = 4096;
   MULTUM_CHECK(is_complete());

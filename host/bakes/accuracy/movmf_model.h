@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Models what a renderer shows of a baked mipmap of lobes. Filters the lobes of the texels around a point linearly, and
-// shades them by the runtime's formula on the device (kernels/movmf_shade.cl). Keeps only the lobes of texels that
+// shades them on the device with the runtime's formula (kernels/movmf_shade.cl). Keeps only the lobes of texels that
 // points read.
 #pragma once
 
@@ -28,13 +28,13 @@ class MovmfModel : public AccuracyModel {
   bool has_colours() const override { return !colours_.empty(); }
   const std::vector<std::string>& shadings() const override;
   std::unique_ptr<PointShading> make_shading(Device& device, const ShadingDirections& directions) const override;
-  /// Number of lobes per filtered point: the lobes of the file, then one lobe for the map's averages if levels are
-  /// missing.
+  /// Returns the number of lobes per filtered point. The lobes of the file come first. If fine levels are missing, one
+  /// lobe for the map's averages follows.
   std::size_t lobe_count() const { return lobe_count_ + (first_level() > 0 ? 1 : 0); }
   const ProgramChoice& program() const { return program_; }
 
-  /// Returns lobes[point][lobe], filtered as hardware does. They are multiplied by their colours in `channel` unless
-  /// `channel` is -1.
+  /// Returns lobes[point][lobe], filtered as in hardware. The lobes are multiplied by their colours of channel
+  /// `channel`, unless `channel` is -1.
   std::vector<glm::vec4> filtered_lobes(const PointTaps& points, int channel, int threads) const;
 
  private:

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stores points of a pyramid as weighted texels, which are the texels that a filter reads. A point can have any number
-// of texels.
+// Stores points of a pyramid. A point consists of any number of weighted texels, which are the texels that a filter
+// reads.
 #pragma once
 
 #include <cstddef>

@@ -95,7 +95,8 @@ std::unique_ptr<PointShading> ShModel::make_shading(Device& device, const Shadin
   return std::make_unique<ShShading>(device, *this, directions);
 }
 
-// Sums over taps. Stored texels give coefficients, share and colour. The normal map gives normal, share and colour.
+// Sums over taps. Stored texels contribute coefficients, a share and a colour. The normal map contributes a normal, a
+// share and a colour.
 void ShModel::add_tap(std::size_t slot, double weight, int channel, double* coefficients, double* map, double* share,
                       Colour& colour) const {
   if (!kept().is_stored(slot)) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Models what a renderer shows of a baked file of spherical harmonics. Filters the coefficients of the texels around a
-// point linearly, and shades them by the runtime's formula on the device (kernels/sh_shade.cl). Keeps only the texels
+// point linearly, and shades them on the device with the runtime's formula (kernels/sh_shade.cl). Keeps only the texels
 // that points read.
 #pragma once
 
@@ -23,16 +23,16 @@ class ShModel : public AccuracyModel {
   void add_rows(int level, int first_row, const ShLevel& rows);
 
   int order() const { return order_; }
-  /// Memory of the kept texels.
+  /// Returns the memory that the kept texels need.
   std::size_t kept_bytes() const { return coefficients_.size() * sizeof(float); }
 
   bool has_colours() const override { return has_colours_; }
   const std::vector<std::string>& shadings() const override;
   std::unique_ptr<PointShading> make_shading(Device& device, const ShadingDirections& directions) const override;
 
-  /// Returns points [begin, end), filtered as hardware does. Their coefficients are stored separately,
-  /// [point][coefficient]. Points and coefficients are multiplied by the colours in `channel` unless it is -1, because
-  /// shading is linear except for its clamp at 0.
+  /// Returns points [begin, end), filtered as in hardware. Their coefficients are stored separately, as
+  /// [point][coefficient]. Points and coefficients are multiplied by the colours of channel `channel`, unless `channel`
+  /// is -1. This is possible because shading is linear except for the clamp at 0.
   struct Filtered {
     std::vector<float> coefficients;
     std::vector<MultumFilteredSh> points;

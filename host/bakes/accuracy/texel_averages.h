@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Computes exact averages over the area of selected texels of a pyramid (host/bakes/pyramid/mip_coverage.h). The plane
-// comes row by row, and only one sum per selected texel is kept.
+// Computes exact averages over the area of selected texels of a pyramid (host/bakes/pyramid/mip_coverage.h). The rows
+// of the plane are added one by one, and only one sum per selected texel is kept.
 //
 // Along a row, a texel of any level covers whole blocks of 2^k finest texels and fractions of a texel at the ends
-// (row_blocks.h). One pass of pairwise sums over a row therefore serves all levels, and a texel takes few additions
-// per row.
+// (row_blocks.h). The pairwise sums of a row are therefore computed once for all levels, and each texel takes only a
+// few additions per row.
 #pragma once
 
 #include <cstdint>
@@ -17,20 +17,20 @@ namespace multum {
 
 class TexelAverages {
  public:
-  /// Averages over the texels selected in levels 0 to level_count - 1. Level 0 is the plane itself. `texels` must
-  /// outlive the object.
+  /// Computes averages over the texels that are selected in levels 0 to level_count - 1. Level 0 is the plane itself.
+  /// `texels` must outlive the object.
   TexelAverages(const TexelSelection& texels, int level_count);
 
   const TexelSelection& texels() const { return texels_; }
   int level_count() const { return level_count_; }
-  /// Number of slots of these levels, each with one sum.
+  /// Returns the number of slots of these levels. Each slot has one sum.
   std::size_t slot_count() const { return texels_.level_begin(level_count_); }
-  /// Number of values in a row of the plane, plus the number of block sums that follow the row.
+  /// Returns the number of values in a row of the plane, plus the number of block sums that follow the row.
   std::size_t row_length() const { return blocks_.node_count(); }
   /// Adds row y of the plane, row[0..width), to sums[slot * stride] and overwrites the rest of `row`. Sums start at 0.
   /// Add each row once, from the top.
   void add_row(int y, double* row, double* sums, std::size_t stride) const;
-  /// Factor that converts the sums of a level's slots to averages.
+  /// Returns the factor that converts the sums of a level's slots to averages.
   double share(int level) const;
 
  private:

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Numbers selected texels of each level of a pyramid. The slot of a texel is its number. Texels are counted level by
-// level, row by row, from left to right. The data of selected texels is therefore a plain array.
+// Numbers the selected texels of a pyramid level by level, row by row, from left to right. The number of a texel is
+// called its slot. The data of selected texels is therefore stored in a plain array.
 #pragma once
 
 #include <cstddef>
@@ -17,14 +17,14 @@ class TexelSelection {
 
   const std::vector<PlaneSize>& sizes() const { return sizes_; }
   std::size_t slot_count() const { return columns_.size(); }
-  /// First slot of a row of a level. Also valid for the row after the last one.
+  /// Returns the first slot of a row of a level. The row may be one past the last row.
   std::size_t row_begin(int level, int row) const {
     return row_begin_[level_row_[static_cast<std::size_t>(level)] + static_cast<std::size_t>(row)];
   }
   std::size_t row_end(int level, int row) const { return row_begin(level, row + 1); }
   std::size_t level_begin(int level) const { return row_begin(level, 0); }
   int column(std::size_t slot) const { return columns_[slot]; }
-  /// Slot of a selected texel.
+  /// Returns the slot of a selected texel.
   std::size_t slot(int level, int texel) const;
 
  private:

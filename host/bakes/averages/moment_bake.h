@@ -12,7 +12,7 @@
 
 namespace multum {
 
-/// Receives finished rows. The rows of a level come in order from the top. Levels come in any order.
+/// Receives finished rows. The rows of a level arrive in order from the top. Levels can arrive in any order.
 class MomentSink {
  public:
   virtual ~MomentSink() = default;
@@ -20,7 +20,7 @@ class MomentSink {
 };
 
 /// Passes rows to `sink` as floats, before they are rounded for storage (quantize_moments). Fills the device, plan and
-/// counts of `report`. Errors and progress are those of average_map().
+/// counts of `report`. Errors and progress are the same as for average_map().
 void bake_moments(Device& device, const AverageInputs& inputs, MomentSink& sink, AverageReport& report,
                   Progress* progress);
 

@@ -10,7 +10,7 @@
 
 namespace multum {
 
-/// Receives finished rows. The rows of a level come in order from the top. Levels come in any order.
+/// Receives finished rows. The rows of a level arrive in order from the top. Levels can arrive in any order.
 class ShSink {
  public:
   virtual ~ShSink() = default;
@@ -21,7 +21,7 @@ class ShSink {
 void validate_sh_order(int order);
 
 /// Passes rows to `sink` as floats, before they are rounded for storage (quantize_sh). Fills the device and plan of
-/// `report`. Errors and progress are those of average_map().
+/// `report`. Errors and progress are the same as for average_map().
 void bake_sh(Device& device, int order, const AverageInputs& inputs, ShSink& sink, AverageReport& report,
              Progress* progress);
 

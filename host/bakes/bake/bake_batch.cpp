@@ -29,7 +29,8 @@ std::vector<BakeJob> make_bake_jobs(const BakeJob& pattern, const std::vector<st
     job.report = place_of_map(pattern.report, map, ".json");
     const auto [other, is_new] = taken.emplace(job.output, map.path);
     if (!is_new)
-      throw Error(ErrorCode::kUsage, job.output + ": both " + other->second + " and " + map.path + " would go there");
+      throw Error(ErrorCode::kUsage,
+                  job.output + ": both " + other->second + " and " + map.path + " would be written there");
     jobs.push_back(std::move(job));
   }
   return jobs;

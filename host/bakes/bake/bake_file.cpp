@@ -22,7 +22,7 @@
 namespace multum {
 namespace {
 
-// Programs choose a reader by the extension. These programs would treat a baked file named .png as a broken picture.
+// Programs choose a reader by the extension, so they would treat a baked file named .png as a broken picture.
 void check_output_name(const std::string& path) {
   if (!path.ends_with(".exr"))
     throw Error(ErrorCode::kUsage,
@@ -38,16 +38,17 @@ void report_counts(const DeviceCounts& counts, Device& device, BakeReport& repor
   report.device_bytes_peak = device.buffer_bytes_peak();
 }
 
-// Memory of the process for a map of any size: the program, the OpenCL driver with its compiler, and rows that wait to
-// be rounded and compressed. With PoCL 3.1, 215 MiB were measured before the first texel.
+// The memory that the process needs for a map of any size. It holds the program, the OpenCL driver with its compiler,
+// and rows that wait to be rounded and compressed. With PoCL 3.1, the process used 215 MiB before the first texel was
+// fitted.
 constexpr std::uint64_t kProcessBytes = std::uint64_t{224} << 20;
 constexpr std::uint64_t kQueueBytes = std::uint64_t{56} << 20;
 constexpr std::uint64_t kRoomy = std::uint64_t{128} << 20;  // memory above the minimum on small machines
 
 // The default is 5/32 of the machine's memory: a quarter, minus 3/32 for up to three maps
 // (host/bakes/bake/bake_source.cpp). In a small container, this share is too small. The default is then the bake's
-// minimum plus kRoomy, up to seven eighths of the memory. The process then works with less memory than it asks for,
-// because the system can drop pages of libraries. For example, maps of 4096 x 4096 were baked with 400 MB.
+// minimum plus kRoomy, up to seven eighths of the memory. The process can run with less memory than it asks for,
+// because the system can drop pages of libraries. For example, maps of 4096 x 4096 texels were baked with 400 MB.
 std::uint64_t usual_memory(std::uint64_t least) {
   const std::uint64_t all = machine_memory_bytes(), most = all / 8 * 7;
   if (most < least)
@@ -62,13 +63,13 @@ std::uint64_t window_bytes(const BakeJob& job) {
   constexpr std::uint64_t kTaken = kProcessBytes + kQueueBytes, kLeast = std::uint64_t{8} << 20;
   const std::uint64_t memory = job.memory_bytes > 0 ? job.memory_bytes : usual_memory(kTaken + kLeast);
   if (memory < kTaken + kLeast)
-    throw Error(ErrorCode::kUsage, fmt::format("--memory is {} MiB, expected at least {} MiB: the program, its OpenCL "
-                                               "driver and rows that wait to be written need {} MiB",
+    throw Error(ErrorCode::kUsage, fmt::format("--memory is {} MiB, expected at least {} MiB, because the program, its "
+                                               "OpenCL driver and the rows that wait to be written need {} MiB",
                                                memory >> 20, (kTaken + kLeast) >> 20, kTaken >> 20));
   return memory - kTaken;
 }
 
-// `tiles` lists the other tiles of the set from which this map's result was made.
+// `tiles` lists the other tiles of the set that were used to make the result of this map.
 BakedProvenance make_provenance(const BakeJob& job, const std::string& source, const std::string& settings,
                                 const std::string& tiles = "") {
   BakedProvenance from;
@@ -86,7 +87,7 @@ BakedProvenance make_provenance(const BakeJob& job, const std::string& source, c
 }
 
 // Returns the map that share 0 has decoded. Returns nullopt if share 0 is missing or damaged. GatheredRows then lists
-// the missing shares. If no share is missing, the caller reads the map.
+// the missing shares. If no share is missing, the caller reads the map itself.
 std::optional<BakeSource> source_of_shares(const BakeJob& job, const std::string& key) {
   try {
     return read_shard_source(job, key);
@@ -106,9 +107,10 @@ BakeJob with_region(BakeJob job, const BakeSource& source) {
 }
 
 // Roughness shortens a lobe by a factor c, which also widens the lobe for diffuse light. The shader divides by the mean
-// of c over the map (without_roughness in kernels/device/vmf_shading.clh), so texels whose c differs from the mean keep
-// an error. This error is almost 0 where roughness is nearly constant. On a map with polished and dull parts, the error
-// exceeds the error of averaged normals at fine levels (docs/evidence/INPUT_MAPS.md has the measurements).
+// of c over the map (without_roughness in kernels/device/vmf_shading.clh), so an error remains at texels whose c
+// differs from the mean. If roughness is nearly constant, this error is almost 0. On a map with polished and dull
+// parts, the error exceeds the error of averaged normals at fine levels (docs/evidence/INPUT_MAPS.md has the
+// measurements).
 constexpr double kDiffuseErrorNoted = 0.02;
 constexpr int kFineLevels = 2;
 
@@ -121,9 +123,9 @@ void warn_of_diffuse_error(const BakeJob& job, BakeReport& report) {
       error = std::max(error, row.error);
   if (error <= kDiffuseErrorNoted) return;
   report.roughness->warnings.push_back(fmt::format(
-      "{}: with roughness baked in, the error of diffuse light is up to {:.3g} % at levels 0 and 1, because "
-      "roughness varies strongly over the map. Averaged normals are nearly exact at these levels. If diffuse "
-      "light matters, compute it from the normal map, or bake without --{} (docs/reference/input_maps.md)",
+      "{}: with roughness baked in, diffuse light has an error of up to {:.3g} % at levels 0 and 1, because roughness "
+      "varies strongly over the map. Averaged normals are nearly exact at these levels. If diffuse light matters, "
+      "compute it from the normal map, or bake without --{} (docs/reference/input_maps.md)",
       job.input, 100.0 * error, job.roughness_is_gloss ? "gloss" : "roughness"));
   log_named_warning(report.roughness->warnings.back());
 }
@@ -138,8 +140,8 @@ void check_job(const BakeJob& job) {
   ndf_bake(job.representation).check_settings(job);
   if ((job.shard || job.merged_shards > 0) && !holds_lobes(job.representation))
     throw Error(ErrorCode::kUsage,
-                fmt::format("{} is given, expected vMF lobes or planar Gaussians: the bake of {} is one averaging pass "
-                            "and cannot be divided",
+                fmt::format("{} is given, expected vMF lobes or planar Gaussians, because the bake of {} is a single "
+                            "averaging pass that cannot be divided",
                             job.shard ? "--shard" : "--merge", representation_info(job.representation).name));
   validate(job.writing);
   check_paths_differ(input_files(job), {job.output, job.report});

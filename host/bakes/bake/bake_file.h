@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bakes from file to file. A bake reads, fits or averages, rounds, measures and writes. Called by the command line and
-// the service.
+// Bakes a map file to a baked file. A bake reads the map, fits or averages it, rounds the result, measures its error
+// and writes it. The command line and the service call these functions.
 #pragma once
 
 #include "host/bakes/bake/bake_job.h"
@@ -14,12 +14,13 @@ namespace multum {
 /// Checks a job as far as possible without reading files. Throws Error(kUsage, kEnvironment).
 void check_job(const BakeJob& job);
 
-/// Bakes a job. The output appears when the bake is complete, or not at all. Does nothing if the output already exists
-/// from the same file with the same settings (BakeReport::unchanged), unless JOB.force is set. `source` is the result
-/// of read_bake_source() for this job. If it is null, this function reads the source. Throws Error and Cancelled.
+/// Bakes a job. The output appears when the bake is complete, or not at all. If the output was already baked from the
+/// same file with the same settings, does nothing (BakeReport::unchanged), unless JOB.force is set. `source` is the
+/// result of read_bake_source() for this job. If it is null, this function reads the source. Throws Error and
+/// Cancelled.
 BakeReport bake_file(const BakeJob& job, const BakeSource* source, Device& device, Progress* progress);
 
-/// Returns the report of an output that stays unchanged. Writes BakeJob::report.
+/// Returns the report for an output that is not baked again, and writes BakeJob::report.
 BakeReport unchanged_report(const BakeJob& job);
 
 }  // namespace multum

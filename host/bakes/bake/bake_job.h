@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Describes a bake: the files it reads and writes, and its settings. host/bakes/bake/bake_file.h runs it.
+// Describes a bake by its input files, output files and settings. host/bakes/bake/bake_file.h runs bakes.
 #pragma once
 
 #include <memory>
@@ -30,11 +30,11 @@ struct BakeJob {
   std::string output;               // *.ndf.exr
   std::string report;               // JSON file; empty if no report is written
   NormalMapSettings reading;
-  MapSurface surface = MapSurface::kTexels;  // kInterpolated is only for bakes from level 1 on, because level 0 is the
-                                             // map
+  MapSurface surface = MapSurface::kTexels;  // kInterpolated is allowed only if the first level is at least 1, because
+                                             // level 0 is the map itself
   Representation representation = Representation::kMovmf;
   int sh_order = 4;       // order of spherical harmonics, 1..20
-  MovmfSettings fitting;  // settings of lobes; their first level applies to every representation
+  MovmfSettings fitting;  // settings for fitting lobes; the first level applies to every representation
   StorageEncoding encoding = StorageEncoding::kSnorm16;
   BakedWriteOptions writing;
   bool measure = true;                                            // measure the error of the written file
@@ -49,23 +49,24 @@ struct BakeJob {
   std::string scratch_folder;      // folder for data that does not fit into memory; if empty, the output's folder is
                                    // used
   bool resume = false;             // continue a killed bake of the same output
-  // For lobes only: the share of the map that this process fits, into a file next to the output
+  // The share of the map that this process fits and writes to a file next to the output. This is only for lobes
   // (host/bakes/movmf/map_shard.h).
   std::optional<MapShard> shard;
-  int merged_shards = 0;  // number of finished shares to merge into the output; 0 to fit all rows
-  // If not empty, names the file that was baked before an edit. A region of the map is fitted anew and written onto it.
-  // If `region` is not set, the changed part of the map is fitted.
+  int merged_shards = 0;  // number of finished shares to merge into the output; if 0, all rows are fitted
+  // If not empty, names the file that was baked before an edit. Only a region of the map is fitted again, and the
+  // result is combined with this file. If `region` is not set, the region is the part of the map that has changed.
   std::string onto;
   std::optional<MapRegion> region;
   int threads = 2;  // number of threads for loops on the host
-  // Shared by consecutive bakes of one map on one device. A start that an earlier bake found is reused, and the report
-  // states how long the search took (FitReport::start_remembered). If null, each bake searches for its own start.
+  // The memory that consecutive bakes of one map on one device share. If an earlier bake has found a start, this start
+  // is reused, and the report states how long the search took (FitReport::start_remembered). If null, each bake
+  // searches for its own start.
   std::shared_ptr<StartMemory> starts;
-  // Hashes of the input files. Copies of a job share the hashes, so that each file is hashed once.
+  // The hashes of the input files. Copies of a job share them, so that each file is hashed only once.
   std::shared_ptr<InputHashes> hashes = std::make_shared<InputHashes>();
 };
 
-/// Material maps, which are read together with the normals.
+/// The material maps, which are read together with the normals.
 constexpr std::string BakeJob::*kMaterialMaps[] = {&BakeJob::albedo, &BakeJob::roughness, &BakeJob::weights};
 
 /// Parses BakeJob::roughness, which must not be empty.
@@ -75,13 +76,13 @@ ChannelFile roughness_file(const BakeJob& job);
 /// texels instead of points of the surface.
 int first_measured_level(const BakeJob& job);
 
-/// Returns BakeJob::memory_bytes for a command whose --memory covers only maps and buffers. Adds about 300 MiB for the
-/// program and the OpenCL driver, and the rows that wait to be written.
+/// Returns BakeJob::memory_bytes for a command whose --memory limits only maps and buffers. The result is about 300 MiB
+/// larger, to include the program, the OpenCL driver and the rows that wait to be written.
 constexpr std::uint64_t resident_memory_of(std::uint64_t maps_and_buffers) {
   return maps_and_buffers + (std::uint64_t{512} << 20);
 }
 
-/// The input files of a bake, the map first.
+/// Returns the input files of a bake. The map is the first of them.
 std::vector<std::string> input_files(const BakeJob& job);
 
 }  // namespace multum

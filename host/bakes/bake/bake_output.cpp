@@ -52,7 +52,7 @@ void BakeOutput::write(int level, int first_row, MovmfLevel rows) {
 }
 
 void BakeOutput::write(int first_row, MovmfFinest rows) {
-  // Expanded lobes need many times the memory of stored ones, so only rows that the meter reads are expanded.
+  // Expanded lobes need many times as much memory as stored lobes, so only rows that the meter reads are expanded.
   for (int y = 0; meter_ != nullptr && y < rows.height; ++y)
     if (meter_->needs_rows(0, first_row + y, 1))
       meter_->add_rows(0, first_row + y, expand(row_of(rows, y), header_.lobe_count()));

@@ -12,7 +12,7 @@ namespace multum {
 class BakeOutput : public MovmfSink {
  public:
   /// `header` is the header of the file. `meter` is null if nothing is measured. Fills OutputReport::unrepresentable
-  /// and the times of rounding and writing.
+  /// and the times for rounding and writing.
   BakeOutput(MovmfWriter& writer, MovmfMeter* meter, const MovmfMipmap& header, int threads, OutputReport& report)
       : writer_(writer), meter_(meter), header_(header), threads_(threads), report_(report) {}
 

@@ -47,8 +47,8 @@ std::string repairs_text(const NormalMapReport& input) {
   if (input.nonfinite_repaired + input.zero_length_repaired + input.below_horizon_repaired + input.unused_texels == 0)
     return "";
   return fmt::format(
-      "repaired texels of the source: {} not finite, {} of zero length, {} below the horizon; {} black or without "
-      "data, read as flat\n",
+      "repaired source texels: {} were not finite, {} had zero length, {} were below the horizon; {} were black or had "
+      "no data, and were read as flat\n",
       input.nonfinite_repaired, input.zero_length_repaired, input.below_horizon_repaired, input.unused_texels);
 }
 
@@ -127,7 +127,7 @@ double BakeReport::bake_seconds() const {
 std::string BakeReport::to_text() const {
   std::string text = repairs_text(input);
   if (albedo_clamped > 0)
-    text += fmt::format("texels of the albedo: {} negative or not finite, read as 0\n", albedo_clamped);
+    text += fmt::format("{} albedo texels were negative or not finite, and were read as 0\n", albedo_clamped);
   std::string times;
   double total = 0.0;
   for (const StageTime& stage : stages) {
@@ -137,19 +137,20 @@ std::string BakeReport::to_text() const {
   text += fmt::format("{}; {:.2f} s in total on {}\n", times, total, device) + footprint_error_text(error);
   if (fit.lobe_count_total > 0)
     text += fmt::format(
-        "{} lobes: {} not finite, {} limited to the largest kappa, {} empty (without normals), {} without a direction "
-        "(their normals cancel out), {} too sharp for the data format\n",
+        "{} lobes: {} were not finite, {} were limited to the largest kappa, {} are empty (they represent no normals), "
+        "{} have no direction (their normals cancel out), and {} are too sharp for the data format\n",
         fit.lobe_count_total, fit.nonfinite, fit.kappa_clamped, fit.dead_lobes, fit.undirected_lobes,
         output.unrepresentable);
   if (average.slopes_limited > 0)
-    text += fmt::format("{} normals are too close to the horizon for slopes, and are limited to a tilt of 87 degrees\n",
-                        average.slopes_limited);
+    text += fmt::format(
+        "{} normals are too close to the horizon to be stored as slopes; their tilt was limited to 87 degrees\n",
+        average.slopes_limited);
   const bool has_finer =
       std::any_of(accuracy.begin(), accuracy.end(), [&](const AccuracyRow& row) { return row.level < first_level; });
   if (first_level > 0 && stored_only)
-    text += fmt::format("levels finer than {} are never visible, and are not stored\n", first_level);
+    text += fmt::format("levels finer than {} are never visible, so they are not stored\n", first_level);
   else if (first_level > 0)
-    text += fmt::format("levels finer than {} are not stored: renderers compute them from the normal map{}\n",
+    text += fmt::format("levels finer than {} are not stored, because renderers compute them from the normal map{}\n",
                         first_level, has_finer ? ", as this table does" : "");
   return text + accuracy_table(accuracy);
 }

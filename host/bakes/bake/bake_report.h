@@ -26,8 +26,8 @@ struct StageTime {
 struct OutputReport {
   double round_seconds = 0.0;
   double write_wait_seconds = 0.0;  // time spent waiting for the thread that compresses and writes
-  // Lobes of levels coarser than 0 that are too sharp for the encoding, and the share of normals in these lobes
-  // (host/formats/asset/lobes/movmf_mipmap.h, SharpLobes).
+  // The number of lobes on levels 1 and coarser that are too sharp for the encoding, and the share of normals that
+  // these lobes represent (host/formats/asset/lobes/movmf_mipmap.h, SharpLobes).
   std::uint64_t unrepresentable = 0;
   double unrepresentable_amplitude = 0.0;
   double unrepresentable_share = 0.0;
@@ -61,9 +61,9 @@ struct BakeReport {
                                         // chosen
   std::optional<double> picture_error;  // relative L1 error of a picture with the chosen settings, if it was drawn
 
-  /// Plan of the bands and levels, for the fit or for the averages.
+  /// Returns the plan of the bands and levels, either of the fit or of the averages.
   const std::string& plan() const { return fit.plan.empty() ? average.plan : fit.plan; }
-  /// Total time of all stages except choosing and measuring.
+  /// Returns the total time of all stages, except for choosing settings and measuring.
   double bake_seconds() const;
   std::string to_json() const;
   /// Formats a few lines for a terminal.

@@ -17,9 +17,9 @@
 namespace multum {
 namespace {
 
-// Size in bytes of the largest map that stays in memory. The limit is small if the job has a memory limit. A map of
-// 4096 x 4096 needs 192 MiB, and writing it to a scratch file takes a fifth of a plan's time. The 16-bit values of its
-// file need 96 MiB while the file is read, and are freed before the bake needs the most memory.
+// Returns the size in bytes of the largest map that stays in memory. The limit is low if the job has a memory limit. A
+// map of 4096 x 4096 texels needs 192 MiB, and writing it to a scratch file would take a fifth of the time of a plan.
+// While the file is read, its 16-bit values need another 96 MiB, which are freed before the bake needs the most memory.
 std::int64_t map_bytes_in_memory(const BakeJob& job, MapReadings readings) {
   constexpr std::int64_t kLittle = std::int64_t{16} << 20, kDefault = std::int64_t{96} << 20;
   if (job.memory_bytes > 0) return kLittle;
@@ -27,8 +27,8 @@ std::int64_t map_bytes_in_memory(const BakeJob& job, MapReadings readings) {
   return readings == MapReadings::kFew ? std::min(kDefault, much) : much;
 }
 
-// Colours are stored as 16-bit floats, except in float files. For float files, the limit is so far below the largest
-// float that sums of texels and the measurement do not overflow.
+// Colours are stored as 16-bit floats, except in float files. For float files, the limit is far below the largest
+// float, so that neither sums of texels nor the measurement overflow.
 void check_range(const BakeJob& job, float largest) {
   constexpr float kHalfMax = 65504.0f, kFloatMax = 1e15f;
   const bool is_float = job.encoding == StorageEncoding::kFloat;
@@ -36,7 +36,7 @@ void check_range(const BakeJob& job, float largest) {
   if (largest > most)
     throw Error(
         ErrorCode::kInput,
-        fmt::format("{}: found a colour of {:g}, expected at most {:g}{}", job.albedo, largest, most,
+        fmt::format("{}: found a colour value of {:g}, expected at most {:g}{}", job.albedo, largest, most,
                     is_float ? "" : ", the largest half float" + advice("; <data_format float> stores larger values")));
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads a bake's inputs, the map and its material maps. Small inputs are kept in memory, others in scratch files.
+// Reads the inputs of a bake, which are the map and its material maps. Small inputs are kept in memory, and larger ones
+// in scratch files.
 #pragma once
 
 #include <cstdint>
@@ -17,8 +18,8 @@
 
 namespace multum {
 
-/// States whether a job reads its maps a few times or many times. Maps that are read many times stay in memory up to a
-/// larger size.
+/// States whether a job reads its maps a few times or many times. If they are read many times, larger maps stay in
+/// memory.
 enum class MapReadings { kFew, kMany };
 
 struct BakeSource {
@@ -36,13 +37,15 @@ struct BakeSource {
   bool has_roughness() const { return map.normals.is_shortened(); }
 };
 
-/// The folder for data that does not fit into memory: the job's scratch folder, or the output's folder.
+/// Returns the folder for data that does not fit into memory, which is the job's scratch folder or else the output
+/// folder.
 std::string scratch_folder(const BakeJob& job);
 
-/// Header, without provenance, of files that are baked from the source.
+/// Returns the header of files that are baked from the source, without provenance.
 BakedHeader baked_header_of(const BakeJob& job, const BakeSource& source);
 
-/// Properties found in the files, and assumptions about unclear properties (BakedProvenance::reading).
+/// Returns the properties that were found in the files, and the assumptions about unclear properties
+/// (BakedProvenance::reading).
 std::string reading_json(const BakeJob& job, const BakeSource& source);
 
 /// Throws Error(kInput) for unusable files.

@@ -14,17 +14,17 @@
 namespace multum {
 namespace {
 
-// Allowed differences. The device that measures may differ from the device that baked, and both shade in float. Six
-// maps of 16 to 64 texels per side were baked with PoCL 3.1 and measured with Oclgrind 21.10. No error differs by more
-// than 5e-7, which is half a unit of the sixth decimal place, the last one in the header. GPUs were not measured. The
-// limit of 1 % leaves room for the errors of exp and sqrt on GPUs. If an error is nearly 0, as at the finest level of a
-// smooth map, rounding is a large part of the error. The second limit covers this case. It is one unit of the last
-// digit that `multum info` prints.
+// The allowed differences. The measurement may run on another device than the bake, and both devices shade in single
+// precision. Six maps of 16 to 64 texels per side were baked with PoCL 3.1 and measured with Oclgrind 21.10. No error
+// differs by more than 5e-7, which is half a unit of the sixth decimal place, the last one in the header. GPUs were not
+// measured. The limit of 1 % leaves room for the errors of exp and sqrt on GPUs. If an error is nearly 0, as at the
+// finest level of a smooth map, rounding is a large part of it. For this case there is a second limit, which is one
+// unit of the last digit that `multum info` prints.
 constexpr double kAllowedRelative = 0.01;
 constexpr double kAllowedAbsolute = 1e-4;
 // Errors without an interval come from earlier program versions, which measured other texels and gave too much weight
-// to texels at the borders of thin maps. For example, they stated an error of 60.9 % as 42.6 % (4097 x 7, level 1),
-// which is lower by a factor of 1.43. The limit of 0.5 detects damage, not rounding.
+// to texels at the borders of thin maps. For example, for level 1 of a map of 4097 x 7 texels they stated 42.6 %
+// instead of 60.9 %, which is too low by a factor of 1.43. The limit of 0.5 detects damage, not rounding.
 constexpr double kAllowedOfUnstated = 0.5;
 
 // Compares the properties in a file's header with the source. Returns a difference, which means that the file was baked
@@ -32,11 +32,11 @@ constexpr double kAllowedOfUnstated = 0.5;
 std::string other_shape(const BakedHeader& header, const BakeSource& source) {
   const PlaneStore& normals = source.map.normals;
   if (header.width != normals.width() || header.height != normals.height())
-    return fmt::format("holds {} x {} texels, its source has {} x {}", header.width, header.height, normals.width(),
+    return fmt::format("holds {} x {} texels, but its source has {} x {}", header.width, header.height, normals.width(),
                        normals.height());
   const int weight_count = source.weights ? source.weights->count : 0;
   if (header.weight_count != weight_count)
-    return fmt::format("has {} weights, its source has {}", header.weight_count, weight_count);
+    return fmt::format("has {} weights, but its source has {}", header.weight_count, weight_count);
   if (header.has_roughness != source.has_roughness())
     return header.has_roughness ? "has roughness, but its source has no roughness map"
                                 : "has no roughness, but its source has a roughness map";
@@ -57,8 +57,8 @@ std::string find_damage(const BakeJob& job, Representation representation, Verif
     for (const VerifyFinding& finding : file.findings)
       if (!finding.passed) return fmt::format("{}: {}", finding.check, finding.detail);
   } catch (const Error& error) {
-    // The source has been read by now, so the unreadable file is the baked one. This is a finding of the check, not an
-    // error.
+    // At this point the source has been read, so the unreadable file is the baked one. The check reports this as a
+    // finding, not as an error.
     if (error.code() != ErrorCode::kInput) throw;
     return error.what();
   }
@@ -113,25 +113,26 @@ std::string worse_than_stated(const StatedErrors& measured, const StatedErrors& 
     if (stated.footprint_errors.empty()) break;
     const auto same = std::find_if(stated.footprint_errors.begin(), stated.footprint_errors.end(),
                                    [&](const FootprintError& other) { return other.brdf == one.brdf; });
-    if (same == stated.footprint_errors.end()) return fmt::format("states no pixel error for {}", one.brdf.text());
+    if (same == stated.footprint_errors.end())
+      return fmt::format("does not state its pixel error for {}", one.brdf.text());
     const double excess = comparable(one.error) - (same->error * (1.0 + kAllowedRelative) + kAllowedAbsolute);
     if (excess <= worst_excess) continue;
     worst_excess = excess;
-    worst = fmt::format("has a pixel error of {:.4g} % for {}, but states {:.4g} %", 100.0 * one.error, one.brdf.text(),
-                        100.0 * same->error);
+    worst = fmt::format("has a pixel error of {:.4g} % for {}, but its header states {:.4g} %", 100.0 * one.error,
+                        one.brdf.text(), 100.0 * same->error);
   }
   if (!worst.empty()) return worst;
   for (const AccuracyRow& row : measured.rows) {
     const auto same = std::find_if(stated.rows.begin(), stated.rows.end(), [&](const AccuracyRow& other) {
       return other.level == row.level && other.point == row.point && other.brdf == row.brdf;
     });
-    if (same == stated.rows.end()) return fmt::format("states no error for {}", row_name(row));
+    if (same == stated.rows.end()) return fmt::format("does not state its error for {}", row_name(row));
     const double allowed = same->confidence == kIntervalUnstated ? kAllowedOfUnstated : kAllowedRelative;
     const double excess = comparable(row.error) - (same->error * (1.0 + allowed) + kAllowedAbsolute);
     if (excess <= worst_excess) continue;
     worst_excess = excess;
-    worst = fmt::format("has an error of {:.4g} % at {}, but states {:.4g} %", 100.0 * row.error, row_name(row),
-                        100.0 * same->error);
+    worst = fmt::format("has an error of {:.4g} % at {}, but its header states {:.4g} %", 100.0 * row.error,
+                        row_name(row), 100.0 * same->error);
   }
   return worst;
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Checks that a finished file is undamaged and that its error is no larger than stated. Verifies it as `multum verify`
 // does and measures it again as the bake did (docs/evidence/ACCURACY.md). The texels, lights, views and BRDFs are the
-// same, so an unchanged file gives the same errors.
+// same, so the errors of an unchanged file are the same.
 #pragma once
 
 #include <optional>
@@ -21,15 +21,16 @@ struct BakedCheck {
 };
 
 /// Checks JOB.output against JOB.input. Writes only scratch files. Throws Error(kInput) if the source cannot be read,
-/// and Cancelled. Needs memory for rows of tiles of the file and for bands of the source.
+/// and Cancelled. The memory holds only rows of the file's tiles and bands of the source.
 BakedCheck check_baked_file(const BakeJob& job, Device& device, Progress* progress);
 
 /// Returns the largest pixel error of all BRDFs, or nullopt if there is none.
 std::optional<double> worst_error(const std::vector<FootprintError>& errors);
 
-/// Names an error that is missing from `stated`, or the error that exceeds its value in `stated` by the largest amount.
-/// Ignores rounding. The result is empty if there is no such error. Errors of pixels come before errors of levels.
-/// Files of earlier program versions state no pixel errors, so their pixel errors are not compared.
+/// Names an error that is missing from `stated`, or else the error that exceeds its value in `stated` by the largest
+/// amount. Differences due to rounding are ignored. The result is empty if there is no such error. Pixel errors come
+/// before errors of levels. Files of earlier program versions state no pixel errors, so their pixel errors are not
+/// compared.
 std::string worse_than_stated(const StatedErrors& measured, const StatedErrors& stated);
 
 }  // namespace multum

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Implements the steps that bakes of all representations share: rounding and writing of rows, measurement and commit
-// at the end, and verification of a file by rows.
+// Implements the steps that the bakes of all representations share. These steps round and write rows, measure the error
+// and commit the file at the end, and verify a file row by row.
 #pragma once
 
 #include <memory>
@@ -14,7 +14,7 @@
 
 namespace multum {
 
-/// A sink for plain averages. Rounds rows for storage, passes them to the measurement if errors are measured, and
+/// A sink for plain averages. It rounds rows for storage, passes them to the measurement if errors are measured, and
 /// writes them.
 template <typename Sink, typename Level, typename Writer, typename Meter>
 class RoundingSink : public Sink {
@@ -39,7 +39,8 @@ class RoundingSink : public Sink {
   const int threads_;
 };
 
-/// Inputs of a bake of averages, from its source. `waiting_bytes` is the memory of its writer (memory_beside_writer()).
+/// Returns the inputs of a bake of averages. `waiting_bytes` is the memory that its writer needs
+/// (memory_beside_writer()).
 inline AverageInputs average_inputs(const BakeRun& run, std::uint64_t waiting_bytes) {
   AverageInputs inputs{run, run.header.first_level};
   inputs.memory_bytes = memory_beside_writer(run, waiting_bytes);
@@ -58,7 +59,7 @@ inline AccuracySettings accuracy_settings(const BakeJob& job) {
   return settings;
 }
 
-/// Removes the errors of BakeJob::highlights. Every file states the remaining errors.
+/// Removes the errors of BakeJob::highlights, so that the errors remain that every file states.
 template <typename Measured>
 std::vector<Measured> stated(const BakeJob& job, std::vector<Measured> all) {
   for (const Highlight& one : job.highlights)

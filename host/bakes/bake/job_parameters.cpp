@@ -11,14 +11,14 @@
 namespace multum {
 namespace {
 
-// In this case, level 0 is the normal map itself, which contains no points of the surface.
+// In this case, level 0 would be the normal map itself, which does not contain points of the interpolated surface.
 void apply_surface(const ParameterValues& values, BakeJob& job) {
   job.surface = map_surface(values).value_or(job.surface);
   if (job.surface == MapSurface::kTexels || job.fitting.first_level > 0) return;
   if (values.integer("first_level"))
     throw Error(ErrorCode::kUsage,
-                "--first-level is 0 with --surface interpolated, expected 1 or more: level 0 would store points "
-                "between the texels instead of the texels");
+                "--first-level is 0 with --surface interpolated, expected 1 or more, because level 0 would store "
+                "points between the texels instead of the texels");
   job.fitting.first_level = 1;
 }
 
@@ -63,9 +63,9 @@ void apply(const ParameterValues& values, BakeJob& job) {
 
 void apply_region(const ParameterValues& values, BakeJob& job) {
   if (values.has("region") != values.has("onto"))
-    throw Error(
-        ErrorCode::kUsage,
-        "found only one of --region and --onto, expected both: the edited part, and the file that was baked before");
+    throw Error(ErrorCode::kUsage,
+                "found only one of --region and --onto, expected both: --region names the edited part, and --onto "
+                "names the file that was baked before");
   const std::string text = values.text("region").value_or("auto");
   if (text.empty() || text == "auto") return;
   MapRegion region;
@@ -112,9 +112,10 @@ void check_scopes(const ParameterValues& values) {
   const Parameter* const row = given_of_another_ndf(values);
   if (row == nullptr) return;
   const bool is_of_lobes = row->scope == ParameterScope::kLobes;
-  throw Error(ErrorCode::kUsage, fmt::format("{} is for --ndf {}, found --ndf {}{}", row->option(), scope_text(*row),
-                                             values.text("ndf").value_or(representations().front().option),
-                                             is_of_lobes ? ", which fits no lobes" : ""));
+  throw Error(ErrorCode::kUsage,
+              fmt::format("{} works only with --ndf {}, found --ndf {}{}", row->option(), scope_text(*row),
+                          values.text("ndf").value_or(representations().front().option),
+                          is_of_lobes ? ", which fits no lobes" : ""));
 }
 
 }  // namespace multum

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Applies the parameters of bake_parameters() to a job. Equal parameters thus make equal jobs on command lines, in
-// manifests, in scenes and for candidates of a target.
+// Applies the parameters of bake_parameters() to a job. Equal parameters therefore make equal jobs, whether they come
+// from a command line, a manifest, a scene or the candidates of a target.
 #pragma once
 
 #include <initializer_list>
@@ -20,11 +20,11 @@ ParameterValues bake_values(std::initializer_list<std::pair<const char*, Paramet
 /// default.
 void apply(const ParameterValues& values, BakeJob& job);
 
-/// Sets the job's region and file from `region` and `onto`. Throws Error(kUsage) if only one of them is given, or for a
-/// region of another form than "auto" or "x,y,width,height".
+/// Sets the job's region and file from `region` and `onto`. Throws Error(kUsage) if only one of them is given, or if
+/// the region is neither "auto" nor of the form "x,y,width,height".
 void apply_region(const ParameterValues& values, BakeJob& job);
 
-/// The representation of `ndf`; nullopt if it is not given.
+/// Returns the representation that `ndf` names, or nullopt if `ndf` is not given.
 std::optional<Representation> given_representation(const ParameterValues& values);
 
 /// Returns the first given parameter that a target would choose, or null if there is none.
@@ -39,7 +39,8 @@ std::string options_text(const ParameterValues& values);
 const Parameter* given_of_another_ndf(const ParameterValues& values);
 /// Lists the values of --ndf to which the parameter applies: "for vmf and gmm".
 std::string scope_text(const Parameter& parameter);
-/// Throws Error(kUsage) for a parameter of another representation: "--lobes is for --ndf vmf and gmm, found --ndf sh".
+/// Throws Error(kUsage) for a parameter of another representation: "--lobes works only with --ndf vmf and gmm, found
+/// --ndf sh".
 void check_scopes(const ParameterValues& values);
 
 }  // namespace multum

@@ -29,8 +29,8 @@ void warn_of_limited_slopes(const BakeRun& run, const AverageReport& report) {
   const double share = static_cast<double>(report.slopes_limited) /
                        (static_cast<double>(run.header.width) * static_cast<double>(run.header.height));
   if (share <= kLimitedNoted) return;
-  log_warning(run.job.input, fmt::format("{:.1f} % of the normals are steeper than a slope of {} (87 degrees) and are "
-                                         "limited to this slope, so that LEAN draws their highlights too narrow{}",
+  log_warning(run.job.input, fmt::format("{:.1f} % of the normals have slopes above {} (87 degrees). They were limited "
+                                         "to this slope, so LEAN draws their highlights too narrow{}",
                                          100.0 * share, kSlopeMax, advice("; <ndf vmf> has no such limit")));
 }
 
@@ -67,8 +67,8 @@ std::unique_ptr<AccuracyMeter> try_moments(const BakeRun& run, const AccuracySet
 void check_moment_settings(const BakeJob& job) {
   if (job.region.has_value() || !job.onto.empty())
     throw Error(ErrorCode::kUsage,
-                "--region and --onto are only for --ndf vmf: averaging the moments of a whole map takes less time than "
-                "reading the map");
+                "--region and --onto work only with --ndf vmf, because averaging the moments of a whole map takes less "
+                "time than reading the map");
 }
 
 std::string moment_settings(const BakeJob& job) {

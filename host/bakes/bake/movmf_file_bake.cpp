@@ -25,8 +25,8 @@ namespace multum {
 namespace {
 
 // If a larger share of normals is in lobes that are too sharp, a warning is printed. Every map has some such lobes at
-// level 1, from two or three normals that are nearly equal. With snorm16, the share is 2 to 28 % on ordinary maps and
-// 36 to 57 % on surfaces with rms slopes of 0.01. Such slopes are visible only on glossy materials.
+// level 1, where two or three normals of a lobe are nearly equal. With snorm16, the share is 2 to 28 % on ordinary maps
+// and 36 to 57 % on surfaces with rms slopes of 0.01. Such slopes are visible only on glossy materials.
 constexpr double kUnrepresentableNoted = 1.0 / 3.0;
 
 void warn_of_sharp_lobes(const BakeJob& job, const MovmfMipmap& header, OutputReport& report) {
@@ -40,22 +40,24 @@ void warn_of_sharp_lobes(const BakeJob& job, const MovmfMipmap& header, OutputRe
   const auto kappa_max = static_cast<double>(family.kappa_max(header.header.encoding));
   log_warning(
       job.input,
-      fmt::format("{} lobes, which represent {:.0f} % of the normals, are sharper than kappa {:.0f} and lose their "
-                  "spread in {}: sharp highlights (Blinn-Phong with s = {:.0f} or more) become too sharp{}",
-                  report.unrepresentable, 100.0 * report.unrepresentable_share, kappa_max,
-                  storage_encoding_name(header.header.encoding), kappa_max,
-                  header.header.encoding == StorageEncoding::kHalf
-                      ? advice(fmt::format("; <data_format snorm16> stores kappa up to {:.0f}, and float larger values",
-                                           family.kappa_max(StorageEncoding::kSnorm16)))
-                      : advice("; <data_format float> keeps them")));
+      fmt::format(
+          "{} lobes, which represent {:.0f} % of the normals, are sharper than kappa {:.0f} and lose their width in "
+          "{}, so sharp highlights (Blinn-Phong with s = {:.0f} or more) become too sharp{}",
+          report.unrepresentable, 100.0 * report.unrepresentable_share, kappa_max,
+          storage_encoding_name(header.header.encoding), kappa_max,
+          header.header.encoding == StorageEncoding::kHalf
+              ? advice(fmt::format("; <data_format snorm16> stores kappa up to {:.0f}, and float stores larger values",
+                                   family.kappa_max(StorageEncoding::kSnorm16)))
+              : advice("; <data_format float> keeps them")));
 }
 
-// Bakes of maps up to this size do not keep the rows of the finest fitted level, unless the bake is resumed. That level
-// has three quarters of all rows. The fit of such a map takes a few seconds, and writing the rows would add a fifth of
-// that time.
+// Bakes of maps up to this size do not keep the rows of the finest fitted level, unless the bake is resumed. Three
+// quarters of all texels are on that level. The fit of such a map takes a few seconds, and writing the rows would add a
+// fifth of that time.
 constexpr std::int64_t kQuickTexels = std::int64_t{4096} * 4096;
 
-// Bytes of the tile rows that the writer holds: rows of the fitted level and, if stored, of level 0.
+// Returns the bytes of the tile rows that the writer holds. These rows belong to the fitted level and, if it is stored,
+// to level 0.
 std::uint64_t waiting_bytes(const BakeRun& run) {
   const BakedHeader& header = run.header;
   const std::uint64_t features = (header.has_colours ? 3u : 0u) + static_cast<std::uint64_t>(header.weight_count);
@@ -100,7 +102,7 @@ void bake_lobe_file(const BakeRun& run, BakeReport& report, Progress* progress) 
   const BakeJob& job = run.job;
   if (job.shard) return bake_lobe_shard(run, report, progress);
   const int width = run.header.width, height = run.header.height;
-  // Measuring counts as about the work of one level, and so does writing.
+  // Measuring counts as approximately the work of one level, and so does writing.
   const std::uint64_t level_units =
       movmf_bake_units(width, height) / static_cast<std::uint64_t>(mip_level_count(width, height));
   progress_start(progress, movmf_bake_units(width, height, job.fitting.first_level) + 2 * level_units);
@@ -147,10 +149,11 @@ void check_lobe_settings(const BakeJob& job) {
     throw Error(ErrorCode::kUsage, "--region needs --onto, the file that was baked before this part was edited");
   const char* const option = job.shard ? "--shard" : job.merged_shards > 0 ? "--merge" : nullptr;
   if (option == nullptr) return;
-  if (!job.onto.empty()) throw Error(ErrorCode::kUsage, std::string(option) + " and --onto exclude each other");
+  if (!job.onto.empty()) throw Error(ErrorCode::kUsage, std::string(option) + " and --onto are mutually exclusive");
   if (job.fitting.refine)
-    throw Error(ErrorCode::kUsage,
-                std::string(option) + " and --refine exclude each other: shares store only one set of lobes");
+    throw Error(
+        ErrorCode::kUsage,
+        std::string(option) + " and --refine are mutually exclusive, because shares store only one set of lobes");
 }
 
 VerifiedFile verify_lobe_file(const BakeJob& job, const AccuracySettings& accuracy, Progress* progress) {

@@ -39,9 +39,9 @@ std::uint64_t memory_beside_writer(const BakeRun& run, std::uint64_t waiting_byt
     const std::uint64_t memory = is_given ? run.job.memory_bytes : machine_memory_bytes() / 4;
     throw Error(
         is_given ? ErrorCode::kUsage : ErrorCode::kEnvironment,
-        fmt::format("{} {} MiB, expected at least {} MiB for a map {} texels wide: rows of tiles that wait to be "
-                    "written need {} MiB",
-                    is_given ? "--memory is" : "a bake can use a quarter of this process's memory,", memory >> 20,
+        fmt::format("{} {} MiB, expected at least {} MiB for a map {} texels wide, because the rows of tiles that wait "
+                    "to be written need {} MiB",
+                    is_given ? "--memory is" : "a bake can use a quarter of the memory of this process,", memory >> 20,
                     ((memory + more + kLeast - run.memory_bytes) >> 20) + 1, run.header.width, waiting_bytes >> 20));
   }
   return run.memory_bytes - more;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lists the bakes of all representations. Each row (NdfBake) holds the steps of a bake from file to file
-// (host/bakes/bake/bake_file.h) that differ between representations.
+// Lists the bakes of all representations. Each row (NdfBake) holds the steps of a bake (host/bakes/bake/bake_file.h)
+// that differ between representations.
 #pragma once
 
 #include <memory>
@@ -39,17 +39,17 @@ struct BakeRun : MapInputs {
 /// Inputs of a bake from its job and source, within `memory_bytes`.
 MapInputs map_inputs(const BakeJob& job, const BakeSource& source, std::uint64_t memory_bytes);
 
-/// Bytes that the writer holds per level until a row of tiles is full. A texel has `value_count` values. Includes the
-/// buffers for conversion from float to half.
+/// Returns the bytes that the writer holds per level until a row of tiles is full. A texel has `value_count` values.
+/// The result includes the buffers for conversion from float to half.
 std::uint64_t tile_row_bytes(const BakedHeader& header, int level, int tile_size, std::uint64_t value_count);
-/// Sum of these bytes over all levels, for bakes that compute all levels at once.
+/// Returns the sum of these bytes over all levels, for bakes that compute all levels at once.
 std::uint64_t tile_rows_bytes(const BakedHeader& header, int tile_size, std::uint64_t value_count);
-/// Bytes left for windows and buffers, in addition to the `waiting_bytes` used by rows of tiles. A default amount is
+/// Returns the bytes that remain for windows and buffers if rows of tiles use `waiting_bytes`. A default amount is
 /// already reserved for every bake (bake_file.cpp), but wide maps need more. Throws Error(kUsage) that names --memory
 /// if too little remains.
 std::uint64_t memory_beside_writer(const BakeRun& run, std::uint64_t waiting_bytes);
 
-/// The findings about a file, and a meter that has read the file's rows.
+/// The findings about a file and a meter that has read the file's rows.
 struct VerifiedFile {
   std::vector<VerifyFinding> findings;
   std::unique_ptr<AccuracyMeter> meter;
@@ -76,8 +76,8 @@ struct NdfBake {
 
 const NdfBake& ndf_bake(Representation representation);
 
-/// Tries a job on a map that fits into memory. Bakes from level `accuracy.first_level` on, or from the job's first
-/// level if that is coarser. No level depends on a finer one.
+/// Tries a job on a map that fits into memory. Bakes level `accuracy.first_level` and coarser levels, or only the
+/// levels from the job's first level on if that is coarser. No level depends on a finer one.
 std::unique_ptr<AccuracyMeter> try_levels(Device& device, BakeJob job, const BakeSource& source,
                                           AccuracySettings accuracy, BakeReport& report, Progress* progress);
 

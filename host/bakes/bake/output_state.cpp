@@ -24,16 +24,16 @@
 namespace multum {
 namespace {
 
-// Formats a float with the fewest digits, such as 0.01, which JSON holds as 0.00999999977.
+// Formats a float with as few digits as possible. For example, JSON would write 0.01 as 0.00999999977.
 std::string shown(const nlohmann::json& json, const std::string& key) {
   const auto found = json.find(key);
   if (found == json.end()) return "not stated";
   return found->is_number_float() ? fmt::format("{:g}", found->get<double>()) : found->dump();
 }
 
-// Words for settings that are hashes of maps.
+// The words that replace settings that are hashes of maps.
 const std::map<std::string, std::string> kHashedMaps = {
-    {"albedo", "albedo"}, {"roughness", "roughness map"}, {"weights", "map of weights"}};
+    {"albedo", "albedo"}, {"roughness", "roughness map"}, {"weights", "weight map"}};
 
 // Lists the settings that differ, with both values. Hashes are replaced with words.
 std::vector<std::string> changed_settings(const std::string& there, const std::string& now) {
@@ -48,21 +48,20 @@ std::vector<std::string> changed_settings(const std::string& there, const std::s
     if (old_json.contains(key) && new_json.contains(key) && old_json[key] == new_json[key]) continue;
     if (const auto map = kHashedMaps.find(key); map != kHashedMaps.end())
       changes.push_back(fmt::format("the {} has changed", map->second));
-    else if (key == "kernels")
-      changes.emplace_back("it was baked with kernels that differ from the kernels of this program");
+    else if (key == "kernels") changes.emplace_back("it was baked with kernels that differ from those of this program");
     else changes.push_back(fmt::format("{} was {} and is now {}", key, shown(old_json, key), shown(new_json, key)));
   }
   return changes;
 }
 
-// If the bake chooses its own settings, compares only the target and inputs, because the settings are unknown until the
-// map is baked.
+// If the bake chooses its own settings, compares only the target and the inputs, because the settings are not known
+// until the map is baked.
 std::vector<std::string> changed_target(const std::string& there, const std::string& now) {
   const nlohmann::json old_json = nlohmann::json::parse(there, nullptr, false);
   const nlohmann::json new_json = nlohmann::json::parse(now);
   if (!old_json.is_object()) return {"its settings cannot be parsed"};
   if (old_json.value("kernels", "") != new_json.at("kernels").get<std::string>())
-    return {"it was baked with kernels that differ from the kernels of this program"};
+    return {"it was baked with kernels that differ from those of this program"};
   if (!old_json.contains("target")) return {"its settings were not chosen for a target"};
   const std::string was = old_json["target"].dump(), is = new_json["target"].dump();
   const auto words = [](const std::string& target) { return target.substr(1, target.rfind(", ") - 1); };
@@ -98,7 +97,8 @@ std::string all_settings_json(const BakeJob& job) {
   nlohmann::json json = nlohmann::json::parse(ndf_bake(job.representation).settings(job));
   add_reading_settings(job.reading, json);
   if (job.reading.tiles != nullptr) json["tile"] = job.reading.tile;
-  // Adds the surface only if it is interpolated, so that files of earlier program versions keep their hash.
+  // Adds the surface only if it is interpolated, so that the hash of files from earlier program versions does not
+  // change.
   if (job.surface == MapSurface::kInterpolated) json["surface"] = map_surface_name(job.surface);
   json["encoding"] = storage_encoding_name(job.encoding);
   json["compression"] = job.writing.compression;

@@ -46,16 +46,16 @@ void check_region(const MapRegion& region, const MovmfMipmap& header) {
   if (region.x < 0 || region.y < 0 || region.width < 1 || region.height < 1 ||
       region.width > header.width() - region.x || region.height > header.height() - region.y)
     throw Error(ErrorCode::kUsage,
-                fmt::format("--region {},{},{},{} is not in the map, expected x,y,width,height inside {} x {}",
+                fmt::format("--region {},{},{},{} is not inside the map, expected x,y,width,height within {} x {}",
                             region.x, region.y, region.width, region.height, header.width(), header.height()));
-  // Edits at such a border also change points on its other side.
+  // Edits at such a border also change points on the other side of the border.
   const BakedHeader& is = header.header;
   const bool wraps_x = is.wrap_s == WrapMode::kPeriodic && (region.x == 0 || region.x + region.width == is.width),
              wraps_y = is.wrap_t == WrapMode::kPeriodic && (region.y == 0 || region.y + region.height == is.height);
   if (baked_surface(is) == map_surface_name(MapSurface::kInterpolated) && (wraps_x || wraps_y))
     throw Error(ErrorCode::kUsage,
-                fmt::format("--region {},{},{},{} touches a border where the map repeats, with --surface interpolated; "
-                            "expected a region away from such borders, or a bake of the whole map",
+                fmt::format("--region {},{},{},{} touches a border where the map repeats, which --surface interpolated "
+                            "does not allow; expected a region away from such borders, or a bake of the whole map",
                             region.x, region.y, region.width, region.height));
 }
 
@@ -94,7 +94,7 @@ bool is_near(int begin, int end, const TexelRange& range, int height) {
   return false;
 }
 
-// Compares the stored values of a texel, which can belong to a different lobe in each file. Ignores rounding
+// Compares the stored values of a texel, whose lobes may be in a different order in each file. Ignores rounding
 // differences between two encodings of the same map.
 bool is_same_texel(const MovmfFinest& a, const MovmfFinest& b, std::size_t i) {
   constexpr float kNormalSteps = 2.0f / 32767.0f, kColourSteps = 2.0f / 2048.0f;
@@ -144,9 +144,9 @@ MapRegion resolve_region(const std::optional<MapRegion>& asked, const std::strin
   const std::optional<MapRegion> changed = find_changed_region(old, header, normals, features, threads);
   if (!changed && !asked)
     throw Error(ErrorCode::kUsage,
-                old + ": stores no level 0, so changes cannot be found; expected --region x,y,width,height");
+                old + ": does not store level 0, so changes cannot be detected; expected --region x,y,width,height");
   if (!changed) {
-    log_warning(input, fmt::format("{} stores no level 0, so changes outside --region {} cannot be detected", old,
+    log_warning(input, fmt::format("{} does not store level 0, so changes outside --region {} cannot be detected", old,
                                    region_text(*asked)));
     return *asked;
   }
@@ -154,8 +154,8 @@ MapRegion resolve_region(const std::optional<MapRegion>& asked, const std::strin
   else log_info(fmt::format("{}: since {} was baked, this part has changed: {}", input, old, region_text(*changed)));
   if (!asked) return changed->height == 0 ? MapRegion{0, 0, 1, 1} : *changed;
   if (changed->height > 0 && !contains(*asked, *changed))
-    throw Error(ErrorCode::kInput, fmt::format("{}: found changes since {} was baked in {}, expected none outside "
-                                               "--region {}; --region auto bakes the changed part",
+    throw Error(ErrorCode::kInput, fmt::format("{}: since {} was baked, the part {} has changed; expected no changes "
+                                               "outside --region {}. --region auto bakes the changed part",
                                                input, old, region_text(*changed), region_text(*asked)));
   return *asked;
 }
@@ -169,7 +169,7 @@ RegionBake::RegionBake(const std::string& old, const MovmfMipmap& header, const 
       output_(output),
       next_row_(header.levels.size(), 0) {
   check_old(old, old_.header(), header);
-  // The surface is part of the settings, which are not yet in the header during the search for changes.
+  // The surface is one of the settings, which are not yet in the header while the program searches for changes.
   check_same(old, "a surface of", baked_surface(old_.header().header), baked_surface(header.header));
   check_region(region, header);
 }
@@ -204,7 +204,7 @@ RowStore RegionBake::old_lobes(int level) const {
   const std::size_t lobes = size.lobes.size();
   RowStore store(size.height, lobes * width * sizeof(MultumVmfLobe), spill_);
   std::vector<MultumVmfLobe> rows(lobes * width);
-  store.write(size.height - 1, 1, rows.data());  // gives the file its full length; rows that are not read stay zero
+  store.write(size.height - 1, 1, rows.data());  // gives the file its full length; rows that are not read remain zero
   const TexelRange where = texels(level);
   for (int first = 0; first < size.height; first += old_.tile_size()) {
     if (!is_near(first, first + old_.tile_size(), where, size.height)) continue;
@@ -264,7 +264,7 @@ void RegionBake::add_finest(int first_row, MovmfFinest rows) {
   copy_finest_until(first_row);
   output_.round(rows);
   MovmfFinest merged = old_.read_finest(first_row, rows.height);
-  // Texels that the newly fitted parents cover. The lobes of these parents may have a new order.
+  // The texels that newly fitted parents cover. The order of the lobes of these parents may have changed.
   TexelRange where = header_.levels.size() > 1 ? texels(1) : texels(0);
   const bool to_the_end = header_.levels.size() == 1 || where.x1 == header_.levels[1].width;
   const int x0 = header_.levels.size() > 1 ? 2 * where.x0 : 0, x1 = to_the_end ? header_.width() : 2 * where.x1;

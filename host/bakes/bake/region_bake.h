@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bakes an edited part of a map onto the file that was baked before the edit. On every level, the part's texels and a
-// few around them are fitted again. Each starts from its parent, with the old file's texels as neighbours. All other
-// texels keep the old file's values.
+// Bakes only the edited part of a map and takes the rest from the file that was baked before the edit. On every level,
+// the texels of this part and a few texels around it are fitted again. Each texel starts from its parent, and unchanged
+// texels of the old file are its neighbours. All other texels keep the values of the old file.
 //
-// This is an approximation. The coarsest texel starts from its old lobes, not from the whole map's candidates, and
-// texels around the region keep their values (docs/contributing/ALGORITHMS.md, "Baking a region again").
+// This is an approximation. The coarsest texel starts from its old lobes instead of the candidates for the whole map,
+// and texels outside the region keep their values (docs/contributing/ALGORITHMS.md, "Baking a region again").
 #pragma once
 
 #include <optional>
@@ -27,19 +27,19 @@ struct MapRegion {
 /// Returns the smallest rectangle of level 0 that contains every changed texel. Changed texels differ from `old` by
 /// more than two steps of 16-bit normals or of 16-bit floats. The rectangle's height is 0 if no texel differs. Returns
 /// nullopt if `old` stores no level 0. `header` belongs to the file to write. `normals` and `features` are the data to
-/// compare. Throws as RegionBake does.
+/// compare. Throws the same errors as RegionBake.
 std::optional<MapRegion> find_changed_region(const std::string& old, const MovmfMipmap& header,
                                              const PlaneStore& normals, const FeaturePlanes& features, int threads);
 
-/// Chooses the region to bake again, which is `asked` if it is set and otherwise the changed part. Throws Error(kInput)
-/// if texels outside `asked` have changed, because they would keep their old values. Throws Error(kUsage) if `asked` is
-/// not set and `old` stores no level 0.
+/// Chooses the region to bake again. If `asked` is set, this is the region, otherwise the changed part. Throws
+/// Error(kInput) if texels outside `asked` have changed, because they would keep their old values. Throws Error(kUsage)
+/// if `asked` is not set and `old` stores no level 0.
 MapRegion resolve_region(const std::optional<MapRegion>& asked, const std::string& input, const std::string& old,
                          const MovmfMipmap& header, const PlaneStore& normals, const FeaturePlanes& features,
                          int threads);
 
-/// Number of texels around a region that are fitted again on every level, because the alignment prior ties a texel to
-/// its neighbours.
+/// The number of texels on each side of a region that are also fitted again on every level, because the alignment prior
+/// ties a texel to its neighbours.
 constexpr int kRegionHalo = 2;
 
 class RegionBake : public RowOrigin, public MovmfSink {

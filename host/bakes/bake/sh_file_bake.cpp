@@ -18,8 +18,8 @@ namespace {
 template <typename Writer>
 using ShFileSink = RoundingSink<ShSink, ShLevel, Writer, ShMeter>;
 
-// Memory for rows that wait to be written, and for measured texels that need more than the amount reserved for every
-// bake. Each texel has many coefficients.
+// Returns the memory for rows that wait to be written, and for measured texels beyond the amount that is reserved for
+// every bake. More is needed because each texel has many coefficients.
 std::uint64_t waiting_bytes(const BakeRun& run, int tile_size, const ShMeter* meter) {
   constexpr std::uint64_t kDefaultMeter = std::uint64_t{16} << 20;
   const std::uint64_t meter_bytes = meter != nullptr ? meter->kept_bytes() : 0;
@@ -59,9 +59,9 @@ std::unique_ptr<AccuracyMeter> try_sh(const BakeRun& run, const AccuracySettings
 
 void check_sh_settings(const BakeJob& job) {
   if (job.region.has_value() || !job.onto.empty())
-    throw Error(
-        ErrorCode::kUsage,
-        "--region and --onto are only for --ndf vmf: spherical harmonics are averaged over the whole map, not fitted");
+    throw Error(ErrorCode::kUsage,
+                "--region and --onto work only with --ndf vmf, because spherical harmonics are averaged over the whole "
+                "map, not fitted");
   validate_sh_order(job.sh_order);
 }
 

@@ -16,7 +16,7 @@
 
 namespace multum {
 
-// The members of the report that a share's note contains. Writing and reading use this list.
+// The members of the report that the note of a share contains. This list is used for writing and for reading.
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(NormalMapReport, format, encoding, encoding_reason, unused_texels,
                                    nonfinite_repaired, zero_length_repaired, below_horizon_repaired, wrap_s, wrap_t,
                                    tiles, warnings)
@@ -51,7 +51,7 @@ BakeSource source_of(const NoteJson& note, const std::string& share, std::uint64
   const int width = json_int(note, "width"), height = json_int(note, "height"),
             weight_count = json_int(note, "weights");
   if (width < 1 || height < 1 || width > 32768 || height > 32768 || weight_count < 0 || weight_count > 4)
-    throw Error(ErrorCode::kEnvironment, share + ": has no valid description of its map");
+    throw Error(ErrorCode::kEnvironment, share + ": does not contain a valid description of its map");
   const PlaneBlocks blocks{normals_begin, kPlaneGap, kPlaneRows};
   BakeSource source{
       {PlaneStore(width, height, ScratchFile::to_read(share), blocks), note.at("report").get<NormalMapReport>()},
@@ -156,7 +156,7 @@ void take_share_hashes(const BakeJob& job) {
     RowRecords rows;
     note = NoteJson::parse(ShareFile(job.output, {0, job.shard->count}, nullptr, rows).note(), nullptr, false);
   } catch (const Error&) {
-    return;  // the code that needs the share reports the error
+    return;  // the error is reported by the code that needs the share
   }
   if (!note.is_object() || !note.contains("files")) return;
   const std::vector<std::string> files = input_files(job);
@@ -174,14 +174,14 @@ void take_share_hashes(const BakeJob& job) {
 BakeSource read_shard_source(const BakeJob& job, const std::string& key) {
   RowRecords rows;
   const ShareFile share(job.output, {0, share_count(job)}, &key, rows);
-  // A merge reads all rows of features. A band reads only a few.
+  // A merge reads all rows of features, and a band reads only a few of them.
   const SpillPolicy spill = {scratch_folder(job),
                              job.memory_bytes > 0 || !job.shard ? std::int64_t{16} << 20 : std::int64_t{1} << 30};
   std::optional<BakeSource> source;
   try {
     source = source_of(NoteJson::parse(share.note()), share.path(), rows.begin_of(kNormalsLevel), spill);
   } catch (const NoteJson::exception&) {
-    throw Error(ErrorCode::kEnvironment, share.path() + ": has no valid description of its map");
+    throw Error(ErrorCode::kEnvironment, share.path() + ": does not contain a valid description of its map");
   }
   // Writing the last row gives the scratch file its full length.
   const std::vector<float> row(static_cast<std::size_t>(source->map.normals.width()));

@@ -15,7 +15,7 @@ namespace multum {
 /// files and findings about them.
 std::string shard_note(const BakeJob& job, const BakeSource& source);
 
-/// Writes the planes of the map, then those of its features, before any other rows of the share.
+/// Writes the planes of the map and then the planes of its features, before any other rows of the share.
 void write_map_rows(const BakeSource& source, ShareWriter& writer);
 
 /// Takes hashes of the job's files from share 0 if the files have not changed since share 0 read them, because a band

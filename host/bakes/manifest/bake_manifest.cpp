@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads maps one by one, each with the values of [defaults] as a base. Then compares all maps, because an output must
-// belong to only one map.
+// Reads the maps one by one, with the values of [defaults] for keys that a map does not set. Then compares all maps,
+// because no two maps may have the same output.
 #include "host/bakes/manifest/bake_manifest.h"
 
 #include <fmt/format.h>
@@ -45,15 +45,16 @@ constexpr std::pair<const char*, std::string BakeJob::*> kMaterialKeys[] = {
 
 bool has_target(const ParameterValues& values) { return values.has("target_error") || values.has("budget_ms"); }
 
-// A map's own values override the defaults. Its target removes default settings, and its settings remove the default
-// target.
+// The values of a map override the defaults. If the map has a target, default settings are removed. If it has settings,
+// the default target is removed.
 void read_values(const StrictTable& table, ParameterValues& values) {
   if (table.has("target_error") || table.has("budget_ms")) values = without_those_of_target(values);
   read_parameters(table, kInManifest, values);
   if (const Parameter* chosen = given_of_target(values); chosen != nullptr && has_target(values)) {
     for (const char* target : {"target_error", "budget_ms"}) {
       if (table.has(target))
-        table.refuse(chosen->name, fmt::format("and {} exclude each other: a target chooses this setting", target));
+        table.refuse(chosen->name,
+                     fmt::format("and {} are mutually exclusive, because a target chooses this setting", target));
       values.erase(target);
     }
   }
@@ -88,18 +89,18 @@ void check_paths(const StrictTable& table, const BakeJob& job) {
     table.refuse("input", fmt::format("is \"{}\", expected <UDIM> in the file name, not in a folder name", job.input));
   if (!is_set && has_udim(job.output))
     table.refuse("output",
-                 fmt::format("is \"{}\", but the input is not a set: expected a name without <UDIM>", job.output));
+                 fmt::format("is \"{}\", but the input is not a set; expected a name without <UDIM>", job.output));
   for (const auto& [key, map] : kMaterialKeys)
     if (!is_set && has_udim(job.*map))
       table.refuse(
           table.has(key) ? key : "",
-          fmt::format("has the {} \"{}\", but the input is not a set: expected a name without <UDIM>", key, job.*map));
+          fmt::format("has the {} \"{}\", but the input is not a set; expected a name without <UDIM>", key, job.*map));
   std::error_code error;
   const bool is_folder = is_set && !has_udim(job.output) && fs::is_directory(job.output, error);
   if (is_set && !has_udim(job.output) && !is_folder)
     table.refuse(
         "output",
-        fmt::format("is \"{}\", which is one name for several maps: expected <UDIM> in it, or an existing folder",
+        fmt::format("is \"{}\", which is one name for several maps; expected <UDIM> in it, or an existing folder",
                     job.output));
   if (!is_folder && !job.output.ends_with(".exr"))
     table.refuse("output", fmt::format("is \"{}\", expected a name that ends in .ndf.exr or .exr", job.output));
@@ -110,7 +111,8 @@ std::vector<BakeJob> jobs_of(const BakeJob& job) {
   return {job};
 }
 
-// [defaults] may set the fit of lobes for all maps with lobes. A map without lobes may not set it.
+// [defaults] may contain settings for fitting lobes, which apply to all maps with lobes. A map without lobes must not
+// contain them.
 void check_own_scopes(const StrictTable& table, const ParameterValues& values) {
   ParameterValues own = values;
   for (const Parameter& row : bake_parameters().rows())
@@ -118,9 +120,10 @@ void check_own_scopes(const StrictTable& table, const ParameterValues& values) {
   const Parameter* const other = given_of_another_ndf(own);
   if (other == nullptr) return;
   const bool is_of_lobes = other->scope == ParameterScope::kLobes;
-  table.refuse(table.has(other->name) ? other->name : "",
-               fmt::format("is for ndf = {}, found ndf = \"{}\"{}", is_of_lobes ? "\"vmf\" and \"gmm\"" : "\"sh\"",
-                           values.text("ndf").value_or("vmf"), is_of_lobes ? ", which fits no lobes" : ""));
+  table.refuse(
+      table.has(other->name) ? other->name : "",
+      fmt::format("works only with ndf = {}, found ndf = \"{}\"{}", is_of_lobes ? "\"vmf\" and \"gmm\"" : "\"sh\"",
+                  values.text("ndf").value_or("vmf"), is_of_lobes ? ", which fits no lobes" : ""));
 }
 
 struct ManifestEntry {
@@ -151,10 +154,10 @@ ManifestEntry read_entry(const std::string& path, const toml::table& toml, const
   return entry;
 }
 
-// Compares names by means of a map, not pair by pair as check_paths_differ() does, because a manifest may list
+// Compares names by means of a std::map and not pair by pair like check_paths_differ(), because a manifest may list
 // thousands of maps.
 void check_apart(const std::vector<ManifestEntry>& entries) {
-  std::map<std::string, std::string> inputs, outputs;  // what each canonical name is used for
+  std::map<std::string, std::string> inputs, outputs;  // the use of each canonical name
   for (const ManifestEntry& entry : entries)
     for (const ManifestMap& map : entry.maps)
       for (const std::string& input : input_files(map.job))
@@ -164,12 +167,12 @@ void check_apart(const std::vector<ManifestEntry>& entries) {
       const std::string name = canonical_name(map.job.output);
       if (const auto input = inputs.find(name); input != inputs.end())
         entry.table.refuse(
-            "output", fmt::format("is \"{}\", which is also an input, read as {}: expected a different file", map.name,
+            "output", fmt::format("is \"{}\", which is also an input (read as {}); expected a different file", map.name,
                                   input->second));
       const auto [other, is_new] = outputs.emplace(name, map.job.input);
       if (!is_new)
         entry.table.refuse(
-            "output", fmt::format("is \"{}\", which is already the output for {}: expected a different file", map.name,
+            "output", fmt::format("is \"{}\", which is already the output for {}; expected a different file", map.name,
                                   other->second));
     }
 }

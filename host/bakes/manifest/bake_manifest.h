@@ -19,9 +19,9 @@ struct ManifestMap {
   std::optional<BakeTarget> target;  // target for which settings are chosen
 };
 
-/// Reads and validates a manifest. Each map's job is `pattern` with the manifest's values. A set gives one map per
-/// tile. A set without tiles gives one map, whose input does not exist. Reads no other file. Throws Error(kInput) that
-/// names the file, the line, the value found and the value expected.
+/// Reads and validates a manifest. Each map's job is `pattern` with the manifest's values. A UDIM set becomes one map
+/// per tile. A set without tiles becomes one map, whose input does not exist. Reads no file except the manifest. Throws
+/// Error(kInput) that names the file, the line, the value found and the value expected.
 std::vector<ManifestMap> read_bake_manifest(const std::string& path, const BakeJob& pattern);
 
 }  // namespace multum

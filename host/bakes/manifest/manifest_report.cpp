@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Escapes names and reasons for XML and Markdown. File names may contain any byte except '/' and NUL. XML 1.0 allows
-// only valid UTF-8 without most control characters, and Markdown gives punctuation a meaning.
+// only valid UTF-8 without most control characters, and punctuation has a meaning in Markdown.
 #include "host/bakes/manifest/manifest_report.h"
 
 #include <fmt/format.h>
@@ -51,7 +51,8 @@ std::string escaped(const std::string& name_or_reason, const Escape& escape) {
   return result;
 }
 
-// Escapes contents, and attributes in double quotes, where parsers would convert tabs and line ends to spaces.
+// Escapes the contents of elements, and attributes in double quotes. In attributes, parsers would convert tabs and line
+// ends to spaces.
 std::string xml(const std::string& text) {
   return escaped(text, [](char c) -> std::string {
     switch (c) {

@@ -19,15 +19,15 @@ struct ManifestOutcome {
 /// Formats one line: "multum bake --check: passed, 3 maps in place", "... FAILED for 2 of 3 maps: 1 stale, 1 worse".
 std::string manifest_verdict(const ManifestOutcome& outcome);
 
-/// Formats the verdict and, below it, a line for each map that is not in place, with state, name and reason. The text
-/// is empty if all maps are in place.
+/// Formats the verdict and, below it, a line with the state, the name and the reason for each map that is not in place.
+/// The text is empty if all maps are in place.
 std::string manifest_failures(const ManifestOutcome& outcome);
 
 /// Formats a test suite with one test case per map. <failure> marks findings of a check (missing, stale, damaged,
-/// worse). <error> marks maps that failed, so that their state is unknown.
+/// worse). <error> marks maps whose state is unknown because they failed.
 std::string manifest_junit(const ManifestOutcome& outcome);
 
-/// Formats the verdict, a table with a row per map, and the reasons for maps that are not in place.
+/// Formats the verdict, a table with one row per map, and the reasons why maps are not in place.
 std::string manifest_summary(const ManifestOutcome& outcome);
 
 /// Returns 0 if all maps are in place. If a map failed, the check is incomplete, and the exit code of the first such

@@ -68,7 +68,7 @@ void bake_map(const ManifestMap& map, Device& device, Progress* progress, MapRes
     if (chosen.written) result.report = chosen.report;
     if (!chosen.met) {
       result.state = MapState::kWorse;
-      add_reason(result, fmt::format("no settings reach {}: the best settings, {}, have an error of {}{}",
+      add_reason(result, fmt::format("no settings reach {}; the best settings, {}, have an error of {}{}",
                                      target_text(*map.target), chosen.options,
                                      error_text(chosen.reached.error, chosen.reached.confidence),
                                      chosen.written ? "" : ", not written"));
@@ -77,8 +77,8 @@ void bake_map(const ManifestMap& map, Device& device, Progress* progress, MapRes
   if (result.report) result.error = worst_error(result.report->error);
 }
 
-// Does all steps of a bake before the fit, and throws the same errors. If the bake would create the output folder,
-// checks the nearest existing parent folder instead.
+// Runs all steps of a bake that come before the fit, and throws the same errors. If the bake would create the output
+// folder, checks the nearest existing parent folder instead.
 void check_can_be_baked(const ManifestMap& map, Progress* progress) {
   BakeJob job = map.job;
   fs::path folder = fs::absolute(fs::path(job.output)).parent_path();
@@ -90,7 +90,7 @@ void check_can_be_baked(const ManifestMap& map, Progress* progress) {
   ndf_bake(job.representation).check_map(job, source.map.normals.width(), source.map.normals.height());
 }
 
-// To report only "missing" would be misleading if the map cannot be baked.
+// If the map cannot be baked, reporting only "missing" would be misleading.
 [[noreturn]] void rethrow_with_finding(const Error& error, const MapResult& result) {
   if (result.why.empty()) throw error;
   throw Error(error.code(), fmt::format("{}, and cannot be baked: {}", result.why, error.what()));
@@ -128,7 +128,8 @@ MapResult run_manifest_map(const ManifestMap& map, const ManifestRunSettings& se
     note_finding(found, result);
     if (is_current) check_in_place(map, found, device, progress, result);
   }
-  // A file that is worse than allowed is not baked again, because the same source would give the same error.
+  // A file that is worse than allowed is not baked again, because a new bake from the same source would have the same
+  // error.
   const bool must_be_baked = !is_current || result.state == MapState::kDamaged;
   try {
     if (must_be_baked && settings.dry_run) check_can_be_baked(map, progress);
@@ -152,7 +153,7 @@ MapResult failed_map(const ManifestMap& map, const Error& error) {
   result.why = error.what();
   result.allowed = map.error_max;
   result.bytes = file_bytes(map.job.output);
-  // A setting that does not fit its map is an error in the manifest file, not in the command line.
+  // A setting that does not suit its map is an error in the manifest, not in the command line.
   result.failure = error.code() == ErrorCode::kUsage ? ErrorCode::kInput : error.code();
   return result;
 }

@@ -17,8 +17,9 @@ namespace multum {
 
 /// The state in which a map was found. docs/reference/manifests.md describes each state.
 enum class MapState {
-  kUnchanged,  // in place; a check also found no damage and no error above the stated or allowed errors
-  kBaked,      // baked in this run; a check instead reports one of the states below
+  kUnchanged,  // in place; a check also found that the file is undamaged and that no error exceeds the stated or
+               // allowed error
+  kBaked,      // baked in this run; a check reports one of the states below instead
   kMissing,    // occurs only in checks, like the next two states
   kStale,
   kDamaged,
@@ -32,7 +33,7 @@ inline bool is_in_place(MapState state) { return state == MapState::kUnchanged |
 struct MapResult {
   std::string name;
   MapState state = MapState::kUnchanged;
-  std::string why;                   // for every state except kUnchanged and kBaked
+  std::string why;                   // the reason, for every state except kUnchanged and kBaked
   std::optional<BakeReport> report;  // set if the file was written in this run
   // The largest relative L1 error. `error` was measured in this run, `stated` is from the header of the existing file,
   // and `allowed` is from the manifest.
@@ -51,7 +52,7 @@ struct ManifestRunSettings {
 MapResult run_manifest_map(const ManifestMap& map, const ManifestRunSettings& settings, Device& device,
                            Progress* progress);
 
-/// Result of a map for which run_manifest_map() threw.
+/// Returns the result for a map for which run_manifest_map() has thrown an exception.
 MapResult failed_map(const ManifestMap& map, const Error& error);
 
 }  // namespace multum

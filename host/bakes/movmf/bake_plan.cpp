@@ -13,7 +13,7 @@ namespace {
 constexpr int kBandRows[] = {4096, 2048, 1024, 512, 256, 192, 128, 96, 64, 48, 32, 24, 16, 12, 8, 6, 4, 2, 1};
 constexpr int kBandRowsWanted = 8;  // with fewer rows, many threads have too little work, so more memory is used
 
-// The memory for windows and the source of its limit.
+// The memory for windows, and whether the device or the job limits it.
 struct WindowMemory {
   std::uint64_t bytes;
   bool on_device;
@@ -26,8 +26,8 @@ struct WindowMemory {
                           static_cast<double>(wanted) / (1 << 20), what));
 }
 
-// Chooses as many rows as fit into the useful memory. If these are fewer than kBandRowsWanted, chooses up to
-// kBandRowsWanted rows, as long as they fit into the limit.
+// Chooses as many rows as fit into the useful memory. If fewer than kBandRowsWanted rows fit, chooses up to
+// kBandRowsWanted rows within the memory limit.
 template <typename BytesOf>
 int choose_rows(int rows_max, const WindowMemory& memory, std::uint64_t useful_bytes, const BytesOf& bytes_of,
                 const std::string& what) {
@@ -60,7 +60,8 @@ BakePlan make_bake_plan(const MipSchedule& schedule, const MovmfSettings& settin
     const int height = level.fit.height, map_height = level.fit.map_height;
     BandPlan& band = plan.levels[level.level];
     if (level.method == FitMethod::kChunks) {
-      // The whole level is in memory, and as much of the map as fits. Each band of the map is read once per iteration.
+      // The whole level and as much of the map as possible are in memory. Each band of the map is read once per
+      // iteration.
       const auto bytes_of = [&](int rows) { return fit_level_bytes(level, settings, rgb_plane_count, {height, rows}); };
       band = {height, map_height};
       while (band.map_band_rows > 1 && bytes_of(band.map_band_rows) > memory_bytes) band.map_band_rows /= 2;
@@ -83,16 +84,16 @@ BakePlan make_bake_plan(const MipSchedule& schedule, const MovmfSettings& settin
 }
 
 std::string BakePlan::to_text(const MipSchedule& schedule, const MovmfSettings& settings, int rgb_plane_count) const {
-  std::string text =
-      fmt::format("plan: windows and buffers of at most {} MiB; levels larger than {} MiB go to scratch files\n",
-                  memory_bytes >> 20, spill_bytes >> 20);
+  std::string text = fmt::format(
+      "plan: windows and buffers take at most {} MiB; levels larger than {} MiB are kept in scratch files\n",
+      memory_bytes >> 20, spill_bytes >> 20);
   for (const LevelSchedule& level : schedule.levels) {
     const BandPlan& band = levels.at(level.level);
     const bool whole = band.band_rows >= level.fit.height;
     const char* method = level.method == FitMethod::kTexels   ? "all normals"
                          : level.method == FitMethod::kChoice ? "each normal assigned to a lobe"
                          : level.method == FitMethod::kBinned ? "binned normals"
-                                                              : "all normals, by bands of the map";
+                                                              : "all normals, one band of the map at a time";
     text += fmt::format("  level {}: {} x {}, {}, {}, {:.1f} MiB\n", level.level, level.fit.width, level.fit.height,
                         method, whole ? "at once" : fmt::format("{} rows at a time", band.band_rows),
                         static_cast<double>(fit_level_bytes(level, settings, rgb_plane_count, band)) / (1 << 20));

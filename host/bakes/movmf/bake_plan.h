@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Plans how a bake fits into memory: the bands of rows in which each level is fitted, and the data that stays in
-// memory between levels. The plan changes no byte of the result.
+// Plans the use of memory by a bake. The plan states the bands of rows in which each level is fitted, and the data that
+// stays in memory between levels. The plan does not change a single byte of the result.
 #pragma once
 
 #include <cstdint>
@@ -18,13 +18,13 @@ struct BakePlan {
   std::uint64_t memory_bytes = 0;  // limit for the windows and buffers of a level
   std::map<int, BandPlan> levels;  // [level], for fitted levels
   int bin_rows = 1;                // rows of the map per band for binning coarse texels
-  std::int64_t spill_bytes = 0;    // outputs for the next level that are larger go to scratch files
+  std::int64_t spill_bytes = 0;    // larger outputs for the next level are written to scratch files
 
   /// Describes the plan, in one line for the whole fit and one line per level.
   std::string to_text(const MipSchedule& schedule, const MovmfSettings& settings, int rgb_plane_count) const;
 };
 
-/// Memory that windows use if it is available. Larger bands are not faster.
+/// The memory that windows use if it is available. Larger bands would not be faster.
 constexpr std::uint64_t kUsefulWindowBytes = std::uint64_t{64} << 20;
 constexpr std::uint64_t kUsefulBytesAColumn = std::uint64_t{12} << 10;  // useful bytes per column of wider maps
 

@@ -13,7 +13,7 @@
 namespace multum {
 namespace {
 
-// Numeric members, and their rows of bake_parameters().
+// The numeric members and their rows in bake_parameters().
 struct Field {
   const char* name;
   std::variant<int MovmfSettings::*, float MovmfSettings::*> member;
@@ -32,7 +32,7 @@ constexpr Field kFields[] = {{"lobes", &MovmfSettings::lobe_count},
                              {"start_kappa_factor", &MovmfSettings::start_kappa_factor},
                              {"start_amplitude_min", &MovmfSettings::start_amplitude_min}};
 
-// Boolean members, and the value that each option sets.
+// The Boolean members, and the value to which each option sets its member.
 struct Flag {
   const char* name;
   bool MovmfSettings::*member;
@@ -104,7 +104,7 @@ void validate(const MovmfSettings& settings) {
   const RepresentationInfo& lobes = representation_info(settings.representation);
   if (settings.refine && !lobes.has_kappa)
     throw Error(ErrorCode::kUsage,
-                fmt::format("--refine is given with --ndf {}, expected --ndf vmf: --refine does not support {}",
+                fmt::format("--refine is given with --ndf {}, expected --ndf vmf, because --refine does not support {}",
                             lobes.option, lobes.contents));
   if (settings.refine && settings.coarse_normals == CoarseNormals::kAll)
     throw Error(ErrorCode::kUsage,
@@ -121,7 +121,7 @@ std::string settings_json(const MovmfSettings& s) {
   json[hashed_as("no_start_search")] = s.search_start;
   json["periodic"] = {s.periodic_x, s.periodic_y};
   json[hashed_as("unaligned")] = s.aligned_start;
-  // Adds these settings only if they are true, so that files of earlier program versions keep their hash.
+  // Adds these settings only if they are true, so that the hash of files from earlier program versions does not change.
   if (s.refine) json[hashed_as("refine")] = true;
   if (s.farthest_start) json[hashed_as("farthest_start")] = true;
   return json.dump();

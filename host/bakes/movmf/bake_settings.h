@@ -20,34 +20,34 @@ struct MovmfSettings {
   Representation representation = Representation::kMovmf;  // type of lobe
   int lobe_count = 4;                                      // 1..8
   int iteration_count = 12;                                // maximum number of EM iterations per texel, 1..1000
-  // Number of EM iterations for texels that cover more than kSamplesUnchunkedMax normals. These texels get more
-  // iterations, because every finer level inherits their errors.
+  // The number of EM iterations for texels that cover more than kSamplesUnchunkedMax normals. The number is higher for
+  // these texels, because every finer level inherits their errors.
   int iteration_count_coarse = 30;  // 1..1000
   int iteration_count_top = 60;     // iterations for the coarsest level, 1..1000
-  // Number of passes over a level. In the first pass, the texels that are fitted first use only their parent. In each
-  // further pass, every texel starts from its own lobes, and all its neighbours are already fitted.
+  // Number of passes over a level. In the first pass, the texels that are fitted first depend only on their parents. In
+  // each further pass, every texel starts from its own lobes, and all its neighbours are already fitted.
   int pass_count = 2;  // 1..8
-  // Maximum number of EM iterations per texel in each further pass, 1..1000. Coarse texels run a third of their first
-  // pass's iterations if that number is larger.
+  // Maximum number of EM iterations per texel in each further pass, 1..1000. For coarse texels, the maximum is at least
+  // a third of the iterations of their first pass.
   int refit_iterations = 6;
   // A texel stops early when no lobe's kappa or weight changes by more than this ratio, and no lobe turns by more than
   // this fraction of its width. If 0, texels never stop early. Coarse texels always run all iterations.
   float convergence_tolerance = 0.01f;  // 0..0.1
   CoarseNormals coarse_normals = CoarseNormals::kBinned;
   // After EM, refines each texel's lobes to reduce the error of their highlights (movmf_refine.cl). Applies only to
-  // lobes with a kappa and to binned normals.
+  // texels with binned normals, and only to representations whose lobes have a kappa.
   bool refine = false;
   FitOrder order = FitOrder::kColour;
-  float alignment = 0.1f;    // C of the alignment prior, 0..10; 0 for none
-  bool search_start = true;  // try the coarsest level's candidates on a small proxy of the map
-  // For comparison, starts the coarsest level only from the normals that are farthest apart.
+  float alignment = 0.1f;    // C of the alignment prior, 0..10; 0 turns the prior off
+  bool search_start = true;  // try the candidates for the coarsest level on a small proxy of the map
+  // If true, for comparison, EM on the coarsest level starts only from the normals that are farthest apart.
   bool farthest_start = false;
   // True if the map repeats. Texels are then also aligned to texels across the border. bake_file() derives this setting
   // from the wrap modes.
   bool periodic_x = false;
   bool periodic_y = false;
-  // The finest fitted level, 0..levels - 1. No level depends on a finer level, and finer levels of the result have no
-  // texels.
+  // The finest fitted level, 0..levels - 1. The result has no texels on finer levels. No level depends on a finer
+  // level.
   int first_level = 0;
   bool aligned_start = true;  // if false, for comparison, texels start independently, so filtering mixes unrelated
                               // lobes
@@ -64,11 +64,12 @@ struct MovmfSettings {
 /// Applies the given values of bake_parameters() to the settings, `reference` and `unaligned` first.
 void apply(const ParameterValues& values, MovmfSettings& settings);
 
-/// Sets the reference with which the default settings are compared: every normal at every level, 30 iterations, 10 in
-/// further passes, and no early stop (docs/contributing/ALGORITHMS.md, "Fewer evaluations").
+/// Sets the reference with which the default settings are compared. It uses every normal at every level, 30 iterations,
+/// 10 iterations in further passes, and no early stop (docs/contributing/ALGORITHMS.md, "Fewer evaluations").
 void make_reference(MovmfSettings& settings);
 
-/// Fits every texel independently, without alignment, as in figures 5 and 6 of Tan et al. 2005. For comparison only.
+/// Makes the bake fit every texel independently and without alignment, as in figures 5 and 6 of Tan et al. 2005. This
+/// is for comparison only.
 void make_unaligned(MovmfSettings& settings);
 
 /// Throws Error(kUsage) that names the setting, its value and its range.

@@ -11,7 +11,7 @@ struct LevelRows {
   int begin = 0, end = 0;
 };
 
-/// Intersection of two ranges. It is empty if begin >= end.
+/// Returns the intersection of two ranges, which is empty if begin >= end.
 inline LevelRows common_rows(const LevelRows& a, const LevelRows& b) {
   return {std::max(a.begin, b.begin), std::min(a.end, b.end)};
 }

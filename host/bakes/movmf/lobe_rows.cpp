@@ -11,7 +11,7 @@
 namespace multum {
 namespace {
 
-// Counts of rare numerical events among some lobes.
+// The numbers of rare numerical events among some lobes.
 struct LobeEvents {
   std::uint64_t nonfinite = 0, dead = 0, undirected = 0, clamped = 0;
 
@@ -30,8 +30,9 @@ struct LobeEvents {
   }
 };
 
-// A share is a sum of many single-precision responsibilities. On a map of 2048 x 2048, the sum of a texel's shares
-// differs from 1 by up to 7e-6. The other channels contain the same factor, so all channels are divided by the sum.
+// A share is a sum of many single-precision responsibilities. On a map of 2048 x 2048 texels, the shares of a texel sum
+// to values that differ from 1 by up to 7e-6. All other channels have the same relative error, so they are also divided
+// by the sum.
 void make_shares_sum_to_one(MovmfLevel& level, std::size_t texel) {
   double sum = 0.0;
   for (const auto& lobe : level.lobes) sum += static_cast<double>(lobe[texel].w);

@@ -19,7 +19,7 @@ struct LobeRowsSize {
   int weight_count = 0;
 };
 
-/// `lobes` holds r and a by rows [lobe][column]; for Gaussians, it holds the mean, sigma^2 and a. `features` holds rows
+/// `lobes` holds r and a in rows [lobe][column]. For Gaussians, it holds the mean, sigma^2 and a. `features` holds rows
 /// [triple][lobe][column]. Returns planes of (a r, a), or Gaussians as in host/formats/asset/lobes/gmm_quantize.h. The
 /// shares of every texel sum to 1. Counts rare numerical events in `report`. `kappa_cap` is MovmfSettings::kappa_cap.
 MovmfLevel stored_rows(const LobeRowsSize& size, const MultumVmfLobe* lobes, const std::vector<glm::vec3>& features,

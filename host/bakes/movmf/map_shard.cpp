@@ -31,10 +31,9 @@ LevelRows band(int height, const MapShard& shard) {
   return {edge(shard.index - 1), edge(shard.index)};
 }
 
-// A band needs about the same number of extra rows on every level, so the share of extra rows doubles with each coarser
-// level. On the coarsest divided level, a band may have at most half as many extra rows as kept rows, on the next finer
-// level a quarter, and so on. On the finest level, it may have as many extra rows as kept rows, because nothing can be
-// divided without this level.
+// A band needs about the same number of extra rows on every level, so the ratio of extra rows to kept rows doubles with
+// each coarser level. This ratio may be at most a half on the coarsest divided level, a quarter on the next finer
+// level, and so on. On the finest level, the ratio may be 1, because nothing can be divided without this level.
 bool is_worth_dividing(const LevelSchedule& level, const LevelRows& fitted, int steps, int count, bool is_finest) {
   const int height = level.fit.height, rows = fitted.end - fitted.begin + 2 * (steps - 1);
   return rows + 2 < height && 2 * rows * count <= (is_finest ? 4 : 3) * height + 2 * count;
@@ -54,18 +53,18 @@ MapShard parse_map_shard(const std::string& option, const std::string& text) {
     const MapShard shard{std::stoi(found[1]), std::stoi(found[2])};
     if (2 <= shard.count && shard.count <= kCountMax && shard.index <= shard.count) return shard;
   }
-  throw Error(ErrorCode::kUsage, fmt::format("{} is '{}', expected I/N of one map, such as 0/8 for its coarse levels "
-                                             "and 1/8 to 8/8 for its bands, with N from 2 to {}",
+  throw Error(ErrorCode::kUsage, fmt::format("{} is '{}', expected a share I/N of one map, such as 0/8 for the coarse "
+                                             "levels or 1/8 to 8/8 for the bands, with N from 2 to {}",
                                              option, text, kCountMax));
 }
 
 ShardPlan plan_shard(const MipSchedule& schedule, const MovmfSettings& settings, const MapShard& shard) {
   if (!settings.aligned_start)
     throw Error(ErrorCode::kUsage,
-                "--shard is given with unaligned lobes, expected aligned lobes: levels of unaligned lobes do not "
-                "depend on each other");
+                "--shard is given with unaligned lobes, expected aligned lobes, because levels of unaligned lobes do "
+                "not depend on each other");
   ShardPlan plan;
-  // All shares must divide the same levels, so the levels are chosen for a band in the middle of the map.
+  // All shares must divide the same levels, so the levels are determined for a band in the middle of the map.
   LevelRows middle_before{}, own_before{};
   int steps_before = 0;
   bool is_first = true;
@@ -95,8 +94,8 @@ ShardPlan plan_shard(const MipSchedule& schedule, const MovmfSettings& settings,
   }
   if (is_first)
     throw Error(ErrorCode::kUsage,
-                fmt::format("--shard has {} bands, expected fewer: the finest fitted level has only {} rows, or the "
-                            "settings do not allow bands",
+                fmt::format("--shard has {} bands, expected fewer, because the finest fitted level has only {} rows or "
+                            "the settings do not allow bands",
                             shard.count, schedule.levels.empty() ? 0 : schedule.levels.back().fit.height));
   return plan;
 }
@@ -143,7 +142,7 @@ ShareFile::ShareFile(const std::string& output, const MapShard& shard, const std
     throw Error(ErrorCode::kEnvironment, error.what() + remedy_);
   }
   if (end == 0) refuse("belongs to another map, other settings, or another version of multum");
-  if (!is_whole_) refuse("is cut off, or damaged");
+  if (!is_whole_) refuse("is incomplete or damaged");
 }
 
 // Rows are checked later, when they are read.

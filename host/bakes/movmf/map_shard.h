@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // Divides the fit of one map's lobes among processes. The first share fits the coarse levels, which need the whole
 // map. Each other share fits a band of rows of every finer level. A texel depends on a few rows around it and on its
-// parents. A band is therefore fitted with extra rows on either side, more on coarser levels. The extra rows are
-// dropped afterwards:
+// parents. A band is therefore fitted with extra rows on both sides, which cover a larger part of the map on coarser
+// levels. The extra rows are dropped afterwards:
 //
 //   level 3     [  ######  ]        [ ]  fitted
 //   level 2      [ ###### ]         ###  kept
 //   level 1       [######]
 //
-// The kept rows are bit for bit the rows that one process would fit (movmf_level_fit.h).
+// The kept rows are bit for bit equal to the rows that a single process would fit (movmf_level_fit.h).
 #pragma once
 
 #include <array>
@@ -40,11 +40,11 @@ struct ShardPlan {
   std::map<int, LevelRows> kept, fitted;
 };
 
-/// Throws Error(kUsage) if the map is too small for so many bands, or if the levels do not depend on each other.
+/// Throws Error(kUsage) if the map is too small for this number of bands, or if levels are fitted independently.
 ShardPlan plan_shard(const MipSchedule& schedule, const MovmfSettings& settings, const MapShard& shard);
 
-/// Rows of the map that a band's levels cover, including rows that windows may hold. On a map that repeats, these rows
-/// may be outside the borders.
+/// Returns the rows of the map that the levels of a band cover, including rows that windows may hold. On a map that
+/// repeats, these rows may be outside the borders.
 LevelRows map_rows(const ShardPlan& plan, const MipSchedule& schedule, const MovmfSettings& settings);
 
 /// Path of a share's file, which is next to the output: OUTPUT.shard-3-of-8.

@@ -27,8 +27,8 @@ bool covers_whole_texels(int map_size) {
   return true;
 }
 
-// True for texels that cover exactly four normals and have a parent. False for unaligned bakes, because the choice
-// relies on alignment. Also false for --reference, which uses EM for all texels.
+// Returns true for texels that cover exactly four normals and have a parent. Returns false for unaligned bakes, because
+// the choice relies on alignment, and for --reference, which uses EM for all texels.
 bool chooses(const MovmfSettings& settings, const MultumMovmfFit& fit) {
   return fit.map_width == 2 * fit.width && fit.map_height == 2 * fit.height && fit.parent_width > 0 &&
          settings.aligned_start && settings.alignment > 0.0f && settings.convergence_tolerance > 0.0f;
@@ -52,7 +52,7 @@ void choose_method(const MovmfSettings& settings, LevelSchedule& level) {
     fit.chunk_count = (fit.sample_rows + fit.chunk_rows - 1) / fit.chunk_rows;
     return;
   }
-  // Colours of such a texel are summed in one chunk.
+  // The colours of such a texel are summed in one chunk.
   fit.chunk_rows = fit.sample_rows;
   fit.chunk_count = 1;
 }
@@ -107,7 +107,7 @@ MipSchedule make_mip_schedule(int map_width, int map_height, const MovmfSettings
     fit.sample_columns = covered_max(map_width, fit.width);
     fit.sample_rows = covered_max(map_height, fit.height);
     fit.order = settings.order == FitOrder::kScanline ? MULTUM_ORDER_SCANLINE : MULTUM_ORDER_COLOUR;
-    // Scan-line order does not wrap: texels across the border are fitted later.
+    // Scan-line order does not wrap, because texels across the border are fitted later.
     const bool wraps = settings.order == FitOrder::kColour;
     fit.periodic_x = wraps && settings.periodic_x ? 1 : 0;
     fit.periodic_y = wraps && settings.periodic_y ? 1 : 0;

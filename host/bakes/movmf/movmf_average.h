@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bakes maps to one lobe per texel. The lobe stores only the mean of the normals, so plain averages
-// (host/bakes/pyramid/average_pass.h) give the same lobe as EM in one pass over the map.
+// Bakes maps to one lobe per texel. Such a lobe stores only the mean of the normals, so plain averages
+// (host/bakes/pyramid/average_pass.h), which take one pass over the map, give the same lobe as EM.
 #pragma once
 
 #include "host/bakes/movmf/bake_settings.h"
@@ -16,7 +16,7 @@ namespace multum {
 /// lobes around the part already exist.
 bool averages_suffice(const RowOrigin& rows, const MovmfSettings& settings);
 
-/// Bakes as bake_movmf() does, for settings for which averages_suffice() returns true. Progress advances by
+/// Does the same as bake_movmf(), for settings for which averages_suffice() returns true. Progress advances by
 /// movmf_bake_units().
 void average_movmf(Device& device, const MapInputs& map, const MovmfSettings& settings, MovmfSink& sink,
                    FitReport& report, Progress* progress);

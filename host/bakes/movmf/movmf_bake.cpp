@@ -57,7 +57,7 @@ class MovmfMipmapSink : public MovmfSink {
   MovmfMipmap mipmap_;
 };
 
-// Largest side of the proxy map's levels that are compared. Finer levels hold too few normals per texel.
+// The largest side of the levels of the proxy map that are compared. On finer levels, a texel has too few normals.
 constexpr int kComparedSideMax = 16;
 
 // Bakes a small proxy map from one start after another. Shared data is made once.
@@ -72,10 +72,10 @@ class StartTrial {
         schedule_(make_mip_schedule(planes_, settings, of_map.weighted)),
         plan_(make_bake_plan(schedule_, settings, map_, device.shape())) {}
 
-  // Builds the pyramid from one candidate and returns its error at and between texel centres. A start is good if the
-  // error of the finer levels is low. Neither the likelihood nor the error of the start itself predicts this error. On
-  // the four-quarter map with 6 lobes, for example, the best start ranked 14th by its own error. With 4096 normals, a
-  // candidate takes about 50 ms.
+  // Builds the pyramid from one candidate and returns its error at and between texel centres. A start is good if it
+  // leads to low errors on finer levels. These errors can be predicted neither from the likelihood of the start nor
+  // from its own error. On the four-quarter map with 6 lobes, for example, the best start ranked 14th by its own error.
+  // Trying a candidate takes about 50 ms with 4096 normals.
   double error_from(const std::vector<MultumVmfLobe>& start) const {
     FitReport ignored;
     MovmfMipmapSink sink(planes_, settings_, {});
@@ -110,7 +110,8 @@ class StartTrial {
   const BakePlan plan_;
 };
 
-// Returns candidates for the map. A StartMemory keeps them for all settings with the same number of lobes.
+// Returns candidates for the map. If there is a StartMemory, it keeps them for all settings with the same number of
+// lobes.
 StartCandidates find_candidates(const PlaneStore& normals, const StartSearch& search, StartMemory* memory) {
   if (memory != nullptr)
     if (const StartCandidates* known = memory->candidates(search.lobe_count, search.kappa_max)) return *known;
@@ -126,7 +127,8 @@ ChosenStart try_candidates(Device& device, const NormalMap& proxy, const MovmfSe
                            const MipSchedule& schedule, const std::vector<std::vector<MultumVmfLobe>>& candidates,
                            bool is_timed) {
   device.prepare({MovmfModel::program(whole.representation, whole.lobe_count, whole.first_level)});
-  const StartTrial start_trial(device, proxy, whole, schedule);  // uses the map's kernels, to avoid a second set
+  const StartTrial start_trial(device, proxy, whole, schedule);  // uses the kernels of the map, so that no others are
+                                                                 // built
   if (is_timed) start_trial.error_from(candidates.front());
   const RunClock clock([&device] { return device.timed_seconds(); });
   ChosenStart chosen;
@@ -169,7 +171,7 @@ ChosenStart search_start(Device& device, const PlaneStore& normals, const MovmfS
   for (std::vector<MultumVmfLobe>& lobes : candidates.starts)
     lobes = start_lobes(std::move(lobes), settings.representation, normals.is_shortened());
   ChosenStart chosen{candidates.starts.front(), 0, {}};
-  // Only levels that grow from the coarsest level can distinguish starts.
+  // Starts can be compared only on levels that grow from the coarsest level.
   if (settings.search_start && settings.aligned_start && candidates.starts.size() > 1)
     chosen = try_candidates(device, proxy, whole, schedule, candidates.starts, memory != nullptr);
   chosen.time = chosen.time + candidates.time;
@@ -203,8 +205,9 @@ void validate(const MovmfSettings& settings, int map_width, int map_height) {
                 fmt::format("found a map of {} x {}, expected at most 32768 texels per side", map_width, map_height));
   const int level_max = mip_level_count(map_width, map_height) - 1;
   if (settings.first_level > level_max)
-    throw Error(ErrorCode::kUsage, fmt::format("--first-level is {}, expected 0 to {}, the levels of a map of {} x {}",
-                                               settings.first_level, level_max, map_width, map_height));
+    throw Error(ErrorCode::kUsage,
+                fmt::format("--first-level is {}, expected a level from 0 to {} for a map of {} x {}",
+                            settings.first_level, level_max, map_width, map_height));
 }
 
 void bake_movmf(Device& device, const MapInputs& map, const MovmfSettings& settings, RowOrigin& rows,
@@ -213,13 +216,13 @@ void bake_movmf(Device& device, const MapInputs& map, const MovmfSettings& setti
   validate(settings, normals.width(), normals.height());
   if (settings.refine && normals.is_shortened())
     throw Error(ErrorCode::kUsage,
-                "--refine is given with a roughness map, expected none: --refine supports only unit normals");
+                "--refine is given with a roughness map, expected none, because --refine supports only unit normals");
   const FeaturePlanes& features = map.features;
   MULTUM_CHECK(features.all_of_size(normals.width(), normals.height()));
   if (averages_suffice(rows, settings)) {
     if (rows.sink() == nullptr)
       throw Error(ErrorCode::kUsage,
-                  "--shard is given with one lobe per texel, which is a plain average and cannot be divided");
+                  "--shard is given with one lobe per texel, which is a plain average that cannot be divided");
     average_movmf(device, map, settings, *rows.sink(), report, progress);
     return;
   }

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Bakes a normal map into a mip pyramid of von Mises-Fisher mixtures (Han et al. 2007, section 7), or of mixtures of
-// planar Gaussians (Tan et al. 2005; MovmfSettings::representation). Every level is fitted to all normals that its
-// texels cover, from the coarsest level to the finest. Each texel starts from its parent's lobes, and the alignment
-// prior ties it to fitted neighbours, so that hardware filtering mixes similar lobes. With one lobe per texel, the
-// lobe is the mean normal, which is averaged, not fitted (host/bakes/movmf/movmf_average.h).
+// planar Gaussians (Tan et al. 2005; MovmfSettings::representation). Levels are fitted from the coarsest to the finest,
+// each to all normals that its texels cover. Each texel starts from its parent's lobes, and the alignment prior ties it
+// to fitted neighbours, so that hardware filtering mixes similar lobes. If there is one lobe per texel, the lobe is the
+// mean normal, which is computed by averaging (host/bakes/movmf/movmf_average.h).
 #pragma once
 
 #include "host/bakes/movmf/bake_settings.h"
@@ -18,7 +18,7 @@
 
 namespace multum {
 
-/// Checks the settings as validate() does, and against limits that depend on the map's size. Throws Error(kUsage), and
+/// Makes the same checks as validate(), and also checks limits that depend on the map's size. Throws Error(kUsage), and
 /// Error(kInput) for a map that is too large.
 void validate(const MovmfSettings& settings, int map_width, int map_height);
 

@@ -31,8 +31,8 @@ int chunk_count_of(const MultumMovmfFit& fit, const LaunchShape& shape) {
   return shape.atomic_cells ? 1 : (fit.sample_columns + kChunkColumns - 1) / kChunkColumns;
 }
 
-// Bins one level during a pass over the map. Has buffers for the texel rows that the band overlaps. Row y is in slot y
-// % slots.
+// Bins one level during a pass over the map. The object has buffers for the texel rows that the band overlaps. Row y is
+// in slot y % slots.
 class LevelBinner {
  public:
   LevelBinner(Device& device, const LevelSchedule& level, const KernelVariant& variant, int band_rows,
@@ -64,7 +64,7 @@ class LevelBinner {
     }
   }
 
-  // First pass: collects normals for the axes, from the rows in `normals`.
+  // In the first pass, collects normals for the axes from the rows in `normals`.
   void probe(const MapWindow& normals) {
     for_each_row(normals, [&](int y, Slot& slot, bool, bool ends) {
       probe_kernel_.launch({width_ * MULTUM_PROBE_SIDE}, normals[0], normals[1], normals[2], slot.probes, fit_, y);
@@ -75,7 +75,7 @@ class LevelBinner {
     });
   }
 
-  // Between the passes: frees the probes.
+  // Frees the probes between the passes.
   void begin_cells() {
     for (Slot& slot : slots_) {
       slot.probes = DeviceBuffer();
@@ -84,7 +84,7 @@ class LevelBinner {
     }
   }
 
-  // Second pass: fills cells. `features` must hold the same rows as `normals`.
+  // In the second pass, fills the cells. `features` must hold the same rows as `normals`.
   void add(const MapWindow& normals, const std::vector<MapWindow>& features) {
     for_each_row(normals, [&](int y, Slot& slot, bool begins, bool ends) {
       if (begins) {
@@ -125,7 +125,7 @@ class LevelBinner {
     fit_.map_window_rows = normals.row_count();
     int y = static_cast<int>(std::int64_t{first} * fit_.height / fit_.map_height);
     for (; y < fit_.height && first_covered_row(fit_, y) < end; ++y) {
-      // The first y was rounded down, so a row of texels may end above the band. It is then finished.
+      // The first y was rounded down, so a row of texels may end above the band. Such a row is already finished.
       if (last_covered_row(fit_, y) <= first) continue;
       body(y, slots_[static_cast<std::size_t>(y) % slots_.size()], first_covered_row(fit_, y) >= first,
            last_covered_row(fit_, y) <= end);

@@ -19,8 +19,8 @@ namespace multum {
 /// Bytes of the samples of a binned texel, with all its cells.
 std::size_t binned_bytes(const MultumMovmfFit& fit);
 
-/// The samples of one level's texels by rows, one texel after another, and the number of samples per texel. Features
-/// belong to the same samples, in order of rgb_planes.
+/// The samples of the texels of one level, row by row and one texel after another, and the number of samples per texel.
+/// Features belong to the same samples and are in the order of rgb_planes.
 struct BinnedLevel {
   RowStore samples;
   RowStore counts;  // one number per texel
@@ -38,11 +38,11 @@ std::map<int, BinnedLevel> bin_levels(Device& device, const PlaneStore& normals,
                                       Representation representation, int band_rows, MapWindows* on_device,
                                       const SpillPolicy& spill, Progress* progress);
 
-/// Returns the programs that bin_levels() needs. Empty if no level is binned.
+/// Returns the programs that bin_levels() needs. The result is empty if no level is binned.
 std::vector<ProgramChoice> binning_programs(const MipSchedule& schedule, Representation representation,
                                             const LaunchShape& shape);
 
-/// Approximate bytes of the buffers of bin_levels().
+/// Returns the approximate number of bytes in the buffers of bin_levels().
 std::uint64_t binning_bytes(const MipSchedule& schedule, int band_rows, int rgb_plane_count, const LaunchShape& shape);
 
 }  // namespace multum

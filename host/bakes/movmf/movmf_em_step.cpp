@@ -89,7 +89,7 @@ std::vector<ProgramChoice> MovmfEmStep::programs(const MipSchedule& schedule, bo
   if (schedule.uses(FitMethod::kChoice)) programs.push_back({"movmf_choose", starting_});
   if (uses_em) programs.push_back({"movmf_start", starting_});
   if (uses_binned || uses_texels) programs.push_back({"movmf_pack", packing_});
-  // If the map's sides are not powers of two, this program equals the first one, which is prepared only once.
+  // If the map's sides are not powers of two, this program is the same as the first one, and it is prepared only once.
   if (uses_binned) programs.push_back({"movmf_em_texels", binned_});
   if (settings_.refine) {
     if (uses_texels) programs.push_back({"movmf_refine", fast_});
@@ -103,7 +103,7 @@ std::vector<ProgramChoice> MovmfEmStep::programs(const MipSchedule& schedule, bo
   return programs;
 }
 
-// Makes a kernel when a step first needs it, because levels use different methods.
+// Creates a kernel when a step needs it for the first time, because levels use different methods.
 Kernel& MovmfEmStep::lazy_kernel(Kernel& kernel, const char* file, const char* name, const KernelVariant& variant) {
   if (!kernel.is_built()) kernel = device_.kernel(file, name, variant);
   return kernel;

@@ -13,8 +13,8 @@
 
 namespace multum {
 
-/// Inputs and outputs of a step: the rows of a level on the device, at the positions in MultumMovmfFit. If a method
-/// does not need a window, the window is empty.
+/// The inputs and outputs of a step, which are rows of a level on the device at the positions that MultumMovmfFit
+/// states. A window that the method does not need is empty.
 struct StepWindows {
   RowWindow parent;                      // lobes of the next coarser level; empty if fit.parent_width is 0
   RowWindow lobes;                       // lobes of the level
@@ -65,7 +65,7 @@ class MovmfEmStep {
   Device& device_;
   const MovmfSettings settings_;
   KernelVariant scalar_, fast_, binned_;
-  KernelVariant starting_, packing_;  // with only the options that these kernels use, so that fewer programs are built
+  KernelVariant starting_, packing_;  // only with the options that these kernels use, so that fewer programs are built
   Kernel choose_kernel_, feature_chosen_kernel_;
   Kernel start_kernel_, pack_kernel_, em_texels_kernel_, em_team_kernel_;
   Kernel refine_kernel_, refine_binned_kernel_;
@@ -76,7 +76,7 @@ class MovmfEmStep {
   DeviceBuffer list_, chosen_, start_, samples_, sample_counts_, feature_samples_, partial_;
 };
 
-/// Approximate bytes of the buffers that run() needs for this number of texels.
+/// Returns the approximate number of bytes in the buffers that run() needs for this number of texels.
 std::uint64_t em_step_bytes(const LevelSchedule& level, const MovmfSettings& settings, bool has_features,
                             std::uint64_t texel_count);
 

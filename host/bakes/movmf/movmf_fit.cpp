@@ -106,7 +106,7 @@ void MovmfFit::fit_single_texel() {
   advance({0, 1}, map_height_);
 }
 
-// Gives rows [0, row_count) of a level to the sink, band by band.
+// Passes rows [0, row_count) of a level to the sink, band by band.
 void MovmfFit::hand_over_there(const LevelSchedule& level, const LevelShape& shape, int row_count) {
   progress_stage(progress_, fmt::format("gather level {}", level.level));
   const MultumMovmfFit& fit = level.fit;
@@ -141,7 +141,8 @@ void MovmfFit::hand_over_there(const LevelSchedule& level, const LevelShape& sha
 // Returns the number of rows of level 0 whose parents are in rows of level 1 above `row`.
 int MovmfFit::finest_end(const MultumMovmfFit& fit, int row) const { return row == fit.height ? map_height_ : 2 * row; }
 
-// Returns the start of texels without a parent: texels of the coarsest level, and of every level in an unaligned bake.
+// Returns the start of texels without a parent. These are the texels of the coarsest level and, in an unaligned bake,
+// of every level.
 RowStore MovmfFit::parentless_start(const LevelSchedule& level) {
   const MultumMovmfFit& fit = level.fit;
   const auto width = static_cast<std::size_t>(fit.width);
@@ -170,7 +171,7 @@ RowStore MovmfFit::parentless_start(const LevelSchedule& level) {
 
 void MovmfFit::hand_over(const LevelSchedule& level, const FittedRows& rows, bool is_there) {
   const std::size_t texels = static_cast<std::size_t>(level.fit.width) * static_cast<std::size_t>(rows.row_count);
-  // Leaves the memory uninitialised to save time, because a band has tens of megabytes.
+  // Leaves the memory uninitialised to save time, because a band takes tens of megabytes.
   auto lobes = std::make_shared_for_overwrite<MultumVmfLobe[]>(lobe_count() * texels);
   rows.lobes->copy_rows(rows.first_row, rows.row_count, lobes.get());
   std::vector<MultumVmfLobe> em_lobes;  // lobes of EM, if they differ from the stored lobes

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Fits the levels of a pyramid of lobes on the device, from the coarsest to the finest (Han et al. 2007, section 7).
-// Skips rows that already exist, and hands rows over when they are finished. Bakes call this class through
+// Skips rows that already exist, and hands over other rows when they are finished. Bakes use this class through
 // movmf_bake.h.
 #pragma once
 
@@ -24,7 +24,7 @@
 
 namespace multum {
 
-/// Begins to build the programs that MovmfFit needs for a schedule, in the order of their launches.
+/// Starts to build the programs that MovmfFit needs for a schedule, in the order in which they are launched.
 void prepare_fit(Device& device, const MipSchedule& schedule, const MovmfSettings& settings, bool has_features);
 
 class MovmfFit {
@@ -50,7 +50,7 @@ class MovmfFit {
 
   std::size_t lobe_count() const { return static_cast<std::size_t>(settings_.lobe_count); }
   bool has_features() const { return !map_.features.empty(); }
-  // Number of feature planes, [triple][lobe].
+  // Returns the number of feature planes, [triple][lobe].
   std::size_t feature_planes() const { return lobe_count() * map_.features.rgb_planes.size(); }
   LevelReport& report_of(int level) { return report_.levels[static_cast<std::size_t>(level - settings_.first_level)]; }
   bool makes_level_zero(int level) const { return level == 1 && settings_.first_level == 0 && rows_.sink() != nullptr; }

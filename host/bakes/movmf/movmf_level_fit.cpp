@@ -11,7 +11,7 @@
 namespace multum {
 namespace {
 
-// Row counts of a level's windows for a plan.
+// The row counts of the windows of a level, for a plan.
 struct WindowRows {
   int level, parent, map;
 };
@@ -27,9 +27,9 @@ int total_steps(const LevelSchedule& level, const MovmfSettings& settings) {
   return em_steps(level, settings) + (is_refined(level, settings) ? 1 : 0);
 }
 
-// True if windows hold the whole level. Scan-line order needs the whole level. Chunks also need the whole level,
-// because they are summed for all texels at once, band by band. A window that would hold nearly all rows holds the
-// whole level instead.
+// True if windows hold the whole level. Scan-line order needs the whole level. So do chunks, because they are summed
+// for all texels at once, band by band of the map. A window that would hold nearly all rows holds the whole level
+// instead.
 bool is_whole(const LevelSchedule& level, const MovmfSettings& settings, const BandPlan& plan) {
   return plan.band_rows + total_steps(level, settings) >= level.fit.height || level.order == FitOrder::kScanline ||
          level.method == FitMethod::kChunks;
@@ -168,7 +168,7 @@ LevelFit::RowRange LevelFit::rows_of_step(int step) const {
 void LevelFit::move_windows(RowRange rows) {
   const int count = rows.end - rows.begin;
   windows_.lobes.move_to(rows.begin, count, before_);
-  // Texels next to fitted ones provide their existing lobes.
+  // Neighbours that are not fitted again provide the lobes that they already have.
   if (refines()) windows_.refined.move_to(rows.begin, count, range_ ? before_ : nullptr);
   windows_.alignment_vectors.move_to(rows.begin, count, range_ ? fill_alignment_vectors(before_) : nullptr);
   if (has_features()) windows_.features.move_to(rows.begin, count, nullptr);
@@ -282,7 +282,7 @@ std::uint64_t fit_level_bytes(const LevelSchedule& level, const MovmfSettings& s
   bytes += product(fit.parent_width, rows.parent) * lobe_bytes;
   if (level.method != FitMethod::kBinned)
     bytes += product(fit.map_width, rows.map) * sizeof(float) * 3 * (1 + rgb_planes);
-  // The largest step has a quarter of a band's texels. In scan-line order, it has one texel per two rows.
+  // The largest step has a quarter of a band's texels. In scan-line order, the largest step has one texel per two rows.
   const int step_rows = is_whole(level, settings, plan) ? fit.height : plan.band_rows;
   const std::uint64_t step_texels = level.order == FitOrder::kScanline
                                         ? static_cast<std::uint64_t>(fit.height / 2 + 1)

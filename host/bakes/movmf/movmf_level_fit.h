@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Fits one level in bands of rows that slide down the level, so that neither the level nor the map must fit into
-// memory.
+// Fits one level in bands of rows that slide down the level. Memory therefore does not need to hold the whole level or
+// the whole map.
 //
-// A texel depends on its eight neighbours after the earlier steps. Step s of a row therefore needs only step s - 1 of
-// the adjacent rows. The steps move down the level, each step one row behind the step before it:
+// A texel depends on the results of earlier steps at its eight neighbours. Step s of a row therefore needs only step s
+// - 1 of the adjacent rows. All steps move down the level, and each is one row behind the previous step:
 //
 //   step 0          rows  [f, f + B)
 //   step 1          rows  [f - 1, f + B - 1)
@@ -13,9 +13,9 @@
 // Refining (movmf_refine.cl) is a separate step after the EM steps. It reads the lobes of EM and writes to another
 // window.
 //
-// The result for a texel depends on neither B nor f. It is bit for bit the result of running each step over the whole
-// level. In a map that repeats, the first and last rows depend on each other: S - 1 rows beyond either border are also
-// fitted, but not handed over.
+// The result for a texel depends on neither B nor f. It is bit for bit the same as if each step were run over the whole
+// level. In a map that repeats, the first and last rows depend on each other. Therefore S - 1 rows beyond either border
+// are also fitted, but they are not handed over.
 #pragma once
 
 #include <algorithm>
@@ -46,7 +46,8 @@ struct FittedRows {
   int first_row, row_count;
   const RowWindow* lobes;     // a window with these rows; refined lobes if the level is refined
   const RowWindow* features;  // [triple][lobe]; null if there are no features
-  const MapWindow* normals;   // normals under the rows, on levels that are fitted to all normals; otherwise null
+  const MapWindow* normals;   // the normals that the rows cover, on levels that are fitted to all normals; otherwise
+                              // null
   MultumMovmfFit fit;         // with the current windows
   const RowWindow* em_lobes;  // lobes of EM, from which finer levels grow; the same as `lobes` if the level is not
                               // refined
@@ -63,14 +64,14 @@ struct BandPlan {
 /// The fit of one level, or of a part of its rows.
 class LevelFit {
  public:
-  /// `fitted` are the rows to hand over. Other rows are finished or belong to another process. On a map that repeats,
-  /// rows may be outside the borders. `origin` provides the parents, the lobes from which the level starts, and the
-  /// texels to fit.
+  /// `fitted` is the range of rows to hand over. Other rows are already finished or belong to another process. On a map
+  /// that repeats, rows may be outside the borders. `origin` provides the parents, the lobes from which the level
+  /// starts, and the texels to fit.
   LevelFit(Device& device, MovmfEmStep& em_step, const LevelSchedule& level, const MovmfSettings& settings,
            const MapInputs& map, CoarseTexels& coarse, RowOrigin& origin, const LevelRows& fitted, const BandPlan& plan,
            Progress* progress);
 
-  /// Calls `finished` with rows in order from 0. Throws Cancelled.
+  /// Calls `finished` with rows in order, beginning with row 0. Throws Cancelled.
   void run(const std::function<void(const FittedRows&)>& finished);
 
  private:
@@ -118,10 +119,10 @@ class LevelFit {
 std::vector<LevelRows> handed_ranges(const Device& device, const LevelSchedule& level, const MovmfSettings& settings,
                                      const MapInputs& map, const BandPlan& plan);
 
-/// Number of steps of a level. The fit of a row depends on the same number of rows on either side.
+/// Returns the number of steps of a level. The fit of a row depends on the same number of rows on either side.
 int fit_steps(const LevelSchedule& level, const MovmfSettings& settings);
 
-/// Approximate bytes of the windows and buffers of LevelFit.
+/// Returns the approximate number of bytes in the windows and buffers of LevelFit.
 std::uint64_t fit_level_bytes(const LevelSchedule& level, const MovmfSettings& settings, int rgb_plane_count,
                               const BandPlan& plan);
 

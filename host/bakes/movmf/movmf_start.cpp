@@ -29,7 +29,7 @@ int position_in_cell(int cell, int cells, int size, std::uint64_t random) {
   return static_cast<int>(first + static_cast<std::int64_t>(random % static_cast<std::uint64_t>(end - first)));
 }
 
-// Returns one random normal per cell of a grid over a rectangle, about `sample_max` at most.
+// Returns one random normal per cell of a grid over a rectangle. The grid has at most about `sample_max` cells.
 Normals sample_normals(const PlaneStore& map, const TexelRectangle& where, double sample_max) {
   const int width = where.x1 - where.x0, height = where.y1 - where.y0;
   const double stride = std::max(1.0, std::sqrt(static_cast<double>(width) * height / sample_max));
@@ -48,9 +48,9 @@ Normals sample_normals(const PlaneStore& map, const TexelRectangle& where, doubl
   return normals;
 }
 
-// Ranks candidates by the error of their highlights compared with the highlights of the normals, for a broad, a medium
-// and a sharp BRDF. By likelihood, sharp lobes around few normals would rank too high, although they have little effect
-// in a picture.
+// Ranks candidates by the error of their highlights relative to the highlights of the normals, for a broad, a medium
+// and a sharp BRDF. A ranking by likelihood would favour sharp lobes around a few normals, although such lobes have
+// little effect in a picture.
 class HighlightError {
  public:
   explicit HighlightError(const Normals& normals) : directions_(spread_half_vectors(kDirections)) {
@@ -164,12 +164,12 @@ class StartTrials {
   }
 
  private:
-  // First many short trials are made, then longer ones from the best. This takes 0.2 s on one core for any map size. On
-  // the four-quarter map with 4 lobes, about one random trial in 30 finds the basin of the best optimum. With more
-  // lobes, fewer trials do.
+  // Many short trials are made first, and the best of them are continued as longer trials. This takes 0.2 s on one core
+  // for any map size. On the four-quarter map with 4 lobes, about one random trial in 30 finds the basin of the best
+  // optimum. With more lobes, the ratio is lower.
   static constexpr int kTrials = 128, kShortIterations = 12, kLongIterations = 30;
-  // With 5 lobes or more, some trials add two lobes to the best fits with two lobes fewer. Fits with fewer lobes are
-  // found more reliably. The error then never increases with the number of lobes. With fewer lobes, random trials
+  // With 5 lobes or more, some trials start from the best fits with two lobes fewer, which are found more reliably, and
+  // add two lobes. The error then never increases with the number of lobes. With 4 lobes or fewer, random trials
   // suffice.
   static constexpr int kGrownTrials = 48, kGrownLobesMin = 5, kLobesAdded = 2;
   static constexpr std::size_t kGrownFrom = 6;

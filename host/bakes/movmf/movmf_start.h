@@ -20,13 +20,14 @@ struct TexelRectangle {
 };
 
 /// Returns `lobe_count` lobes of equal amplitude and kappa 20, far apart: first the normal farthest from the mean, then
-/// repeatedly the normal farthest from all chosen normals. This is the method of Hochbaum and Shmoys, with which Han et
-/// al. 2007, section 7.2, choose among lobes. Reads at most about 2^14 normals on a regular grid.
+/// repeatedly the normal farthest from all chosen normals. This is the method of Hochbaum and Shmoys, which Han et al.
+/// 2007, section 7.2, use to choose among lobes. The function reads at most about 2^14 normals on a regular grid.
 std::vector<MultumVmfLobe> farthest_first_lobes(const PlaneStore& map, const TexelRectangle& where, int lobe_count);
 
-/// Converts the lobes to `representation`. A Gaussian has the mean's x and y, and sigma^2 = 1 - |r|, which is 1/kappa
-/// of a narrow lobe. `is_shortened` states whether the normals are shortened (PlaneStore::is_shortened()). The mean of
-/// a Gaussian is not shortened, so its x and y are those of the unit direction.
+/// Converts the lobes to `representation`. The Gaussian of a lobe has the x and y of the lobe's mean. Its sigma^2 is 1
+/// - |r|, which is 1/kappa for a narrow lobe. `is_shortened` states whether the normals are shortened
+/// (PlaneStore::is_shortened()). The mean of a Gaussian is not shortened, so its x and y are those of the unit
+/// direction.
 std::vector<MultumVmfLobe> start_lobes(std::vector<MultumVmfLobe> lobes, Representation representation,
                                        bool is_shortened);
 
@@ -38,15 +39,17 @@ struct StartSearch {
   bool grows_starts = true;  // with 5 lobes or more, some trials grow from the best fits with two lobes fewer
 };
 
-/// Returns 1 to 24 starts for the coarsest level, the lowest error first. They are the best of many EM fits, in double
-/// precision, to a sample of the whole map. If EM started only from farthest_first_lobes(), it would end in poor local
-/// optima, which every finer level inherits. For example, three wide lobes would share one flat area and two facets of
-/// a groove, and the error at the coarsest level of the four-quarter map would be 64 %. With these starts, it is 6 %.
+/// Returns 1 to 24 starts for the coarsest level, sorted by error, the lowest first. They are the best of many EM fits
+/// to a sample of the whole map, made in double precision. If EM started only from farthest_first_lobes(), it would end
+/// in poor local optima, which every finer level inherits. For example, three wide lobes would share one flat area and
+/// two facets of a groove, and the error at the coarsest level of the four-quarter map would be 64 %. With these
+/// starts, it is 6 %.
 std::vector<std::vector<MultumVmfLobe>> start_candidates(const PlaneStore& map, const StartSearch& search);
 
-/// Makes a map of at most `side_max` texels per side. Each texel is a random normal from the part of the map that it
-/// represents, so that coarse levels have the same distributions. The choice is random because patterns repeat. For
-/// example, a knurled plate that was sampled on a grid lost three of its four directions.
+/// Makes a map with at most `side_max` texels per side. Each texel is a random normal from the part of the map that it
+/// represents, so that coarse levels have the same distributions. The choice is random because a regular grid can miss
+/// parts of a pattern that repeats. For example, when a knurled plate was sampled on a grid, three of its four
+/// directions were lost.
 NormalMap sample_proxy_map(const PlaneStore& map, int side_max, std::uint64_t seed);
 
 /// Returns `count` half vectors, a multiple of 4, of lights and views spread over the upper hemisphere and weighted by

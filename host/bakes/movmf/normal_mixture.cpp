@@ -14,8 +14,8 @@ MixtureFit start_mixture(const Normals& normals, const std::vector<std::size_t>&
   MixtureFit fit;
   for (std::size_t i : chosen) {
     MixtureLobe lobe{normals[i], 0.95, 30.0, 1.0 / static_cast<double>(chosen.size())};
-    if (is_shortened) {  // the lobe is as wide as the normal's own lobe, because on a flat surface lobes differ only in
-                         // width
+    if (is_shortened) {  // the lobe has the width of the normal's own lobe, because on a flat surface lobes differ only
+                         // in width
       const double length = glm::length(normals[i]);
       lobe = {normals[i] / length, 0.95 * length, kappa_of_mean_cosine(0.95 * length, 30.0), lobe.amplitude};
     }

@@ -76,7 +76,8 @@ LevelTask GatheredRows::begin(const LevelShape& level) {
   level_ = level;
   if (there_.row_count(level.level, level.row_bytes()) != level.height)
     throw Error(ErrorCode::kEnvironment,
-                fmt::format("{}: its shares lack rows of level {}; --force computes them again", output_, level.level));
+                fmt::format("{}: its shares do not contain the rows of level {}; --force computes them again", output_,
+                            level.level));
   return {level.height, {}, {}};
 }
 
@@ -97,7 +98,7 @@ LevelTask ShareRows::begin(const LevelShape& level) {
   if (!is_coarse) {
     task.fitted = plan_.fitted.at(level.level);
     task.kept = plan_.kept.at(level.level);
-    // Gives the file its full length, because windows extend beyond the fitted rows and read rows there that were never
+    // Extends the file to its full length, because windows also read rows beyond the fitted rows, which were never
     // written.
     if (own_) own_->write(level.height - 1, 1, std::vector<unsigned char>(level.lobe_row_bytes).data());
   }
@@ -122,11 +123,12 @@ void ShareRows::keep(const DoneRows& rows) {
       {row_of(rows.lobes, level_.lobe_row_bytes, at), row_of(rows.features, level_.feature_row_bytes, at), nullptr});
 }
 
-// The level's rows from the coarse share.
+// Returns the rows of the level from the coarse share.
 RowStore ShareRows::rows_of_coarse_share() {
   if (there_.row_count(level_.level, level_.row_bytes()) != level_.height)
-    throw Error(ErrorCode::kEnvironment,
-                "the share of coarse levels lacks rows, or its rows have another size; --force computes it again");
+    throw Error(
+        ErrorCode::kEnvironment,
+        "the share of the coarse levels lacks rows, or its rows have the wrong size; --force computes the share again");
   RowStore store(level_.height, level_.lobe_row_bytes, spill_);
   std::vector<unsigned char> row(level_.lobe_row_bytes);
   for (int y = 0; y < level_.height; ++y) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Provides the rows of a bake's levels. They are fitted in this run (RowOrigin itself), taken from an earlier run
-// (ResumedRows), gathered from shares (GatheredRows), or taken from an older file (host/bakes/bake/region_bake.h). The
-// rows of a share of a map (ShareRows) are also fitted in this run, and they are kept for the merge.
+// Provides the rows of a bake's levels. Rows are fitted in this run (RowOrigin itself), taken from an earlier run
+// (ResumedRows), gathered from shares (GatheredRows), or taken from an older file (host/bakes/bake/region_bake.h).
+// ShareRows also fits the rows of a share in this run, and keeps them for the merge.
 #pragma once
 
 #include <memory>
@@ -21,8 +21,8 @@
 
 namespace multum {
 
-/// Receives the results of a bake as floats. The rows of a level come in order from the first row, and coarse levels
-/// come first. Rows of level 0 come between rows of level 1.
+/// Receives the results of a bake as floats. The rows of a level arrive in order from the first row, and coarse levels
+/// arrive first. Rows of level 0 arrive between rows of level 1.
 class MovmfSink {
  public:
   virtual ~MovmfSink() = default;
@@ -56,7 +56,7 @@ struct DoneRows {
 class RowOrigin {
  public:
   /// `sink` receives finished rows and must outlive the object. If it is null, the process that gathers the rows
-  /// finishes them. `spill` is the policy for rows from which finer levels grow.
+  /// finishes them. `spill` states where rows from which finer levels grow are stored.
   RowOrigin(MovmfSink* sink, SpillPolicy spill) : sink_(sink), spill_(std::move(spill)) {}
   virtual ~RowOrigin() = default;
   RowOrigin(const RowOrigin&) = delete;
@@ -79,13 +79,14 @@ class RowOrigin {
   RowWindow::Fill before() const { return before_ ? fill_planes(*before_) : nullptr; }
   /// Lobes of the previous level.
   virtual RowWindow::Fill parent() { return fill_planes(*coarser_); }
-  /// Takes fitted rows in order. Called from a different thread than the other members, but never during end().
+  /// Receives fitted rows in order. This function is called from a different thread than the other members, but never
+  /// during end().
   virtual void keep(const DoneRows& rows);
   virtual void end();
 
   /// Called after all levels.
   virtual void finish() {}
-  /// Called if the bake is stopped and may be resumed. The files for resuming remain.
+  /// Called if the bake is stopped and may be resumed. Keeps the files that are needed for resuming.
   virtual void leave() {}
   /// Number of rows that were taken from an earlier run.
   virtual std::uint64_t rows_resumed() const { return 0; }
@@ -105,7 +106,7 @@ class ResumedRows : public RowOrigin {
  public:
   /// `key` identifies the sources and settings on which rows depend. If `resume` is true, keeps existing rows of the
   /// same bake and removes all other rows. If `has_finest` is true, also stores rows of the finest fitted level.
-  /// Returns null while another process bakes the same output. Throws Error(kEnvironment).
+  /// Returns null if another process is baking the same output. Throws Error(kEnvironment).
   static std::unique_ptr<ResumedRows> open(MovmfSink* sink, const SpillPolicy& spill, const std::string& output,
                                            const std::string& key, bool resume, bool has_finest);
 

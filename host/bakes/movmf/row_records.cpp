@@ -80,7 +80,7 @@ const RowRecords::Found& RowRecords::load(int level, int row) {
     if (!one.file->read(one.place, bytes_))
       throw Error(
           ErrorCode::kEnvironment,
-          fmt::format("{}: has damaged rows: {} to {} of level {}{}", one.file->shown_path(), one.rows.first_row,
+          fmt::format("{}: rows {} to {} of level {} are damaged{}", one.file->shown_path(), one.rows.first_row,
                       one.rows.first_row + one.rows.row_count - 1, level, one.remedy != nullptr ? *one.remedy : ""));
     file_ = one.file;
     place_ = one.place.offset;

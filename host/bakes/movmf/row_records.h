@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stores rows of levels in files of records (host/foundation/base/files/record_file.h): rows of a killed bake, and
-// rows of a share of a map.
+// Stores rows of levels in record files (host/foundation/base/files/record_file.h). Such rows belong to a killed bake
+// or to a share of a map.
 #pragma once
 
 #include <array>
@@ -13,11 +13,11 @@
 
 namespace multum {
 
-/// The parts of a row: lobes from which finer levels grow, [lobe][column]; features, [triple][lobe][column]; and lobes
-/// for the file, if these differ from the first lobes.
+/// The parts of a row are lobes from which finer levels grow, [lobe][column]; features, [triple][lobe][column]; and, if
+/// they differ from the first lobes, lobes for the file.
 enum class RowPart { kLobes, kFeatures, kStored };
 
-/// Bytes per row of each part. 0 if the part is missing.
+/// The bytes per row of each part, or 0 if the part is missing.
 using RowBytes = std::array<std::uint64_t, 3>;
 
 /// Header of a record of rows. The rows of each part follow it.
@@ -36,8 +36,8 @@ class RowRecords {
   /// the object. Returns false if the record holds no rows.
   bool take(const RecordFile& file, const RecordFile::Place& place, const std::string* remedy = nullptr);
 
-  /// Returns the number of consecutive rows of a level from row 0 on that have this size, and drops all other rows.
-  /// Call it once per level, before rows are added.
+  /// Returns the number of consecutive rows of a level, beginning with row 0, that have this size, and drops all other
+  /// rows. Call this function once per level, before rows are added.
   int row_count(int level, const RowBytes& row_bytes);
   /// Returns the position of the rows in the first record of a level, or 0 if there is none.
   std::uint64_t begin_of(int level) const;

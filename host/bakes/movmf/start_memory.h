@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Remembers the starts of bakes of one map. A search takes 0.2 to 1 s of processor time for any map size, which is most
-// of the bake time of a small map. Bakes have the same start if they differ only in settings that the search ignores,
-// such as the storage of lobes.
+// Remembers the starts of bakes of one map. A search takes 0.2 to 1 s of processor time for any map size. For a small
+// map, this is most of the bake time. Two bakes use the same start if they differ only in settings that do not affect
+// the search, such as the storage of lobes.
 #pragma once
 
 #include <optional>
@@ -26,7 +26,7 @@ struct ChosenStart {
   RunTime time;   // time to find and try the candidates, with loaded kernels
 };
 
-/// Serves the bakes of one map on one device, one after another.
+/// Serves successive bakes of one map on one device.
 class StartMemory {
  public:
   /// Returns null if no search has been made.

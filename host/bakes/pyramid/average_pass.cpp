@@ -34,7 +34,7 @@ class AveragePass {
   }
 
   std::string plan_text() const {
-    return fmt::format("{} of {} x {}: one pass in bands of {} rows, with {:.1f} MiB of buffers\n", planes_.name(),
+    return fmt::format("{} of {} x {}: one pass in bands of {} rows, with buffers of {:.1f} MiB\n", planes_.name(),
                        width_, height_, pyramid_.band_rows(),
                        static_cast<double>(pyramid_.buffer_bytes()) / (1u << 20));
   }

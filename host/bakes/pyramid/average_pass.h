@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bakes linear quantities into a mip pyramid: every texel of every level is the plain average of the finest texels that
-// it covers. Reads the map once, by bands of rows, at any size (host/bakes/pyramid/box_pyramid.h). The representation
-// defines which values are averaged and where they go.
+// Bakes linear quantities into a mip pyramid. Every texel of every level is the plain average of the finest texels that
+// it covers. A map of any size is read once, in bands of rows (host/bakes/pyramid/box_pyramid.h). The representation
+// defines which values are averaged and where they are stored.
 #pragma once
 
 #include <array>
@@ -64,9 +64,9 @@ class AveragedPlanes {
   virtual void make_finest(const MapPlanes& normals, const DeviceBuffer& nodes, const MultumBoxBand& band) = 0;
   /// Receives each band of normals when it is read.
   virtual void see_normals(const std::array<const float*, 3>&, std::size_t) {}
-  /// Receives finished rows. The rows of a level come in order from the top. Levels come in any order.
+  /// Receives finished rows. The rows of a level arrive in order from the top. Levels can arrive in any order.
   virtual void add_level(const BoxRows& rows) = 0;
-  /// Called after all rows of a band were handed over. From then on, kernels may be launched again.
+  /// Called after all rows of a band have been handed over. Kernels may then be launched again.
   virtual void end_band() {}
 };
 

@@ -12,9 +12,9 @@
 namespace multum {
 namespace {
 
-// More memory does not make a bake faster. Averaging a map of 4096 x 4096 takes 3.6 s in bands of 16 MiB, 3.9 s in
-// bands of 64 MiB and 4.5 s in bands of 2 MiB. These are medians of three runs on 2 cores of an AMD EPYC with PoCL 3.1,
-// with other work running.
+// More memory does not make a bake faster. Averaging a map of 4096 x 4096 texels takes 3.6 s in bands of 16 MiB, 3.9 s
+// in bands of 64 MiB and 4.5 s in bands of 2 MiB. These times are medians of three runs on 2 cores of an AMD EPYC with
+// PoCL 3.1, while other programs were running.
 constexpr std::uint64_t kUsefulBandBytes = std::uint64_t{16} << 20;
 constexpr int kBoxMapSideMax = 32768;  // with this limit, products of two sides fit into an int
 
@@ -26,8 +26,9 @@ void validate_box_map(int first_level, int map_width, int map_height) {
                                                map_height, kBoxMapSideMax));
   const int level_max = mip_level_count(map_width, map_height) - 1;
   if (first_level < 0 || first_level > level_max)
-    throw Error(ErrorCode::kUsage, fmt::format("--first-level is {}, expected 0 to {}, the levels of a map of {} x {}",
-                                               first_level, level_max, map_width, map_height));
+    throw Error(ErrorCode::kUsage,
+                fmt::format("--first-level is {}, expected a level from 0 to {} for a map of {} x {}", first_level,
+                            level_max, map_width, map_height));
 }
 
 BoxPyramid::BoxPyramid(Device& device, const BoxMap& map, const Memory& memory)
@@ -61,18 +62,18 @@ void BoxPyramid::make_columns() {
   tap_begin_values_.push_back(static_cast<int>(tap_values_.size()));
 }
 
-// Returns the distance between rows of nodes. It is rounded up, but not to a power of two, because such rows would
-// share sets of the cache.
+// Returns the distance between rows of nodes. The distance is rounded up, but not to a power of two, because rows at
+// such a distance would compete for the same cache sets.
 int BoxPyramid::row_length() const { return static_cast<int>((blocks_.node_count() + 15) / 16 * 16 + 16); }
 
-// Memory for one more row per band.
+// Returns the memory for one more row per band.
 std::uint64_t BoxPyramid::row_bytes() const {
   return (memory_.caller_row_values + size_of(map_.plane_count) * size_of(row_length())) * sizeof(float);
 }
 
 std::uint64_t BoxPyramid::fixed_bytes() const {
   const std::size_t columns = size_of(column_count()), planes = size_of(map_.plane_count);
-  // There are two rows of every level for any band height, one for the averages and one for the handover.
+  // For any band height, there are two rows of every level, one for the averages and one for the handover.
   return columns * planes * 4 * sizeof(float) + columns * sizeof(int) + tap_values_.size() * sizeof(MultumBoxTap);
 }
 

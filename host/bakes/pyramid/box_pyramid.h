@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Builds box-filtered mip pyramids of any numeric planes, by bands of rows (kernels/mip_box.cl). Every texel of every
+// Builds box-filtered mip pyramids of any numeric planes, in bands of rows (kernels/mip_box.cl). Every texel of every
 // level is the plain average of the finest texels that it covers. Only one sum per column is kept between bands.
 //
 //   for each band:  the caller fills nodes() with its planes' texels, then average(), then hand_over()
@@ -23,7 +23,7 @@ struct BoxMap {
   int first_level = 0;  // the finest level to make
 };
 
-/// Rows of a level that a band has finished. Valid only during the handover.
+/// The rows of a level that a band has finished. They are valid only during the handover.
 struct BoxRows {
   int level, first_row;
   int width, height;
@@ -35,8 +35,8 @@ struct BoxRows {
   }
 };
 
-/// Work-items per group. Groups of one work-item would be slow, because PoCL takes as long to start a group as to run
-/// one of these small work-items.
+/// The number of work-items per group. Groups of one work-item would be slow, because in PoCL starting a group takes as
+/// long as running one of these small work-items.
 constexpr std::size_t kBoxLocalSize = 64;
 
 /// Throws Error(kInput) for a map that is too large, and Error(kUsage) for a first level that the map does not have.
@@ -56,7 +56,7 @@ class BoxPyramid {
   std::uint64_t buffer_bytes() const;
   MultumBoxBand band(int first_row, int row_count) const;
   const DeviceBuffer& nodes() const { return nodes_; }
-  /// Averages a band. Bands come in order from the top. Each band has band_rows() rows, except the last.
+  /// Averages a band. Bands must be averaged in order from the top. Each band except the last has band_rows() rows.
   void average(const MultumBoxBand& band);
   /// Calls `consume` for every level with finished rows, the finest level first.
   void hand_over(const MultumBoxBand& band, const std::function<void(const BoxRows&)>& consume);

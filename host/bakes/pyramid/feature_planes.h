@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Describes a map's normals and the linear features of its material: colours, then weights of basis BRDFs (Han et al.
-// 2007, section 7.3). Features are averaged or divided among lobes together with the normals. Every bake treats these
-// features as triples of planes, whatever they mean.
+// Describes a map's normals and the linear features of its material, which are colours, followed by weights of basis
+// BRDFs (Han et al. 2007, section 7.3). Features are averaged or divided among lobes together with the normals. Every
+// bake treats features as triples of planes, regardless of their meaning.
 #pragma once
 
 #include <cstdint>
@@ -30,17 +30,17 @@ struct FeaturePlanes {
   bool all_of_size(int width, int height) const;
 };
 
-/// Inputs and limits of a bake. PlaneStore::is_shortened() of the normals tells whether roughness is included.
+/// The inputs and limits of a bake. PlaneStore::is_shortened() of the normals states whether roughness is included.
 struct MapInputs {
   const PlaneStore* normals = nullptr;
   FeaturePlanes features = {};                          // features of the map's size
   std::uint64_t memory_bytes = std::uint64_t{1} << 30;  // memory for windows and buffers; does not change the result
   int threads = 1;                                      // number of threads for loops on the host
-  std::uint64_t writer_bytes = 0;              // part of memory_bytes that the writer holds during the fit of levels
+  std::uint64_t writer_bytes = 0;              // part of memory_bytes that the writer uses while levels are fitted
   SpillPolicy spill{.memory_bytes = 4 << 20};  // policy for rows that the next level needs
 };
 
-/// Splits features [triple][texel] into the form of the file: colours, and weights texel by texel.
+/// Splits features [triple][texel] into colours and weights, texel by texel, as in the file.
 void split_features(std::vector<std::vector<glm::vec3>> rgb_planes, const FeaturePlanes& features,
                     std::vector<glm::vec3>& colours, std::vector<float>& weights);
 

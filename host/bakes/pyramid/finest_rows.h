@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Makes rows of level 0 from a bake's source, before rounding and assignment to lobes.
+// Makes rows of level 0 from the source of a bake, before they are rounded and assigned to lobes.
 #pragma once
 
 #include "host/bakes/pyramid/feature_planes.h"

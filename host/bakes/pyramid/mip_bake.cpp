@@ -74,7 +74,7 @@ class BandPlanes {
             size_of(map.plane_count) * size_of(pyramid.band_rows()) * size_of(map.width) * sizeof(float), "planes")),
         texels_(device.kernel("mip_box", "mip_texels", {1, 1, false})) {}
 
-  /// `read(plane, values)` fills the band's rows of a plane.
+  /// `read(plane, values)` fills the rows of the band in a plane.
   template <typename Read>
   void fill(const MultumBoxBand& band, const Read& read) {
     const std::size_t plane_size = size_of(band.row_count) * size_of(band.map_width);
@@ -202,8 +202,8 @@ MipReport bake_mip(const MipJob& job, Device& device, Progress* progress) {
   const ColourRows source = read_colour_rows(job.input, reading_of(job), spill_policy(job), job.threads, progress);
   if (job.kind == PyramidKind::kPosition && source.channel_count != 3)
     throw Error(ErrorCode::kInput,
-                fmt::format("{}: found {} colour channel, expected 3 channels with positions x, y, z", job.input,
-                            source.channel_count));
+                fmt::format("{}: found {} colour channel, expected 3 channels that hold the positions x, y and z",
+                            job.input, source.channel_count));
   report.read_seconds = seconds.lap();
   report.format = source.format;
   report.clamped_count = source.clamped_count;

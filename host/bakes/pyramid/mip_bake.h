@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bakes pyramids of images from file to file: `multum mip` (colours) and `multum lod` (heights, positions). Williams
-// 1983, sections 3 and 5.
+// Bakes image files to pyramid files for `multum mip` (colours) and `multum lod` (heights and positions). The method is
+// that of Williams 1983, sections 3 and 5.
 #pragma once
 
 #include <cstdint>
@@ -45,7 +45,7 @@ struct MipReport {
   std::string to_json() const;
 };
 
-/// Throws Error and Cancelled. Leaves no partial file. Progress counts reading, averaging and writing.
+/// Throws Error and Cancelled. Leaves no partial file. Progress includes reading, averaging and writing.
 MipReport bake_mip(const MipJob& job, Device& device, Progress* progress);
 
 /// Builds a pyramid from values of any source. `fill_band` writes the rows of `map`'s planes into the pyramid's nodes,
@@ -53,15 +53,15 @@ MipReport bake_mip(const MipJob& job, Device& device, Progress* progress);
 void run_box_bands(BoxPyramid& pyramid, const BoxMap& map, const std::function<void(const MultumBoxBand&)>& fill_band,
                    const std::function<void(const BoxRows&)>& take, Progress* progress);
 
-/// Interleaves the rows of the planes, as files store them.
+/// Interleaves the rows of the planes, which is the order in files.
 PyramidLevel interleaved(const BoxRows& rows, int channels);
 
 /// Runs run_box_bands() and writes rounded rows to `writer`. Returns the number of values out of range for storage.
 std::uint64_t write_box_pyramid(BoxPyramid& pyramid, const BoxMap& map, PyramidWriter& writer, StorageEncoding encoding,
                                 const std::function<void(const MultumBoxBand&)>& fill_band, Progress* progress);
 
-/// Makes all levels of an image in memory. `planes` holds map.plane_count planes of width * height floats. Used by
-/// tests, and for maps that are computed and not read.
+/// Makes all levels of an image in memory. `planes` holds map.plane_count planes of width * height floats. This
+/// function is used by tests, and for maps that are computed instead of read.
 Pyramid box_pyramid(Device& device, const BoxMap& map, const float* planes, std::uint64_t memory_bytes);
 
 /// True if `path` is already a file with the same settings and the same source.

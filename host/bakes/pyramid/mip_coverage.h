@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Computes exact box averages over the finest texels that a texel of a coarser level covers
 // (docs/contributing/ALGORITHMS.md, "Notation"). Texel x of a level of width w covers [x W/w, (x + 1) W/w), including
-// fractions. For powers of two these are whole blocks.
+// fractions of texels. If the sizes are powers of two, it covers whole texels only.
 #pragma once
 
 #include <vector>

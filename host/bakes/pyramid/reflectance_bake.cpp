@@ -25,7 +25,7 @@ namespace {
 
 constexpr std::size_t kLightsMax = std::size_t{1} << 22;
 
-// Number of light evaluations per launch. Longer launches would block the screen of a GPU and delay Ctrl-C.
+// The number of light evaluations per launch. Longer launches would block the screen of a GPU and delay Ctrl-C.
 constexpr double kEvaluationsALaunch = 2e8;
 
 nlohmann::json json_of(const glm::dvec3& v) { return {v.x, v.y, v.z}; }
@@ -42,7 +42,7 @@ MultumReflectanceLight device_light(const ReflectanceLight& light, const Reflect
   const glm::dvec3 world = glm::normalize(light.direction);
   const glm::dvec3 l(glm::dot(world, frame.right), glm::dot(world, frame.up), glm::dot(world, frame.viewer));
   const glm::dvec3 sum = l + glm::dvec3(0.0, 0.0, 1.0);
-  // Light from exactly behind has no half vector, and the lit surface reflects no light to the viewer.
+  // If the light comes from exactly behind, there is no half vector, and no light is reflected to the viewer.
   const glm::dvec3 h = glm::length(sum) > 1e-9 ? glm::normalize(sum) : glm::dvec3(0.0, 0.0, 1.0);
   const auto f = [](double v) { return static_cast<float>(v); };
   return {f(l.x),
@@ -100,7 +100,7 @@ class ReflectanceTexels {
 
 BoxMap box_map(const ReflectanceJob& job) { return {job.size, job.size, 3, 0}; }
 
-// Enough memory for a band of about kEvaluationsALaunch evaluations, and for at least one row.
+// This memory suffices for a band of about kEvaluationsALaunch evaluations, and for at least one row.
 BoxPyramid::Memory memory_of(const ReflectanceJob& job, double evaluations_a_row) {
   const auto size = static_cast<std::size_t>(job.size);
   const double rows = std::max(1.0, kEvaluationsALaunch / std::max(1.0, evaluations_a_row));
@@ -146,7 +146,7 @@ void validate(const ReflectanceJob& job) {
     refuse("found no --light and no --environment, expected one of them");
   for (const ReflectanceLight& light : job.lights)
     if (!(glm::length(light.direction) > 0.0) || !is_colour(light.irradiance))
-      refuse("--light: expected a direction other than 0, and an irradiance >= 0");
+      refuse("--light: expected a direction that is not zero, and an irradiance >= 0");
   if (!(glm::length(job.viewer) > 0.0)) refuse("--viewer is 0,0,0, expected a direction towards the viewer");
   if (!(job.exponent >= 1.0f && job.exponent <= 1e5f))
     refuse(fmt::format("--brdf has an exponent of {}, expected 1 to 100000", job.exponent));

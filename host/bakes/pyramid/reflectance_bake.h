@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bakes the reflection of distant lights into a mip-mapped map over surface normals, for a surface with one Blinn-Phong
-// BRDF and a distant viewer (Williams 1983, section 4). kernels/reflectance_pyramid.cl, kernels/mip_box.cl.
+// Bakes the reflection of distant lights into a mip-mapped map that is indexed by the surface normal, for a surface
+// with one Blinn-Phong BRDF and a distant viewer (Williams 1983, section 4). Uses kernels/reflectance_pyramid.cl and
+// kernels/mip_box.cl.
 #pragma once
 
 #include <string>
@@ -42,9 +43,9 @@ struct ReflectanceJob {
 /// Throws Error(kUsage) for values out of range, or if there is no light.
 void validate(const ReflectanceJob& job);
 
-/// Lights for the cells of a latitude-longitude environment. The number of cells depends on the BRDF's lobe: a cell is
-/// about half as wide as the lobe, 1 / (2 sqrt(s)) radians. Directions are those of EnvironmentMap, with +Y up and -Z
-/// in the middle.
+/// Makes lights for the cells of a latitude-longitude environment. The number of cells depends on the BRDF's lobe. A
+/// cell is about half as wide as the lobe, which is 1 / (2 sqrt(s)) radians. Directions are those of EnvironmentMap,
+/// with +Y up and -Z in the middle.
 std::vector<ReflectanceLight> environment_lights(const EnvironmentMap& environment, float exponent, float scale);
 
 /// Throws Error and Cancelled. Leaves no partial file.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Expresses the columns of coarser levels as sums over blocks of a row's texels. The nodes of a row are its texels,
-// followed by the sums of its whole blocks of 2, 4, ... texels. A column of any level, of any size, is the sum of a
-// few nodes:
+// followed by the sums of its whole blocks of 2, 4, ... texels. A column of a level of any size is the sum of a few
+// nodes:
 //
 //     finest texels   | 0 | 1 | 2 | 3 | 4 | 5 | 6 | ...
 //     blocks of 2     |   0   |   1   |   2   | ...
@@ -24,7 +24,8 @@ class RowBlocks {
   explicit RowBlocks(int row_width);
 
   std::size_t node_count() const { return node_count_; }
-  /// Number of block sizes. Blocks of 2^k texels, k from 0 to depth() - 1, have a first node and a count.
+  /// Returns the number of block sizes. For each k from 0 to depth() - 1, the blocks of 2^k texels have a first node
+  /// and a count.
   int depth() const { return static_cast<int>(block_begin_.size()); }
   std::size_t block_begin(int k) const { return block_begin_[static_cast<std::size_t>(k)]; }
   int block_count(int k) const { return row_width_ >> k; }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stores rows of equal size, in memory or in a scratch file. They are the output of one level of a pyramid for the next
-// level.
+// Stores rows of equal size in memory or in a scratch file. The rows are the output of one level of a pyramid and the
+// input of the next level.
 #pragma once
 
 #include <cstddef>

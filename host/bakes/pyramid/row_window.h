@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Manages windows that slide down over rows stored elsewhere. Each window is a device buffer with some rows of every
-// plane. On a map that repeats, rows wrap: a window may begin above the map's first row or end below its last row.
+// plane. On a map that repeats, rows wrap, so a window may begin above the map's first row or end below its last row.
 //
 //   stored rows 0 1 2 3 4 5 6 7 8 9 ...
 //   window          [2 3 4 5 6]           plane 0: 2 3 4 5 6, plane 1: 2 3 4 5 6, ...
@@ -66,7 +66,8 @@ RowWindow::Fill fill_planes(int store_rows, std::size_t row_bytes, ReadRows read
 /// Fills windows from rows of `store`. Rows wrap. Each row is [plane][column]. The store must outlive the result.
 RowWindow::Fill fill_planes(const RowStore& store);
 
-/// Rows of three planes of a map, each plane in its own buffer, with MULTUM_GROUP finite values after the last texel.
+/// Holds rows of three planes of a map. Each plane is in its own buffer, with MULTUM_GROUP finite values after the last
+/// texel.
 class MapWindow {
  public:
   MapWindow(Device& device, const PlaneStore& store, int capacity_rows, const std::string& what);
@@ -83,7 +84,7 @@ class MapWindow {
   std::vector<RowWindow> planes_;
 };
 
-/// Windows with the same rows of a map's normals and features.
+/// The windows that hold the same rows of a map's normals and features.
 struct MapWindows {
   MapWindow normals;
   std::vector<MapWindow> rgb_planes;
@@ -93,8 +94,8 @@ struct MapWindows {
   void move_to(int first_row, int row_count);
 };
 
-/// Copies all rows once for all levels to a device with its own memory, if it has room for them and for the levels'
-/// windows. Otherwise returns nullopt, and windows that hold only some rows are used.
+/// If the device has its own memory with room for all rows and for the levels' windows, copies all rows to the device
+/// once for all levels. Otherwise returns nullopt, and the caller uses windows that hold only some rows.
 std::optional<MapWindows> map_on_device(Device& device, const PlaneStore& normals,
                                         const std::vector<const PlaneStore*>& rgb_planes);
 

@@ -9,9 +9,8 @@
 namespace multum {
 namespace {
 
-// Times in nanoseconds per finest texel, fitted by eye to bakes of the four-quarter map of 2048 and 4096 texels per
-// side. They were measured on 2 cores of an Intel Xeon with AVX-512 and PoCL 3.1, with no other load
-// (docs/evidence/SCENE.md).
+// Times in nanoseconds per finest texel, fitted by eye to bakes of the four-quarter map with 2048 and 4096 texels per
+// side. The bakes ran on 2 cores of an otherwise idle Intel Xeon with AVX-512 and PoCL 3.1 (docs/evidence/SCENE.md).
 constexpr double kRead = 55.0;          // a map of three channels
 constexpr double kAveragePlane = 18.0;  // per averaged plane
 constexpr double kFitLevelOne = 80.0;   // level 1, whose texels assign each of four normals to a lobe
@@ -23,7 +22,7 @@ constexpr double kColourFactor = 0.6;      // additional share per triple of fea
 constexpr double kWriteTexture = 30.0;     // per stored texel of a texture
 constexpr double kMeasureLambert = 5.0;    // for Lambert
 constexpr double kMeasureExponent = 15.0;  // per exponent
-constexpr double kFixedMs = 120.0;         // loading of programs, buffers, and start of EM
+constexpr double kFixedMs = 120.0;         // loading programs, making buffers, and finding the start of EM
 
 double level_texels(const BakeShape& s, int first_level) {
   double texels = 0.0;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Estimates the time of a bake by a model with few constants (docs/evidence/SCENE.md lists them and their machine). The
-// model compares ways to bake a map, but does not predict exact times.
+// Estimates the time of a bake by a model with few constants (docs/evidence/SCENE.md lists them and the machine on
+// which they were measured). The model is meant for comparing ways to bake a map and does not predict exact times.
 #pragma once
 
 #include <cstdint>
@@ -18,7 +18,7 @@ struct BakeShape {
   StorageEncoding encoding = StorageEncoding::kSnorm16;
   int first_level = 0;
   bool has_colours = false;   // true if the baked file has colours, per lobe or per texel
-  bool mean_colours = false;  // true if mean colours of all levels are in a separate file
+  bool mean_colours = false;  // true if the mean colours of all levels are in a separate file
   int weight_count = 0;
   int exponent_count = 3;  // number of highlights whose error is measured
 };
@@ -37,7 +37,7 @@ struct BakeCost {
 
 BakeCost bake_cost(const BakeShape& shape);
 
-/// Number of four-channel textures that are read per texel.
+/// Returns the number of four-channel textures that are read per texel.
 int texture_count(const BakeShape& shape);
 
 }  // namespace multum

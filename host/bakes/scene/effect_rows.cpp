@@ -113,18 +113,20 @@ class EffectRows {
             fmt::format("{} {}: {}", parts_name(), seen_texels(),
                         plan_.candidates.size() == 1
                             ? fmt::format("margin {}", percent_text(scene_.budget.estimate_margin))
-                            : fmt::format("the 4 lobes of the default bake have errors of {}, and the limit is {}",
+                            : fmt::format("the 4 lobes of the default bake have errors of {}, but the limit is {}",
                                           parts_text(plan_.default_bake.error), parts_text(plan_.limit))) +
                 (needs_.exponent_max > kEstimatedExponentMax
                      ? fmt::format("; highlights as of s = {:g}", kEstimatedExponentMax)
                      : ""),
             needed ? chosen_without(one) : saved_by(one));
     plan_.effects.back().list = lobes_tried();
-    if (needed) add_row("aligned lobes", true, "hardware filters each lobe with the matching lobes of other texels");
+    if (needed)
+      add_row("aligned lobes", true, "the hardware filters each lobe together with the matching lobes of other texels");
   }
 
-  // Lists items such as "2 lobes": "0.21/45 %, one colour 0.4/45 %", sorted by lobes. Candidates themselves are sorted
-  // by textures, so more lobes with one colour come before fewer lobes with a colour each.
+  // Lists items such as "2 lobes": "0.21/45 %, one colour 0.4/45 %", sorted by the number of lobes. The candidates
+  // themselves are sorted by textures, so many lobes with a common colour can come before few lobes with one colour
+  // each.
   std::vector<PlannedItem> lobes_tried() const {
     std::map<int, PlannedItem> by_count;
     const auto add = [&](bool mean_colours) {
@@ -143,7 +145,7 @@ class EffectRows {
     return items;
   }
 
-  // States why the representation has no candidates.
+  // Returns the reason why the representation has no candidates.
   std::string why_not_tried(const RepresentationInfo& other) const {
     if (plan_.is_constant) return "one lobe represents all normals";
     if (needs_.width_in_map || needs_.weighted) return "a roughness map and weights need vMF lobes";
@@ -182,8 +184,8 @@ class EffectRows {
         anisotropy = level.anisotropy;
         at = level.level;
       }
-    const bool needed = representation_info(chosen_.representation).has_slopes ||  // the spread of slopes varies by
-                                                                                   // direction
+    const bool needed = representation_info(chosen_.representation).has_slopes ||  // the spread of slopes depends on
+                                                                                   // the direction
                         (anisotropy > 0.5 && chosen_.lobe_count > 1);
     add_row("anisotropic spread", needed,
             plan_.is_constant
@@ -209,7 +211,7 @@ class EffectRows {
                         mip_level_size(plan_.height, plan_.last_seen);
     add_row("coarsest levels", plan_.last_seen >= plan_.level_count - 1,
             fmt::format("{}: kept, because the fit starts at the coarsest level; all levels coarser than the last "
-                        "visible one take {:.2g} of the map's size",
+                        "visible one together take {:.2g} of the map's size",
                         why, last / 3.0 / (static_cast<double>(plan_.width) * plan_.height)));
   }
 

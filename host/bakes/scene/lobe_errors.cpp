@@ -55,7 +55,7 @@ double shade_gaussian(const glm::dvec3& planar, const ShadedBy& by, const glm::d
   return std::exp(-0.5 * (x * x + y * y) / variance) / variance * std::max(w.z, 0.0);
 }
 
-// Weight of a normal.
+// Returns the weight of a normal.
 double weight_of(const std::vector<glm::dvec4>& weights, std::size_t i, const ShadedBy& by) {
   return by.weight < 0 || weights.empty() ? 1.0 : weights[i][by.weight];
 }
@@ -67,8 +67,8 @@ glm::dvec3 mean_colour(const SurveyedTexel& texel, ColourModel colours) {
   return mean;
 }
 
-// Returns the sharpest highlight that a texel's normals resolve. The normals may be a sample. If the normals were
-// spread evenly over the directions within acos |mean|, several normals would be within the width of this highlight.
+// Returns the exponent of the sharpest highlight that a texel's normals resolve. The normals may be a sample. The width
+// of this highlight would contain several normals if they were spread evenly over all directions within acos |mean|.
 double resolved_exponent(const MapSurvey& survey, const SurveyedTexel& texel) {
   constexpr double kWithin = 4.0;
   const auto count = static_cast<double>(texel.normals.size());
@@ -120,8 +120,8 @@ std::vector<MixtureLobe> LobeErrors::fit_top(int lobe_count) const {
       ->lobes;
 }
 
-// Fits a texel as the bake does. Starts from the coarser texel's lobes, broadened and with a minimum amplitude, or from
-// normals that are far apart if that start fits better.
+// Fits a texel in the same way as the bake. The start consists of the coarser texel's lobes, broadened and with a
+// minimum amplitude, or of normals that are far apart if these lead to a better fit.
 LobeErrors::TexelFit LobeErrors::fit(const SurveyedTexel& texel, int lobe_count,
                                      const std::vector<MixtureLobe>& top) const {
   const Normals& normals = texel.normals;
@@ -275,7 +275,7 @@ double LobeErrors::lobes_error(int lobe_count, bool planar, const std::vector<Sh
 }
 
 double LobeErrors::sh_error(int order, const std::vector<ShadedBy>& shadings, ColourModel colours) const {
-  // By the addition theorem, a band of the coefficients, summed over m, is the mean of (2l + 1)/4 pi P_l(n . w).
+  // By the addition theorem, the sum over m of band l is the mean of (2l + 1)/4 pi P_l(n . w).
   return error_of(
       [&](std::size_t t, const ShadedBy& by, const glm::dvec3& w) {
         const Normals& normals = survey_.texels[t].normals;
@@ -328,7 +328,9 @@ double LobeErrors::colour_correlation(int lobe_count) {
   for (std::size_t t = 0; t < fitted.size(); ++t) {
     const auto count = static_cast<double>(survey_.texels[t].normals.size());
     const auto lobes = static_cast<double>(fitted[t].lobes.size());
-    if (count < 8.0 * std::max(lobes, 1.0)) continue;  // with few normals per lobe, lobes explain all of the variance
+    if (count < 8.0 * std::max(lobes, 1.0))
+      continue;  // if there are few normals per lobe, lobes explain all of the
+                 // variance
     // If colours are independent of lobes, a share (lobes - 1) / (count - 1) of the variance is between lobes by
     // chance.
     within += fitted[t].colour_within;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Estimates the error of lobes before any bake. Fits mixtures of 0, 1, 2, ... lobes to the normals under each surveyed
-// texel and shades them as the runtime does. The reference shades the same normals one by one. The estimate is used to
-// choose settings. It excludes alignment and filtering, so it holds for texel centres.
+// Estimates the error of lobes before a bake. Fits mixtures of 0, 1, 2, ... lobes to the normals that each surveyed
+// texel covers, and shades them in the same way as the runtime. The reference shades the same normals one by one. The
+// estimate is used to choose settings. It ignores alignment and filtering, so it applies to texel centres.
 #pragma once
 
 #include <functional>
@@ -12,15 +12,17 @@
 
 namespace multum {
 
-/// The shading of texels: max(n . l, 0), or normalised facets with this Blinn-Phong exponent. Other families of BRDFs
-/// use the exponent of a Blinn-Phong of equal width.
+/// The shading of texels, which is max(n . l, 0), or normalised facets with this Blinn-Phong exponent. Other families
+/// of BRDFs use the exponent of a Blinn-Phong of equal width.
 struct ShadedBy {
-  std::optional<double> exponent;  // nullopt means Lambert; infinity means the width by which normals are shortened
+  std::optional<double> exponent;  // nullopt means Lambert; infinity means that the width is given by the lengths of
+                                   // the shortened normals
   int weight = -1;                 // index of the map's weight that multiplies the shading; -1 if there is none
 };
 
-/// Sharper highlights are estimated with this exponent. If the sampled normals of a texel are widely spread, a lower
-/// exponent is used, because a few half vectors and normals do not resolve sharp highlights.
+/// The largest exponent that is used for estimates. Sharper highlights are estimated with this exponent. If the sampled
+/// normals of a texel are widely spread, the exponent is even lower, because a few half vectors and normals do not
+/// resolve sharp highlights.
 constexpr double kEstimatedExponentMax = 200.0;
 
 enum class ColourModel {
@@ -31,7 +33,8 @@ enum class ColourModel {
 
 struct LobeErrorSettings {
   int first_level = 1;         // the finest level that is used
-  bool has_roughness = false;  // true if roughness shortens normals, by `mean_cosine` on average; Lambert ignores it
+  bool has_roughness = false;  // true if roughness shortens normals, to a mean length of `mean_cosine`; Lambert ignores
+                               // roughness
   double mean_cosine = 1.0;
   int threads = 1;
 };
@@ -41,7 +44,7 @@ struct LobeErrorSettings {
 double lobe_lambert(const glm::dvec3& r, const glm::dvec3& light);
 
 /// Estimates the relative L1 error, sum |model - reference| / sum reference over texels and directions, for the worst
-/// of `shadings`. Levels have equal weights. If `lobe_count` is 0, uses the direction of the mean normal, without any
+/// of `shadings`. Levels have equal weights. If `lobe_count` is 0, uses only the direction of the mean normal and no
 /// spread.
 class LobeErrors {
  public:
@@ -58,8 +61,8 @@ class LobeErrors {
   /// Returns the share, 0..1, of the variance of colours within texels that differences between lobes explain. The
   /// share that is due to chance is subtracted.
   double colour_correlation(int lobe_count);
-  /// Returns the share of the surveyed texels' lobes that are sharper than `kappa`. Lobes of a single direction do not
-  /// count.
+  /// Returns the share of the surveyed texels' lobes that are sharper than `kappa`. Lobes with a single direction are
+  /// not counted.
   double share_sharper(int lobe_count, double kappa);
 
  private:
@@ -75,7 +78,7 @@ class LobeErrors {
   using Model = std::function<glm::dvec3(std::size_t texel, const ShadedBy& by, const glm::dvec3& direction)>;
   double error_of(const Model& model, const std::vector<ShadedBy>& given, ColourModel colours) const;
   const std::vector<TexelFit>& fits(int lobe_count);
-  // Means over the normals of each fitted lobe.
+  // Adds the means over the normals of each fitted lobe.
   void add_means(const SurveyedTexel& texel, TexelFit& fit) const;
   double lobes_error(int lobe_count, bool planar, const std::vector<ShadedBy>& shadings, ColourModel colours);
   TexelFit fit(const SurveyedTexel& texel, int lobe_count, const std::vector<MixtureLobe>& top) const;

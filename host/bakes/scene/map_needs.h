@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Collects the demands of a scene on one of its maps. These demands do not depend on the contents of the map.
+// Collects what a scene requires of one of its maps. These requirements do not depend on the contents of the map.
 #pragma once
 
 #include <algorithm>
@@ -11,7 +11,7 @@
 
 namespace multum {
 
-/// Demands of the materials of all objects that show a map.
+/// The requirements of the materials of all objects that show a map.
 struct MapNeeds {
   bool diffuse = false, specular = false;
   bool width_in_map = false, weighted = false;
@@ -32,8 +32,8 @@ struct MapNeeds {
     exponent_min = is_first ? exponent : std::min(exponent_min, exponent);
     exponent_max = is_first ? exponent : std::max(exponent_max, exponent);
   }
-  // The exponents of the sharpest and the broadest highlight, for which a bake measures errors. Empty if the map
-  // contains the widths of highlights.
+  // Returns the exponents of the sharpest and the broadest highlight, for which a bake measures errors. The list is
+  // empty if the map contains the widths of highlights.
   std::vector<double> exponents() const {
     std::vector<double> ends;
     if (exponent_max > 0.0) ends.push_back(exponent_max);

@@ -12,7 +12,7 @@ namespace multum {
 namespace {
 
 constexpr std::int64_t kTexelsASample = 65536;
-// Largest allowed share of lobes that are too sharp for the storage. Every map has some
+// The largest allowed share of lobes that are too sharp for the storage. Every map has some such lobes
 // (host/bakes/bake/movmf_file_bake.cpp).
 constexpr double kUnrepresentableMax = 1.0 / 3.0;
 
@@ -61,7 +61,7 @@ MapPlanner::MapPlanner(const SceneDescription& scene, std::size_t map, std::shar
   plan_.last_seen = needs_.last_seen;
   SurveySettings survey;
   survey.threads = settings.threads;
-  // Small maps are surveyed at fewer texels, because a survey with many fits would take as long as their bakes.
+  // In small maps, fewer texels are surveyed, because a survey with many fits would take as long as the bake.
   survey.texels_per_level =
       std::clamp(static_cast<int>(std::int64_t{plan_.width} * plan_.height / kTexelsASample), 8, 32);
   const bool has_weights = needs_.weighted && source_->weights;
@@ -94,7 +94,7 @@ void MapPlanner::check_weights() const {
     if (&scene_.maps[object.map] == &map_ && object.materials.size() > 1 &&
         static_cast<int>(object.materials.size()) != source_->weights->count)
       throw Error(ErrorCode::kInput,
-                  fmt::format("{}: holds {} weights, expected {}: one for each material of object \"{}\"",
+                  fmt::format("{}: holds {} weights, expected {}, one for each material of object \"{}\"",
                               map_.job.weights, source_->weights->count, object.materials.size(), object.name));
 }
 
@@ -144,8 +144,8 @@ void MapPlanner::add_default() {
   s.exponent_count = 3;
   plan_.default_bake = finished({lobes_name(default_representation(), lobes), s, s.has_colours, {}, {}});
   if (plan_.is_constant) return;
-  // If one lobe is within the margin, no comparison is needed, because the default bake is assumed to have no higher
-  // error.
+  // If one lobe is within the margin, no comparison is needed, because the default bake's error is assumed not to be
+  // higher.
   if (!scene_.budget.target_error) {
     const PartErrors one = lobes_error(1, ColourModel::kLobes);
     plan_.default_error_is_bound = one.worst() <= scene_.budget.estimate_margin;
@@ -190,15 +190,15 @@ void MapPlanner::add_candidates() {
     if (plan_.candidates.back().error.within(plan_.limit)) break;  // more lobes are not cheaper
   }
   if (plan_.default_error_is_bound) return;  // no other representation takes fewer textures
-  // If the map has widths or weights, only lobes can be estimated. Sums of vMFs are shaded only over lobes.
+  // If the map has widths or weights, only lobes can be estimated. Sums of vMFs can be shaded only with lobes.
   if (needs_.width_in_map || needs_.weighted || needs_.takes_vmf) return;
   const BakeCandidate by_default = plan_.candidates.back();
   for (const EstimatedRepresentation& other : kOthers) add_other(other, by_default);
 }
 
 // Lobes of another family need as many textures and as much time to fit as the lobes of the default bake, so they are
-// cheaper only if fewer lobes suffice. Averages would show the highlight of an environment as one lobe of the mean
-// normal.
+// cheaper only if fewer lobes suffice. Representations by averages would show the highlight of an environment as one
+// lobe around the mean normal.
 void MapPlanner::add_other(const EstimatedRepresentation& other, const BakeCandidate& by_default) {
   const RepresentationInfo& info = representation_info(other.representation);
   const bool has_lobes = info.lobes != nullptr;
@@ -223,7 +223,8 @@ void MapPlanner::add_other(const EstimatedRepresentation& other, const BakeCandi
   }
 }
 
-// The estimate is not a bound, so settings close to the target are tried (host/bakes/scene/scene_bake.cpp).
+// The estimate is not a bound, so settings whose estimate is close to the target are tried
+// (host/bakes/scene/scene_bake.cpp).
 void MapPlanner::choose_nearest() {
   constexpr double kEstimateMargin = 1.5;
   const double target = *scene_.budget.target_error;

@@ -23,15 +23,15 @@ class MapPlanner {
   MapPlanner(const SceneDescription& scene, std::size_t map, std::shared_ptr<BakeSource> source,
              const PlanSettings& settings);
 
-  /// Chooses the cheapest candidate within the limit. The result does not include the rows of the table or the job's
-  /// settings. Call this function once. If no candidate is estimated to reach the target error, chooses the one with
-  /// the lowest error. Throws Error(kVerification) if that error is far above the target.
+  /// Chooses the cheapest candidate within the limit. The result includes neither the rows of the table nor the job's
+  /// settings. Call this function once. If no candidate is expected to reach the target error, chooses the candidate
+  /// with the lowest error. Throws Error(kVerification) if that error is far above the target.
   MapPlan plan();
 
   const MapNeeds& needs() const { return needs_; }
   const MapSurvey& survey() const { return survey_; }
   LobeErrors& errors() { return *errors_; }
-  /// Share of lobes that are too sharp for 16 bits. The share is nullopt if no visible material needs it.
+  /// Returns the share of lobes that are too sharp for 16 bits, or nullopt if no visible material needs this share.
   std::optional<double> share_unrepresentable(int lobe_count);
 
  private:

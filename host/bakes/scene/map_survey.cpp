@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads rows in bands. A band consists of the finest rows under one row of level kBandLevel. Threads share bands, and
-// sums are formed in the same order for any number of threads:
+// Reads rows in bands. A band consists of the finest rows that one row of level kBandLevel covers. Bands are divided
+// among threads, and sums are formed in the same order for any number of threads:
 //
 //     finest row -> sums of level 1 -> ... -> sums of level kBandLevel      in a band
 //                                             -> ... -> the coarsest level  after all bands
@@ -21,11 +21,11 @@ namespace multum {
 namespace {
 
 constexpr int kBandLevel = 5;
-// On larger maps, sums cover every fourth band. Ranges always cover every texel.
+// On larger maps, sums include only every fourth band. Ranges always include every texel.
 constexpr std::int64_t kSummedTexels = std::int64_t{1} << 22;
 constexpr int kBandStride = 4;
 
-// Sums over the normals under a texel.
+// The sums over the normals that a texel covers.
 struct Sums {
   double count = 0.0, x = 0.0, y = 0.0, z = 0.0, xx = 0.0, yy = 0.0, xy = 0.0;
 
@@ -41,7 +41,7 @@ struct NumberedRow {
   SumRow sums;
 };
 
-// Sums over a level, updated as its texels arrive.
+// The sums over a level, updated as its texels arrive.
 struct LevelSums {
   double texels = 0.0, spread = 0.0, spread_max = 0.0, difference = 0.0, variance = 0.0;
 
@@ -100,7 +100,7 @@ struct Range {
   double size() const { return high - low; }
 };
 
-// A chosen texel of the finest level, and the place where its values are stored.
+// A chosen texel of the finest level and the place where its values are stored.
 struct Pick {
   int row, column;
   std::size_t texel, index;
@@ -116,7 +116,7 @@ struct Area {
   int x0, y0, x1, y1;
 };
 
-// Takes about `count_max` positions in a grid of cells over an area, or all positions if there are no more.
+// Chooses about `count_max` positions in a grid of cells over an area, or all positions if there are at most that many.
 template <typename Take>
 void for_each_position(const Area& area, int count_max, std::uint64_t seed, const Take& take) {
   const int width = area.x1 - area.x0, height = area.y1 - area.y0;
@@ -200,7 +200,7 @@ class Survey {
     std::stable_sort(picks_.begin(), picks_.end(), [](const Pick& a, const Pick& b) { return a.row < b.row; });
   }
 
-  // The first finest row under a row of band_level_.
+  // Returns the first finest row that a row of band_level_ covers.
   int first_row(int band) const {
     const auto of = [&](int row) {
       for (int l = 1; l <= band_level_; ++l) row = parent_of(row, height_of(l - 1), height_of(l));
@@ -253,8 +253,8 @@ class Survey {
     return row;
   }
 
-  // Makes rows of level l from rows of the finer level, from the top. Rows from level 0 already have the columns of
-  // level 1.
+  // Makes rows of level l from rows of the next finer level, from the top. Rows of level 0 are passed in with their
+  // columns already reduced to those of level 1.
   std::vector<NumberedRow> coarser(const std::vector<NumberedRow>& rows, int l) const {
     std::vector<NumberedRow> out;
     for (const NumberedRow& row : rows) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Surveys a map for a plan in one pass over its rows. Collects moments of the normals under every texel of every level,
-// and the normals under a few texels of each level. Needs no device.
+// Surveys a map for a plan in one pass over its rows. Collects the moments of the normals that each texel of each level
+// covers, and the normals themselves for a few texels of each level. No device is needed.
 #pragma once
 
 #include <cstdint>
@@ -22,17 +22,17 @@ namespace multum {
 struct LevelStatistics {
   int level = 0;
   double texel_count = 0.0;
-  // 1 - |mean normal| of the normals under a texel. For small slopes, it is half the sum of the variances of the slopes
-  // along both axes.
+  // 1 - |mean normal| of the normals that a texel covers. For small slopes, this value is half the sum of the variances
+  // of the slopes along both axes.
   double spread_mean = 0.0, spread_max = 0.0;
-  // (a - b) / (a + b) of the variances along the two main axes of a texel's normals, weighted by a + b. It is 0 for
-  // equal spread and 1 for parallel grooves.
+  // (a - b) / (a + b), weighted by a + b, where a and b are the variances along the two main axes of a texel's normals.
+  // The value is 0 for equal spread and 1 for parallel grooves.
   double anisotropy = 0.0;
 };
 
 struct SurveyedTexel {
   int level = 0;
-  Normals normals;                  // all normals under the texel, or a random selection
+  Normals normals;                  // all normals that the texel covers, or a random selection of them
   std::vector<glm::dvec3> colours;  // [normal], linear RGB; empty if the map has no colours
   std::vector<glm::dvec4> weights;  // [normal], weights of basis BRDFs; empty if the map has none
 };
@@ -53,13 +53,13 @@ struct SurveySettings {
   int threads = 1;
 };
 
-/// Features of the same texels. They are null or have the map's size.
+/// The features of the same texels, which are null or have the map's size.
 struct SurveyedFeatures {
   const PlaneStore* albedo = nullptr;
   const WeightMap* weights = nullptr;
 };
 
-/// Normals may be shortened by roughness.
+/// Normals may be shortened according to roughness.
 MapSurvey survey_map(const PlaneStore& normals, const SurveyedFeatures& features, const SurveySettings& settings);
 
 }  // namespace multum

@@ -15,8 +15,8 @@
 namespace multum {
 namespace {
 
-// In an environment, multum-view evaluates harmonics of order 8. These harmonics suffice for highlights with exponents
-// below this limit. They miss 8 % of Blinn-Phong with s = 12 (docs/contributing/ALGORITHMS.md, "Environments").
+// In an environment, multum-view evaluates harmonics of order 8. They suffice for highlights with exponents below this
+// limit. For Blinn-Phong with s = 12, they miss 8 % (docs/contributing/ALGORITHMS.md, "Environments").
 constexpr double kHarmonicsExponentMax = 12.0;
 
 void add_row(ObjectPlan& object, const std::string& effect, bool needed, const std::string& why) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Plans the shader of an object from the plan of its map.
+// Plans the shader of an object, based on the plan of its map.
 #pragma once
 
 #include "host/bakes/scene/scene_plan.h"

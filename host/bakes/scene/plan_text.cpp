@@ -35,7 +35,7 @@ std::vector<std::string> wrapped(const std::string& text, std::size_t width) {
   return lines;
 }
 
-// Arranges items in columns if there is room, to be read line by line.
+// If there is room, arranges items in columns that are read line by line.
 std::vector<std::string> list_lines(const std::vector<PlannedItem>& list, std::size_t width) {
   std::size_t name = 0, value = 0;
   for (const PlannedItem& item : list) {
@@ -157,10 +157,10 @@ std::string bakes_text(const MapPlan& map) {
                      map.trials->fewest.shape.lobe_count, map.trials->most.shape.lobe_count, chosen.shape.first_level);
 }
 
-// Describes the cost of trials, which the cost model does not include. A trial on a mosaic of 256 x 256 texels takes
-// 0.05 to 0.7 s on 2 cores of an Intel Xeon with AVX-512 (docs/contributing/ALGORITHMS.md, "Plans of scenes").
+// Describes the cost of trials, which is not part of the cost model. A trial on a mosaic of 256 x 256 texels takes 0.05
+// to 0.7 s on 2 cores of an Intel Xeon with AVX-512 (docs/contributing/ALGORITHMS.md, "Plans of scenes").
 std::string trials_text() {
-  return fmt::format(" plus the trials (up to {} per map, a few seconds in total)",
+  return fmt::format(" plus the trials (up to {} per map, which take a few seconds in total)",
                      target_candidates(Representation::kMovmf).size());
 }
 
@@ -185,14 +185,14 @@ std::string outcome_text(const MapPlan& map) {
 
 std::string colour_text(const glm::vec3& c) { return fmt::format("{:.6g},{:.6g},{:.6g}", c.x, c.y, c.z); }
 
-// Makes a path absolute, because a service publishes the results folder at another place, where relative paths would
-// fail.
+// Makes a path absolute. A service publishes the results folder at another place, where relative paths would not be
+// valid.
 std::string absolute(const std::string& path) {
   return path.empty() ? "" : fs::absolute(path).lexically_normal().generic_string();
 }
 
-// Describes how multum-view draws the object: on a plane, at the smallest distance, with a tilt of up to 45 degrees.
-// The distance is 10 units, and the size of a unit in metres follows from it.
+// Describes how multum-view draws the object, which is on a plane, at the smallest distance and with a tilt of up to 45
+// degrees. The distance is set to 10 units, which determines the size of a unit in metres.
 Json view_json(const SceneDescription& scene, const SceneObject& object, const ObjectPlan& plan, const MapPlan& map,
                const SceneFiles& files) {
   constexpr double kUnits = 10.0, kPlaneSize = 60.0;
@@ -205,9 +205,9 @@ Json view_json(const SceneDescription& scene, const SceneObject& object, const O
                {"size", fmt::format("{}x{}", scene.camera.width, scene.camera.height)},
                {"camera", fmt::format("0,{:.6g},{:.6g},0,30,0,{:.6g}", 30.0 - kUnits * std::sin(tilt),
                                       kUnits * std::cos(tilt), scene.camera.fov_degrees)},
-               // The range that multum-view accepts. Beyond this range, single texels are not visible.
+               // The range that multum-view accepts. Outside this range, single texels would not be visible.
                {"repeat", std::clamp(kPlaneSize * object.distance_min / nearest / width, 1e-6, 1e6)}};
-  // Inputs for the reference of --compare.
+  // The inputs for the reference of --compare.
   view["source"] = text_of_path(absolute(map.job.input));
   const char* const roughness = map.job.roughness_is_gloss ? "gloss" : "roughness";
   for (const auto& [key, path] : {std::pair{"albedo", &map.job.albedo}, std::pair{roughness, &map.job.roughness},

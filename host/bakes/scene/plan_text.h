@@ -13,7 +13,7 @@ namespace multum {
 /// Lines have at most `width` characters. `width` must be at least 60.
 std::string plan_text(const SceneDescription& scene, const ScenePlan& plan, int width);
 
-/// Paths of a scene's files. The files of a map are in `folder` and named after the map.
+/// The paths of a scene's files. The files of a map are in `folder` and are named after the map.
 struct SceneFiles {
   std::string folder;
   std::string baked(const MapPlan& map) const { return folder + "/" + map.name + ".ndf.exr"; }
@@ -22,8 +22,8 @@ struct SceneFiles {
   std::string report() const { return folder + "/report.json"; }
 };
 
-/// Formats the decisions with their numbers, and how multum-view draws each object. `multum-view scene plan.json` reads
-/// this text. Paths of files are relative to the results folder.
+/// Formats the decisions with their numbers, and the way in which multum-view draws each object. `multum-view scene
+/// plan.json` reads this text. Paths of files are relative to the results folder.
 nlohmann::json plan_json(const SceneDescription& scene, const ScenePlan& plan, const SceneFiles& files);
 
 /// Formats values, such as "1.2 s" or "34 ms", "5.3 MiB" or "812 B", and "1.2 %" or "14 %" (for 0.14).

@@ -47,7 +47,7 @@ TargetBrdf target_brdf(const BakeJob& job) {
                                : fmt::format("blinn-phong:{:.7g}", job.measured_exponents.front()));
 }
 
-// With several lobes and a target, trials find the number of lobes and the effort of the fit
+// If several lobes are needed and there is a target, trials find the number of lobes and the effort of the fit
 // (host/bakes/settings_search/chosen_bake.h).
 BakeReport bake_lobes_to_target(const BakeJob& job, double target_error, const BakeSource* source, Device& device,
                                 Progress* progress, std::string& options) {
@@ -58,19 +58,19 @@ BakeReport bake_lobes_to_target(const BakeJob& job, double target_error, const B
   ChosenBake chosen = bake_to_target(job, target, source, device, progress);
   if (!chosen.met)
     throw Error(ErrorCode::kVerification,
-                fmt::format("{}: no settings reach target_error {:g}; the best are {}, with an error of {:.3g}",
+                fmt::format("{}: no settings reach target_error {:g}; the best settings, {}, have an error of {:.3g}",
                             job.input, target_error, chosen.options, chosen.reached.error));
   options = chosen.options;
   return std::move(chosen.report);
 }
 
-// Other settings come from estimates, so only a bake shows whether they meet the target.
+// Other settings are based on estimates, so only the bake shows whether they meet the target.
 bool misses_target(const SceneDescription& scene, const BakeJob& job, const std::vector<FootprintError>& errors) {
   if (!scene.budget.target_error || errors.empty() || !job.roughness.empty()) return false;
   return !reached_error(errors, target_brdf(job)).meets(*scene.budget.target_error);
 }
 
-// Errors of an unchanged file, from its row in the report.
+// Reads the errors of an unchanged file from its row in the report.
 std::vector<FootprintError> errors_of(const nlohmann::json& row) {
   std::vector<FootprintError> errors;
   try {
@@ -171,7 +171,7 @@ SceneMapRows earlier_rows(const std::string& path) {
 SceneReport bake_scene_maps(const SceneDescription& scene, const ScenePlan& plan, const SceneFiles& files,
                             const SceneMapRows& earlier, Device& device, const SceneMapDone& done, Progress* progress) {
   const Stopwatch stopwatch;
-  const DeviceCounts counts(device);  // counts only this share, because a process may bake several shares
+  const DeviceCounts counts(device);  // counts this share only, because a process may bake several shares
   SceneReport report;
   report.plan = plan;
   for (const MapPlan& map : report.plan.maps) {
@@ -266,7 +266,8 @@ std::string SceneReport::to_text() const {
                   bytes_text(std::abs(bytes)), bytes < 0.0 ? "more" : "less");
   if (all_unchanged)
     return text +
-           fmt::format("nothing to bake: all files exist; the plan took {}; ", time_text(1e3 * plan.plan_seconds)) +
+           fmt::format("nothing to bake, because all files exist; the plan took {}; ",
+                       time_text(1e3 * plan.plan_seconds)) +
            textures;
   return text +
          fmt::format(

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bakes a plan into a folder. Writes a file NAME.ndf.exr per map, its mean colours to NAME.colours.exr if planned,
-// plan.json, and report.json. Each file appears when it is complete, or not at all. Existing files from the same
+// Bakes a plan into a folder. For each map, writes NAME.ndf.exr and, if planned, mean colours to NAME.colours.exr. Also
+// writes plan.json and report.json. Each file appears when it is complete, or not at all. Existing files from the same
 // sources and settings are kept, so that a killed run can continue.
 #pragma once
 
@@ -27,8 +27,8 @@ struct SceneMapReport {
   MipReport colours;
   double seconds = 0.0;
   std::uint64_t file_bytes = 0;
-  // Difference measured after the bakes. It is set for maps that are larger than one texel and are not baked with
-  // default settings.
+  // The difference that is measured after the bakes. It is set for maps that are larger than one texel and that are not
+  // baked with default settings.
   std::optional<SceneDifference> difference;
 };
 
@@ -37,7 +37,7 @@ struct SceneReport {
   std::vector<SceneMapReport> maps;
   double seconds = 0.0;          // time of the bakes; ScenePlan::plan_seconds is separate
   double compare_seconds = 0.0;  // time to measure differences from the default bake
-  // Counts over all maps. Comparisons are not included.
+  // The counts over all maps, without comparisons.
   std::map<std::string, std::uint64_t> launches;  // number of launches per kernel
   std::map<std::string, int> builds;              // number of builds per kernels/FILE.cl
 
@@ -55,21 +55,22 @@ SceneReport bake_scene(const SceneDescription& scene, const ScenePlan& plan, con
 
 // The steps of bake_scene(), for shares of a scene (host/bakes/scene/scene_share.h).
 
-/// Rows of maps in a report, as JSON, by the map's name.
+/// The rows of maps in a report as JSON, by the name of the map.
 using SceneMapRows = std::map<std::string, std::string>;
 
-/// Returns the rows of an earlier bake's report. Empty if there is no such report.
+/// Returns the rows of an earlier bake's report. The result is empty if there is no such report.
 SceneMapRows earlier_rows(const std::string& path);
 
 /// Bakes the plan's maps. Writes neither the plan nor the report.
 SceneReport bake_scene_maps(const SceneDescription& scene, const ScenePlan& plan, const SceneFiles& files,
                             const SceneMapRows& earlier, Device& device, const SceneMapDone& done, Progress* progress);
 
-/// Measures differences from the default bake, for maps with other settings. Throws Cancelled.
+/// Measures differences from the default bake for maps that are baked with other settings. Throws Cancelled.
 void compare_scene_maps(const SceneDescription& scene, const ScenePlan& plan, SceneReport& report, Device& device,
                         Progress* progress);
 
-/// Copies settings that trials chose from the baked files to the report's plan. If there are any, also writes the plan.
+/// Copies the settings that trials have chosen from the baked files to the report's plan. If there are any such
+/// settings, also writes the plan.
 void write_settled_plan(const SceneDescription& scene, const SceneFiles& files, SceneReport& report);
 
 }  // namespace multum

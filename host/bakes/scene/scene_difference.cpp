@@ -55,7 +55,7 @@ BakeJob default_job(const SceneDescription& scene, const MapPlan& map) {
   return job;
 }
 
-// Bakes a mosaic. Maps that the job does not name are removed from the mosaic during the bake.
+// Bakes a mosaic. During the bake, material maps that the job does not name are removed from the mosaic.
 std::unique_ptr<AccuracyMeter> tried(Device& device, const BakeJob& job, BakeSource& mosaic,
                                      const AccuracySettings& accuracy, Progress* progress) {
   std::optional<PlaneStore> albedo;
@@ -73,8 +73,8 @@ struct Estimate {
   double value = 0.0, confidence = 0.0;
 };
 
-// Returns the sum of differences divided by the sum of `by_default` over all mosaics. The delta method gives the
-// interval.
+// Returns the sum of differences divided by the sum of `by_default` over all mosaics. The interval follows from the
+// delta method.
 Estimate ratio(const std::vector<LevelDifference>& of_mosaics) {
   double difference = 0.0, by_default = 0.0, squares = 0.0;
   for (const LevelDifference& one : of_mosaics) {
@@ -123,7 +123,7 @@ SceneDifference measure_difference(const SceneDescription& scene, const MapPlan&
     own.fitting.search_start = false;
     const auto meter = tried(device, own, mosaic, accuracy, &quiet);
     const auto other = tried(device, by_default, mosaic, accuracy, &quiet);
-    // If the scene shows no colours, the colours of the default bake are not visible either.
+    // If the scene shows no colours, the colours of the default bake are ignored too.
     const bool has_colours = !own.albedo.empty() || map.mean_colours;
     found.push_back(
         meter->difference_from(*other, device, mosaic.map.normals, has_colours ? mosaic.colours() : nullptr, &quiet));

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Measures the difference between a scene's bake and the default bake. Small mosaics of the map
 // (host/bakes/settings_search/map_mosaic.h) are baked with both settings. The two bakes are compared at all texels of
-// the visible levels, at midpoints, and half-way between levels, under the scene's lights and up to its tilt. The
-// mosaics are independent samples of the map, so their spread gives the confidence interval.
+// the visible levels, at midpoints and half-way between levels, under the scene's lights and for tilts up to the
+// scene's limit. The mosaics are independent samples of the map, so the confidence interval follows from their spread.
 #pragma once
 
 #include <string>
@@ -13,8 +13,8 @@
 
 namespace multum {
 
-/// Relative L1 difference of diffuse light or of highlights, whichever is larger: sum |scene - default bake| / sum
-/// default bake.
+/// The relative L1 difference, sum |scene - default bake| / sum default bake, of diffuse light or of highlights,
+/// whichever is larger.
 struct SceneDifference {
   double error = 0.0;       // mean over levels
   double confidence = 0.0;  // half width of the 95 % interval; 0 if the whole map was compared

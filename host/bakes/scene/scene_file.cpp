@@ -31,7 +31,7 @@ const NumberRange kFromZeroToOne = {0.0, 1.0, false, false, "a number from 0 to 
 constexpr std::size_t kLightCountMax = 8;     // limit of multum-view for lights of each kind
 constexpr std::size_t kMaterialCountMax = 4;  // largest number of basis BRDFs
 
-// Unique names of things of one kind.
+// The names of things of one kind, which must be unique.
 class Names {
  public:
   explicit Names(std::string kind) : kind_(std::move(kind)) {}
@@ -133,7 +133,7 @@ glm::vec3 read_colour(const StrictTable& table, const std::string& key, const Nu
   return n.size() == 1 ? glm::vec3(static_cast<float>(n[0])) : glm::vec3(n[0], n[1], n[2]);
 }
 
-// Reads one width, or the ends of a range.
+// Reads a single width or both ends of a range.
 std::vector<Brdf> with_widths(const StrictTable& table, const BrdfFamily& family, const Brdf& brdf) {
   const BrdfMember& width = family.members[0];
   const std::string key(width.key);
@@ -149,7 +149,7 @@ std::vector<Brdf> with_widths(const StrictTable& table, const BrdfFamily& family
   return brdfs;
 }
 
-// Lists the families that have the member, as in "brdf = "cook-torrance" and "ggx"".
+// Lists the families of BRDFs that have the member, as in "brdf = "cook-torrance" and "ggx"".
 std::string families_with(const std::string& key) {
   std::vector<std::string> names;
   for (const BrdfFamily& family : brdf_families())
@@ -169,11 +169,11 @@ void check_keys_of_family(const StrictTable& table, const NamedFamily& named, co
   }
   if (table.has("file") != named.family->is_file)
     table.refuse(table.has("file") ? "file" : "",
-                 table.has("file") ? fmt::format("is for brdf = \"measured\", found brdf = \"{}\"", name)
+                 table.has("file") ? fmt::format("works only with brdf = \"measured\", found brdf = \"{}\"", name)
                                    : "has no file, which brdf = \"measured\" requires");
 }
 
-// If `reads_files` is true, reads the file of a measured BRDF, not only its name.
+// If `reads_files` is true, reads the file of a measured BRDF, otherwise only its name.
 SceneMaterial read_material(const std::string& path, const toml::table& toml, Names& names, bool reads_files) {
   std::vector<std::string> keys = member_keys();
   keys.insert(keys.end(), {"name", "brdf", "diffuse", "specular", "file"});
@@ -194,7 +194,7 @@ SceneMaterial read_material(const std::string& path, const toml::table& toml, Na
   brdf.f0 = read_colour(table, "f0", kFromZeroToOne, brdf.f0);
   brdf.diffuse = read_colour(table, "diffuse", kFromZero, brdf.diffuse);
   if (family.fit == BrdfFit::kNone && table.has("specular"))
-    table.refuse("specular", fmt::format("is for BRDFs with a highlight, found brdf = \"{}\"", name));
+    table.refuse("specular", fmt::format("works only with BRDFs that have a highlight, found brdf = \"{}\"", name));
   brdf.specular = read_colour(table, "specular", kFromZero, brdf.specular);
   material.width_in_map = named->width_in_map;
   const bool takes_width = family.has_width() && !named->width_in_map;
@@ -225,9 +225,10 @@ void check_materials(const StrictTable& table, const SceneObject& object, const 
       table.refuse(key, fmt::format("is \"{}\", whose brdf is \"roughness-map\", but map \"{}\" has no roughness",
                                     material.name, map.name));
     if (!material.width_in_map && !map.job.roughness.empty())
-      table.refuse(key, fmt::format("is \"{}\", but map \"{}\" has a roughness: expected a material of brdf = "
-                                    "\"roughness-map\"",
-                                    material.name, map.name));
+      table.refuse(
+          key,
+          fmt::format("is \"{}\", but map \"{}\" has a roughness; expected a material with brdf = \"roughness-map\"",
+                      material.name, map.name));
   }
 }
 
@@ -277,7 +278,7 @@ SceneLight read_light(const std::string& path, const toml::table& toml) {
   if (!light.is_point && light.place == glm::dvec3(0.0)) table.refuse(place, "is 0, expected a direction");
   light.power = read_colour(table, power, kFromZero, glm::vec3(light.is_point ? 1.0f : 3.14159265f));
   if (!light.is_point && (light.power.y != light.power.x || light.power.z != light.power.x))
-    table.refuse(power, "is a colour, expected one number: distant lights are white");
+    table.refuse(power, "is a colour, expected one number, because distant lights are white");
   return light;
 }
 
@@ -345,7 +346,7 @@ SceneDescription read_scene(const std::string& path, const BakeJob& pattern, boo
   for (std::size_t m = 0; m < scene.maps.size(); ++m)
     if (std::none_of(scene.objects.begin(), scene.objects.end(), [&](const SceneObject& o) { return o.map == m; }))
       map_table(path, *map_tables[m])
-          .refuse("name", fmt::format("is \"{}\", which no [[object]] shows", scene.maps[m].name));
+          .refuse("name", fmt::format("is \"{}\", which is not used by any [[object]]", scene.maps[m].name));
   return scene;
 }
 
@@ -354,7 +355,7 @@ SceneDescription read_scene(const std::string& path, const BakeJob& pattern, boo
 SceneDescription read_scene(const std::string& path, const BakeJob& pattern) { return read_scene(path, pattern, true); }
 
 std::vector<std::string> scene_files(const std::string& path) {
-  const BakeJob pattern;  // a named object, because GCC 12 warns about an empty one in braces
+  const BakeJob pattern;  // a named object, because GCC 12 warns about empty braces
   const SceneDescription scene = read_scene(path, pattern, false);
   std::vector<std::string> files;
   for (const SceneMap& map : scene.maps)

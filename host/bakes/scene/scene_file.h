@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads scene.toml, which describes how a scene shows its maps (materials, lights and camera distances). A bake can
-// then omit data that the scene does not need. docs/reference/scenes.md describes every key.
+// Reads scene.toml, which describes the materials, lights and camera distances with which a scene shows its maps. A
+// bake can then omit data that the scene does not need. docs/reference/scenes.md describes every key.
 #pragma once
 
 #include <optional>
@@ -55,7 +55,8 @@ struct SceneBudget {
   std::optional<double> bytes;         // bytes of the textures of all maps together
   std::optional<double> bake_ms;       // time of the bake by the model of docs/evidence/SCENE.md
   std::optional<double> target_error;  // relative L1 error against the reference, for the worst BRDF of each map
-  double estimate_margin = 0.02;       // how much the estimated error may exceed the default error, relative L1
+  double estimate_margin = 0.02;       // the amount by which the estimated relative L1 error may exceed the error of
+                                       // the default bake
 };
 
 struct SceneDescription {
@@ -69,11 +70,11 @@ struct SceneDescription {
 };
 
 /// Reads and validates a scene. Each map's job is `pattern` with the scene's values. Paths are relative to the scene's
-/// folder. Reads the files of measured BRDFs. Other files need only exist. Throws Error(kInput) that names the file,
-/// the line, the value found and the value expected.
+/// folder. The files of measured BRDFs are read. Other files must exist, but are not read. Throws Error(kInput) that
+/// names the file, the line, the value found and the value expected.
 SceneDescription read_scene(const std::string& path, const BakeJob& pattern);
 
-/// Lists the files that a scene names, and reads none of them. Throws as read_scene() does.
+/// Lists the files that a scene names, and reads none of them. Throws the same errors as read_scene().
 std::vector<std::string> scene_files(const std::string& path);
 
 }  // namespace multum

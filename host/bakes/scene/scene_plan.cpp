@@ -17,7 +17,7 @@
 namespace multum {
 namespace {
 
-// If there is a target and several lobes are needed, trials choose among vMF lobes, up to the largest number
+// If there is a target and several lobes are needed, trials choose the number of vMF lobes, up to the maximum
 // (host/bakes/scene/scene_bake.cpp).
 std::optional<TrialRange> trials_of(const SceneBudget& budget, const BakeCandidate& chosen) {
   if (!budget.target_error || !holds_lobes(chosen.shape.representation) || chosen.shape.lobe_count < 2)
@@ -64,7 +64,7 @@ void fill_job(const MapNeeds& needs, const SceneBudget& budget, MapPlan& plan) {
                              plan.default_bake.error.worst() + budget.estimate_margin;
 }
 
-// Reduces the cost to the scene's budgets. Repeatedly takes the step that increases the error least.
+// Reduces the cost until it meets the scene's budgets. Repeatedly takes the step that increases the error least.
 void hold_to_budgets(const SceneBudget& budget, std::vector<MapPlan>& maps) {
   for (const auto& [limit, what, value] :
        {std::tuple{budget.bytes, "bytes", &BakeCost::bytes}, std::tuple{budget.bake_ms, "bake_ms", &BakeCost::ms}}) {
@@ -83,7 +83,7 @@ void hold_to_budgets(const SceneBudget& budget, std::vector<MapPlan>& maps) {
           }
       if (step == nullptr)
         throw Error(ErrorCode::kVerification,
-                    fmt::format("no settings meet the budget {} = {:g}: the lowest possible value is {:.6g}", what,
+                    fmt::format("no settings meet the budget {} = {:g}; the lowest possible value is {:.6g}", what,
                                 *limit, total));
       cheapest->chosen = *step;
     }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Decides from a scene and its maps which effects of each map the scene needs, and how each map is baked. Chooses the
-// cheapest candidate whose estimated error exceeds that of the default bake by at most a margin
-// (docs/contributing/ALGORITHMS.md, "Plans of scenes" lists the rules).
+// Decides which effects of each map a scene needs, and how each map is baked. Chooses the cheapest candidate whose
+// estimated error exceeds that of the default bake by at most a margin (docs/contributing/ALGORITHMS.md, "Plans of
+// scenes" lists the rules).
 #pragma once
 
 #include <algorithm>
@@ -17,7 +17,7 @@
 
 namespace multum {
 
-/// One of the settings that a row of the table lists, with its estimate.
+/// One of the settings that a row of the table lists, and its estimate.
 struct PlannedItem {
   std::string name;   // "2 lobes"
   std::string value;  // "0.21/45 %"
@@ -33,14 +33,14 @@ struct PlannedEffect {
   std::vector<PlannedItem> list = {};  // candidates that were tried, sorted by cost; may be empty
 };
 
-/// Estimated errors, relative L1, of diffuse light and of highlights.
+/// The estimated relative L1 errors of diffuse light and of highlights.
 struct PartErrors {
   double diffuse = 0.0, specular = 0.0;
   double worst() const { return std::max(diffuse, specular); }
   bool within(const PartErrors& limit) const { return diffuse <= limit.diffuse && specular <= limit.specular; }
 };
 
-/// A way to bake a map, with its estimated error and cost.
+/// A way to bake a map, and its estimated error and cost.
 struct BakeCandidate {
   std::string name;  // "vmf, 2 lobes", "moments"
   BakeShape shape;
@@ -72,8 +72,8 @@ struct MapPlan {
   double stated_difference = 0.0;         // estimated relative L1 difference from pictures of the default bake
   std::vector<PlannedEffect> effects;
   std::shared_ptr<BakeSource> source;  // the job's inputs, if they are kept in memory
-  // Small samples of the map for host/bakes/scene/scene_difference.h. Null if no bake follows or if one texel
-  // represents the map.
+  // Small samples of the map for host/bakes/scene/scene_difference.h. The pointer is null if no bake follows or if one
+  // texel represents the map.
   std::shared_ptr<std::vector<BakeSource>> mosaics;
 };
 
@@ -84,7 +84,7 @@ struct ObjectPlan {
   std::vector<PlannedEffect> effects;   // effects of its shader
   bool environment_by_harmonics = false;
   std::optional<glm::dvec3> fixed_fresnel;  // constant that replaces the Fresnel term F
-  double stated_difference = 0.0;           // stated difference of the object's map plus that of its shader
+  double stated_difference = 0.0;           // the sum of the stated differences of the object's map and of its shader
 };
 
 struct ScenePlan {
@@ -98,7 +98,7 @@ struct ScenePlan {
 struct PlanSettings {
   int threads = 1;
   bool for_bake = true;  // true if a bake follows
-  // Maps stay in memory for the bake up to this total size. Other maps are read again.
+  // Maps up to this total size stay in memory for the bake. All other maps are read again.
   std::uint64_t kept_bytes_max = std::uint64_t{4} << 30;
 };
 

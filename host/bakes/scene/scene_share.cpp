@@ -22,7 +22,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-// Hashes of a map's two files. A hash is empty if the file does not exist.
+// The hashes of a map's two files. A hash is empty if its file does not exist.
 struct FileHashes {
   std::string baked, colours;
 };
@@ -52,7 +52,7 @@ std::vector<std::size_t> maps_of_share(const SceneDescription& scene, int index,
   return maps;
 }
 
-// Returns the scene with only these maps and the objects that show them.
+// Returns a scene that contains only these maps and the objects that show them.
 SceneDescription part_of(const SceneDescription& scene, const std::vector<std::size_t>& maps) {
   SceneDescription part = scene;
   part.maps.clear();
@@ -87,7 +87,7 @@ std::string key_of(const SceneRun& run, const std::vector<std::size_t>& own) {
 
 ShareName name_of(const SceneRun& run, int index, int count) { return {run.files.folder, "scene", index, count}; }
 
-// Returns the reason why the file differs from the file that its share wrote, or an empty string if it does not differ.
+// If the file differs from the file that its share wrote, returns the difference. Otherwise returns an empty string.
 std::string difference(const std::string& path, const std::string& expected) {
   std::error_code ignored;
   if (!std::filesystem::is_regular_file(path, ignored)) return path + ": does not exist";

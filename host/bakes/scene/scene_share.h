@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Divides the bake of a scene among processes that share the output folder. Maps are assigned in turn. A share bakes
-// its maps and lists them in a record (host/foundation/base/share_record.h). A merge checks the records of all shares
-// and the hashes of the baked files, and writes plan.json and report.json. If the scene has a budget for all maps
-// together, every share plans all maps. Otherwise a share reads only its own maps.
+// Divides the bake of a scene among processes that use the same output folder. Maps are assigned to shares in turn. A
+// share bakes its maps and lists them in a record (host/foundation/base/share_record.h). A merge checks the records of
+// all shares and the hashes of the baked files, and writes plan.json and report.json. If the scene has a budget for all
+// maps together, every share plans all maps. Otherwise a share reads only its own maps.
 #pragma once
 
 #include <string>
@@ -21,17 +21,17 @@ struct SceneRun {
 };
 
 struct SceneShareReport {
-  bool was_there = false;  // true if nothing was done, because the share already existed with the same inputs and
+  bool was_there = false;  // true if nothing was done because the share had already been baked with the same inputs and
                            // settings
   int maps = 0;            // number of maps in the share
 };
 
-/// Bakes share `index` of `count`. Shares are counted from 1. Throws as plan_scene() and bake_scene() do.
+/// Bakes share `index` of `count`. Shares are counted from 1. Throws the same errors as plan_scene() and bake_scene().
 SceneShareReport bake_scene_share(const SceneRun& run, int index, int count, Device& device, const SceneMapDone& done,
                                   Progress* progress);
 
-/// Throws Error(kEnvironment) that names every share whose record or files are missing, damaged or from another bake,
-/// and states the option that bakes the share again. Also throws as plan_scene() does.
+/// If records or files of shares are missing, damaged or from another bake, throws Error(kEnvironment) that names these
+/// shares and the option that bakes a share again. Also throws the errors of plan_scene().
 SceneReport merge_scene(const SceneRun& run, int count, Progress* progress);
 
 }  // namespace multum

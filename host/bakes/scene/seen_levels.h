@@ -8,8 +8,8 @@ namespace multum {
 
 /// Returns the finest and the coarsest level that the default filter reads (tap_filter.h), from 0 to level_count - 1. A
 /// corner pixel of a picture at the shortest distance, on a surface that faces the camera, covers the fewest texels.
-/// The largest footprint is that of a pixel in the middle of the picture, at the longest distance, on a surface tilted
-/// by object.tilt_max.
+/// The largest footprint belongs to a pixel in the middle of the picture, at the longest distance, on a surface that is
+/// tilted by object.tilt_max.
 struct SeenLevels {
   int first, last;
 };

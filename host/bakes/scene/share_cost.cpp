@@ -11,12 +11,12 @@
 namespace multum {
 namespace {
 
-// Processor time in nanoseconds per finest texel, fitted by eye. The sums match a bake of 16384 x 16384 texels, which
-// took 194 s (docs/evidence/BENCHMARKS.md, "Whole bakes of growing maps", has a later run: 199 s). The division of the
-// sums among levels, lobes and stages is from maps of 1024 and 2048 texels per side (tools/lab/share_constants.py
-// prints measured and predicted values). The times were measured on 2 cores of an Intel Xeon with AVX-512 and PoCL 3.1,
-// with other programs running. The additional work of shares is from docs/evidence/SHARES.md, measured on an AMD EPYC
-// without AVX-512.
+// Processor times in nanoseconds per finest texel, fitted by eye. Their sum matches a bake of 16384 x 16384 texels,
+// which took 194 s (a later run took 199 s: docs/evidence/BENCHMARKS.md, "Whole bakes of growing maps"). The division
+// of the sum among levels, lobes and stages was measured on maps with 1024 and 2048 texels per side
+// (tools/lab/share_constants.py prints measured and predicted values). The times were measured on 2 cores of an Intel
+// Xeon with AVX-512 and PoCL 3.1, while other programs were running. The additional work of shares was measured on an
+// AMD EPYC without AVX-512 (docs/evidence/SHARES.md).
 constexpr double kReadCpu = 60.0;          // includes decoding, hashing and detection of the encoding
 constexpr double kStoreRows = 8.0;         // writing the map's rows to share 0's file
 constexpr double kFitLevelOneCpu = 40.0;   // for level 1
@@ -25,14 +25,16 @@ constexpr double kFitFineCpu = 15.0;       // each level from 2 to 5
 constexpr double kFitLobeFineCpu = 7.5;    // additional time per lobe
 constexpr double kFitCoarseCpu = 100.0;    // all coarser levels together
 constexpr double kColourFactorCpu = 0.6;   // additional share of the fit per triple of features
-constexpr double kBandRows = 12.0;         // copying rows of map and lobes to and from shares, per texel of a band
+constexpr double kBandRows = 12.0;         // copying rows of the map and of lobes to and from shares, per texel of a
+                                           // band
 constexpr double kMergeMap = 6.0;          // hashing the map, and reading its rows from share 0's file
 constexpr double kMergeRows = 12.0;        // reading rows of lobes from all shares
 constexpr double kWriteTextureCpu = 30.0;  // per stored texel of a texture
 constexpr double kMeasureLambertCpu = 10.0;
 constexpr double kMeasureExponentCpu = 30.0;
-// Times in seconds for the start of a process with its programs and buffers, for the search for the initial lobes of
-// EM, and for the measurement. They include a minimum time for every level.
+// Times in seconds that do not depend on the size of the map. They are for starting a process with its programs and
+// buffers, for the search for the initial lobes of EM, and for the measurement. They include a minimum time for every
+// level.
 constexpr double kFixedCpu = 0.1;
 constexpr double kFixedStart = 0.85;
 constexpr double kFixedWrite = 0.25;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Predicts the processor time of the shares of one map (host/bakes/movmf/map_shard.h) by a model with few constants.
-// The number of useful shares and the time limits of a farm follow from this prediction.
+// Predicts the processor time of the shares of one map (host/bakes/movmf/map_shard.h) by a model with few constants. A
+// farm's time limits and the useful number of shares follow from this prediction.
 #pragma once
 
 #include <vector>
@@ -26,8 +26,8 @@ double bake_processor_seconds(const BakeShape& shape);
 /// Throws Error(kUsage), as plan_shard() does, for too many bands or for a fit that cannot be divided.
 ShareCost share_cost(const BakeShape& shape, const MovmfSettings& settings, int count);
 
-/// Returns the number of bands for a map if each band may take about `share_seconds`. Returns 0 if one process should
-/// bake the map, because its time is short or its fit cannot be divided.
+/// Returns the number of bands into which a map should be divided if each band may take about `share_seconds`. Returns
+/// 0 if one process should bake the map, because the bake is short or its fit cannot be divided.
 int share_count_of(const BakeShape& shape, const MovmfSettings& settings, double share_seconds);
 
 }  // namespace multum

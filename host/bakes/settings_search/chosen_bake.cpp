@@ -36,8 +36,8 @@ struct Attempt {
   std::vector<std::string> warnings;  // warnings, which are printed if this attempt is chosen
 };
 
-// Bakes candidates in a temporary folder next to the output. At the end, removes the folder unless it holds a stopped
-// bake that can be resumed.
+// Bakes candidates in a temporary folder next to the output. The folder is removed at the end, unless it holds a
+// stopped bake that can be resumed.
 class Attempts {
  public:
   Attempts(const BakeJob& job, const BakeSource& source, SettingTrials& trials, double read_seconds, Device& device,
@@ -79,7 +79,7 @@ class Attempts {
                      held.take()});
     return made_.back();
   }
-  /// True if the last attempt meets the target. If the attempt seems to meet the target, measures its file again at
+  /// Returns whether the last attempt meets the target. If it seems to meet the target, its file is measured again at
   /// other footprints.
   bool meets(double target) {
     constexpr std::uint64_t kSecondSeed = 1000003;
@@ -100,12 +100,13 @@ class Attempts {
     attempt.confirmed = reached_error(file.meter->footprint_errors(), trials_.brdf());
     return attempt.confirmed->meets(target);
   }
-  /// Makes the last attempt's file the output, unless another one is kept later.
+  /// Selects the file of the last attempt as the output, unless another file is kept later.
   void keep() {
     std::filesystem::rename(scratch_, kept_);
     has_kept_ = true;
   }
-  /// Renames the kept file to the output. Call it last, so that a cancelled search leaves an older output unchanged.
+  /// Renames the kept file to the output. Call this function last, so that a cancelled search leaves an older output
+  /// unchanged.
   void commit() {
     if (has_kept_) std::filesystem::rename(kept_, job_.output);
     has_kept_ = false;
@@ -136,7 +137,7 @@ std::string reached_text(const ReachedError& reached) {
          (reached.shading.empty() ? "" : fmt::format(" when shaded as {}", reached.shading));
 }
 
-// Tries the cheapest settings first. Errors on the whole map correct the errors that the mosaic predicts.
+// Tries the cheapest settings first. Errors that were measured on the whole map correct the predictions of the mosaic.
 std::optional<std::size_t> find_by_error(const BakeTarget& target, SettingTrials& trials, Attempts& attempts,
                                          Progress* progress) {
   double correction = 1.0;
@@ -148,7 +149,7 @@ std::optional<std::size_t> find_by_error(const BakeTarget& target, SettingTrials
     first = trial->candidate + 1;
     if (trial->reached.error > 0.0) correction = std::max(correction, attempt.judged().error / trial->reached.error);
   }
-  // The mosaic is only a sample, so its best settings are also baked.
+  // The mosaic is only a sample of the map, so the settings that are best on the mosaic are also baked.
   const auto best =
       std::min_element(trials.made().begin(), trials.made().end(),
                        [](const SettingTrial& a, const SettingTrial& b) { return a.reached.error < b.reached.error; });
@@ -159,12 +160,13 @@ std::optional<std::size_t> find_by_error(const BakeTarget& target, SettingTrials
 }
 
 // Predicts the time of a bake of the whole map from its trial. The map has `scale` times as many texels on level 1, the
-// finest level that the trial fits. Times of finished bakes correct the prediction, separately for lobes and averages.
+// finest level that the trial fits. The times of finished bakes correct the prediction, separately for lobes and for
+// averages.
 class TimeGuess {
  public:
   TimeGuess(const SettingTrials& trials, double read_seconds) : trials_(trials), read_seconds_(read_seconds) {}
   double seconds(const SettingTrial& trial) const {
-    constexpr double kDefaultCorrection = 0.75;  // trials are so small that the time of launches matters
+    constexpr double kDefaultCorrection = 0.75;  // trials are so small that the time for launches matters
     const auto found = correction_.find(is_fit(trial));
     return read_seconds_ + raw(trial) * (found == correction_.end() ? kDefaultCorrection : found->second);
   }
@@ -190,8 +192,8 @@ class TimeGuess {
 std::optional<std::size_t> find_by_time(const BakeTarget& target, double read_seconds, SettingTrials& trials,
                                         Attempts& attempts, Progress* progress) {
   constexpr std::size_t kAttemptsMax = 6;
-  // Predicted times may be too high by up to this factor. If the time of a trial exceeds the target by more than this
-  // factor, settings of the same representation with more lobes or higher orders are skipped.
+  // Predicted times may be too high, but by at most this factor. If the time of a trial exceeds the target by more than
+  // this factor, settings of the same representation with more lobes or higher orders are skipped.
   constexpr double kGuessMargin = 8.0;
   TimeGuess guess(trials, read_seconds);
   const std::vector<SettingCandidate>& candidates = trials.candidates();
@@ -227,7 +229,7 @@ std::optional<std::size_t> find_by_time(const BakeTarget& target, double read_se
   return best;
 }
 
-// Describes the chosen settings, the reason, and the other trials.
+// Describes the chosen settings, the reason for the choice, and the other trials.
 std::string choice_text(const BakeTarget& target, const SettingTrials& trials, const Attempts& attempts,
                         const Attempt& chosen, bool met) {
   const auto options = [&](const SettingTrial& trial) { return trials.candidates()[trial.candidate].options; };
@@ -235,22 +237,23 @@ std::string choice_text(const BakeTarget& target, const SettingTrials& trials, c
                                  reached_text(chosen.judged()), trials.brdf().id.text());
   text += target.error ? fmt::format(", asked for {}", in_percent(*target.error))
                        : fmt::format(" in {:.0f} ms, asked for {:.0f}", 1e3 * chosen.seconds, 1e3 * *target.seconds);
-  text += fmt::format("; tried {} of {} settings on a mosaic, and baked {}\n", trials.made().size(),
+  text += fmt::format("; tried {} of {} settings on a mosaic, and baked with {}\n", trials.made().size(),
                       trials.candidates().size(), attempts.made().size());
   if (target.error) {
-    // The error of the most accurate cheaper settings shows that no cheaper settings suffice.
+    // States the error of the most accurate cheaper settings, to show that no cheaper settings suffice.
     const SettingTrial* below = nullptr;
     for (const SettingTrial& trial : trials.made())
       if (trial.candidate < chosen.trial.candidate && (!below || trial.reached.error < below->reached.error))
         below = &trial;
     if (met && below != nullptr)
-      text +=
-          fmt::format("  cheaper settings reach {} at best ({})\n", in_percent(below->reached.error), options(*below));
+      text += fmt::format("  the best cheaper settings have an error of {} ({})\n", in_percent(below->reached.error),
+                          options(*below));
   }
   const ReachedError& judged = chosen.judged();
   if (chosen.confirmed)
     text += fmt::format(
-        "  measured at footprints that were not used to choose the settings; at the footprints that were used: {}\n",
+        "  measured at footprints that were not used to choose the settings; the error at the footprints that were "
+        "used is {}\n",
         error_text(chosen.reached.error, chosen.reached.confidence));
   text += fmt::format("  95 % of pixels have errors of at most {}; the worst pixels cover {} and have an error of {}\n",
                       in_percent(judged.percentile_95), octave_text(judged.worst_octave),
@@ -258,8 +261,8 @@ std::string choice_text(const BakeTarget& target, const SettingTrials& trials, c
   return text;
 }
 
-// Adds the error of a picture of the output. The picture is optional, so that a machine without GL still writes the
-// file.
+// Adds the error of a picture of the output. The picture is optional, so that the file can be written on a machine
+// without GL.
 void add_picture(const BakeJob& job, const BakeTarget& target, Progress* progress, BakeReport& report) {
   if (target.viewer.program.empty()) return;
   try {
@@ -289,17 +292,17 @@ void check_target(const BakeTarget& target, const BakeJob& job) {
     throw Error(ErrorCode::kUsage, fmt::format("--brdf {} is a sum of vMFs, which --ndf {} cannot shade",
                                                target.brdf.text, representation_info(*target.only).option));
   if (!job.measure)
-    throw Error(
-        ErrorCode::kUsage,
-        "--no-measure excludes --target-error and --budget-ms, because these choose settings by measured errors");
+    throw Error(ErrorCode::kUsage,
+                "--no-measure cannot be combined with --target-error or --budget-ms, because these choose settings by "
+                "measured errors");
   if (job.region || !job.onto.empty())
-    throw Error(
-        ErrorCode::kUsage,
-        "--region and --onto use the settings of a file, so --target-error and --budget-ms cannot choose settings");
+    throw Error(ErrorCode::kUsage,
+                "--region and --onto use the settings of an existing file, so --target-error and --budget-ms cannot "
+                "choose settings");
   if (job.resume && target.seconds)
     throw Error(ErrorCode::kUsage,
-                "--resume and --budget-ms exclude each other: the time of a resumed bake does not show the cost of its "
-                "settings");
+                "--resume and --budget-ms are mutually exclusive, because the time of a resumed bake does not show the "
+                "cost of its settings");
 }
 
 ChosenBake bake_to_target(const BakeJob& job, const BakeTarget& target, Device& device, Progress* progress) {
@@ -378,7 +381,7 @@ ChosenBake bake_to_target(const BakeJob& given_job, const BakeTarget& given, con
   if (chosen.written)
     for (const std::string& warning : attempt.warnings) log_named_warning(warning);
   clock.finish("choose");
-  // Time that is not part of the bake itself.
+  // The time that is not part of the bake itself.
   double others = choosing.stages.back().seconds;
   for (const StageTime& stage : chosen.report.stages)
     if (stage.name != "read") others -= stage.seconds;

@@ -10,12 +10,12 @@
 namespace multum {
 namespace {
 
-// If there is room, blocks begin at multiples of this value, so that mip texels divide fine patterns in the same way as
+// If there is room, blocks begin at multiples of this value, so that mip texels cut fine patterns at the same places as
 // in the map.
 constexpr int kAlignment = 16;
 
-// Start columns of each block in the map. Blocks in one row of cells use the same rows, so that a map on disk is read
-// by whole rows.
+// The positions of the blocks in the map. Blocks in one row of cells use the same rows of the map, so that a map on
+// disk is read in whole rows.
 struct Cuts {
   int width, height;                // size of the mosaic
   std::vector<int> rows;            // [block row]
@@ -31,7 +31,7 @@ int place_in_cell(int i, int count, int size, int block, std::uint64_t random) {
 }
 
 Cuts make_cuts(int width, int height, const MosaicSettings& settings) {
-  // A side that fits becomes one block.
+  // A side that is not longer than the mosaic becomes one block.
   const auto count = [&](int size) { return size <= settings.side_max ? 1 : settings.side_max / settings.block; };
   const auto side = [&](int size) { return std::min(size, settings.side_max); };
   Cuts cuts{side(width), side(height), {}, {}};

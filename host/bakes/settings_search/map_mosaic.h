@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Makes a small map that behaves like a large one, so that settings can be tried at low cost. The large map is divided
-// into as many cells as the mosaic has blocks. From each cell one block, at a random place, is copied to the cell's
+// Makes a small map that behaves like a large map, so that settings can be tried at low cost. The large map is divided
+// into as many cells as the mosaic has blocks. From each cell, one block at a random place is copied to the cell's
 // position in the mosaic. Fine levels of the mosaic are therefore samples of the map's levels. At coarse levels, blocks
 // have the same neighbours as in the map.
 #pragma once
@@ -17,7 +17,7 @@ struct MosaicSettings {
   std::uint64_t seed = 1;
 };
 
-/// Makes the mosaic in memory. Feature maps are cut at the same places as the normals.
+/// Makes the mosaic in memory. Blocks of feature maps are taken from the same places as blocks of the normals.
 BakeSource make_mosaic(const BakeSource& source, const MosaicSettings& settings);
 
 }  // namespace multum

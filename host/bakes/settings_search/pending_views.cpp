@@ -56,7 +56,7 @@ void PendingViews::draw(Progress* progress) {
                       is_sheet ? bytes_of_file(file(i, "_reference.png")) : ""});
   }
   for (const Waiting& one : waiting_) {
-    std::error_code ignored;  // a file that several views show is removed only once
+    std::error_code ignored;  // a file that is shown in several views is removed only once
     std::filesystem::remove(one.view.baked, ignored);
   }
   waiting_.clear();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Draws baked maps of a sweep with multum-view, many in one child process, because starting a process with a GL driver
-// takes longer than drawing a small map. Baked files are kept until they are drawn, and their total size is limited.
+// Draws the baked maps of a sweep with multum-view. One child process draws many maps, because starting a process with
+// a GL driver takes longer than drawing a small map. Baked files are kept until they are drawn, and their total size is
+// limited.
 #pragma once
 
 #include <cstdint>
@@ -28,14 +29,14 @@ struct DrawnView {
 
 class PendingViews {
  public:
-  /// `common` holds the arguments for every view. Files are written to `folder` and stay there.
+  /// `common` holds the arguments for every view. Files are written to `folder` and are not removed.
   PendingViews(std::string viewer, std::vector<std::string> common, std::string folder);
 
   /// Calls `take` when the view has been drawn, in the order of add().
   void add(PendingView view, std::function<void(const DrawnView& drawn)> take);
   /// Total size of the baked files that are not yet drawn.
   std::uint64_t waiting_bytes() const { return waiting_bytes_; }
-  /// Draws all waiting views and removes their baked files. Throws as run_viewer() does.
+  /// Draws all waiting views and removes their baked files. Throws the same errors as run_viewer().
   void draw(Progress* progress);
 
  private:

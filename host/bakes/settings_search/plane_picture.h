@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Draws a baked file with multum-view on a plane that extends to the horizon, and compares it with its reference.
-// This error of a picture complements the pixel error that the bake measures (host/bakes/accuracy/footprint_error.h).
+// Draws a baked file with multum-view on a plane that extends to the horizon, and compares it with its reference. The
+// error of this picture complements the pixel error that the bake measures (host/bakes/accuracy/footprint_error.h).
 #pragma once
 
 #include <nlohmann/json.hpp>

@@ -17,7 +17,7 @@ constexpr unsigned kDefaultAndFull = kDefaultSweep | kFullSweep;
 constexpr unsigned kEverySweep = kQuickSweep | kDefaultAndFull;
 constexpr unsigned kEveryScene = kScenePlan | kSceneTarget;
 
-// Orders candidates with equal texture counts by the time of their bakes (docs/evidence/ACCURACY.md).
+// The order of candidates with equal texture counts, by the time of their bakes (docs/evidence/ACCURACY.md).
 enum Effort { kAveraged, kQuickFit, kDefaultFit, kRefinedFit, kLongFit };
 
 Effort effort_of(const ParameterValues& values, Representation representation) {
@@ -57,7 +57,7 @@ class CandidateList {
     all_.push_back({values, axis, users, options_text(values), texture_count(representation, counts_of(values), 0),
                     effort_of(values, representation)});
   }
-  // Adds vMF lobes with some settings changed.
+  // Adds vMF lobes for which some settings are changed.
   void add_fit(Axis axis, unsigned users, int lobes, Given changes) {
     ParameterValues values = bake_values({{"ndf", "vmf"}, {"lobes", std::int64_t{lobes}}});
     for (const auto& [name, value] : changes) values.set(name, value);
@@ -75,8 +75,8 @@ class CandidateList {
 
   void add_averages() {
     add(Axis::kMoments, kTargetSearch | kEverySweep | kEveryScene, bake_values({{"ndf", "moments"}}));
-    // Orders that are worth a trial. Each has about 1.5 times as many coefficients as the previous one. The default
-    // sweep ends between two of them, at 12.
+    // The orders that are worth a trial. Each order has about 1.5 times as many coefficients as the previous one. The
+    // default sweep ends at order 12, which is between two of them.
     for (const int order : {2, 3, 4, 6, 8, 10, 12, 13, 16, 20}) {
       const unsigned users =
           (order != 12 ? kTargetSearch | kFullSweep : 0u) | (is_one_of(order, {2, 4, 6, 8, 12}) ? kDefaultSweep : 0u) |
@@ -94,9 +94,9 @@ class CandidateList {
     }
   }
 
-  // Adds the quick, the refined and the long fit. For the default lobe count, the long fit is added with other changes
-  // of the fit. A target search tries the long fit only for the largest lobe count. With fewer lobes, one more lobe
-  // reduces the error more and takes less time.
+  // Adds the quick, the refined and the long fit. For the default lobe count, the long fit is already among the other
+  // changes of the fit. A target search tries the long fit only for the largest lobe count. With fewer lobes, adding a
+  // lobe reduces the error more and takes less time.
   void add_efforts(int lobes, unsigned sweeps) {
     add_fit(Axis::kIterations, kTargetSearch | sweeps, lobes, {{"passes", std::int64_t{1}}, {"no_start_search", true}});
     if (lobes > 1)  // one lobe is an average and is not fitted

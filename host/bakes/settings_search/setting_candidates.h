@@ -12,7 +12,7 @@
 
 namespace multum {
 
-/// Users of a candidate, as bits.
+/// The users of a candidate, as bits.
 enum CandidateUser : unsigned {
   kTargetSearch = 1,  // --target-error and --budget-ms
   kQuickSweep = 2,    // multum tradeoff --quick
@@ -27,8 +27,9 @@ enum class CandidateAxis { kLobes, kMoments, kHarmonics, kGaussians, kIterations
 /// Name of an axis, such as "first level".
 const char* candidate_axis_name(CandidateAxis axis);
 
-/// Settings that may be chosen. The cost of a candidate is the number of textures read per texel, which determines
-/// memory and frame time. Candidates with equal numbers of textures are compared by the time of the bake.
+/// Settings that may be chosen. The cost of a candidate is the number of textures that are read per texel, which
+/// determines memory and frame time. If two candidates read the same number of textures, the time of their bakes
+/// decides.
 struct SettingCandidate {
   ParameterValues values;  // representation, lobes, order, effort and so on; other values are those of the job
   CandidateAxis axis;
@@ -39,7 +40,8 @@ struct SettingCandidate {
   Representation representation() const { return *given_representation(values); }
   int lobe_count() const { return values.integer("lobes").value_or(1); }
   int sh_order() const { return values.integer("sh_order").value_or(0); }
-  /// True if JOB's map can be baked with these settings. Refining supports only unit normals and binned normals.
+  /// Returns whether JOB's map can be baked with these settings. Refining is possible only for unit normals and binned
+  /// normals.
   bool is_for(const BakeJob& job) const;
 };
 
@@ -48,7 +50,7 @@ struct SettingCandidate {
 std::vector<SettingCandidate> setting_candidates(CandidateUser user, std::optional<Representation> only = std::nullopt);
 
 /// Returns the candidates of kTargetSearch with representation `only`, the cheapest first. If `only` is nullopt, lists
-/// all except Gaussians. With the same number of lobes, Gaussians cost as much as vMFs, and their error is never lower
+/// all except Gaussians. For the same number of lobes, Gaussians cost as much as vMFs, and their error is never lower
 /// (docs/evidence/ACCURACY.md).
 std::vector<SettingCandidate> target_candidates(std::optional<Representation> only);
 

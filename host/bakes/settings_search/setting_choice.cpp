@@ -98,7 +98,8 @@ const SettingTrial& SettingTrials::at(std::size_t candidate, Progress* progress)
 
 std::optional<SettingTrial> cheapest_within(SettingTrials& trials, double error, double correction, std::size_t first,
                                             Progress* progress) {
-  // On 16 maps with 8 lobe counts each, the gain was at most 22 % of the error, and half of the gains were below 0.2 %.
+  // On 16 maps with 8 lobe counts each, the error decreased by at most 22 %, and in half of the cases by less than 0.2
+  // %.
   constexpr double kEffortGain = 0.25;
   const std::vector<SettingCandidate>& candidates = trials.candidates();
   const auto is_hopeless = [&](const SettingCandidate& one) {

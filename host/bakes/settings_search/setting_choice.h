@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Chooses the settings for a map. Tries candidates (host/bakes/settings_search/setting_candidates.h) in order of
 // increasing cost on a mosaic of the map (host/bakes/settings_search/map_mosaic.h), until the error of a candidate is
-// low enough. Writes nothing. The following bake checks whether the whole map has the error that the mosaic predicts
-// (host/bakes/settings_search/chosen_bake.h).
+// low enough. No file is written. The bake that follows checks whether the whole map has the error that the mosaic
+// predicts (host/bakes/settings_search/chosen_bake.h).
 #pragma once
 
 #include <optional>
@@ -22,13 +22,13 @@ struct TargetBrdf {
   Brdf brdf;                                           // kLambert if there is no highlight
 
   bool has_highlight() const { return brdf.kind != BrdfKind::kLambert; }
-  /// True if the BRDF is shaded as a sum of vMFs.
+  /// Returns whether the BRDF is shaded as a sum of vMFs.
   bool is_sum() const { return is_vmf_sum(brdf); }
   bool can_shade(Representation r) const { return !is_sum() || representation_info(r).takes_every_brdf; }
-  /// The BRDF's highlight, unless every bake measures it.
+  /// Returns the BRDF's highlight, unless every bake measures it anyway.
   std::vector<Highlight> more_highlights() const;
 };
-/// Parses a BRDF as parse_brdf() does, and uses only its highlight. Throws Error(kUsage) that names `option`, and
+/// Parses a BRDF with parse_brdf(), and uses only its highlight. Throws Error(kUsage) that names `option`, and
 /// Error(kInput).
 TargetBrdf parse_target_brdf(const std::string& text, const std::string& option = "--brdf");
 
@@ -54,7 +54,7 @@ struct SettingTrial {
   double fixed_seconds;  // time for the start and for coarse levels; it does not grow with the map
 };
 
-/// The trials of one map. Each trial is made once, when it is first requested.
+/// The trials of one map. Each trial is made only once, when it is requested for the first time.
 class SettingTrials {
  public:
   /// `source` and `device` must outlive the object.
@@ -88,7 +88,7 @@ BakeJob with_candidate(const BakeJob& job, const SettingCandidate& candidate);
 
 /// Returns the cheapest candidate, from index `first` on, that meets `error` on the mosaic, or nullopt. The candidate's
 /// error plus interval, times `correction`, must be at most `error`. Skips a candidate if the error of its quicker
-/// variant is too high, because a longer fit of the same number of lobes reduces the error by at most a quarter.
+/// variant is too high, because a longer fit with the same number of lobes reduces the error by at most a quarter.
 std::optional<SettingTrial> cheapest_within(SettingTrials& trials, double error, double correction, std::size_t first,
                                             Progress* progress);
 

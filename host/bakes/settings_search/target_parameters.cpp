@@ -29,15 +29,15 @@ void check_target_values(const ParameterValues& values) {
   }
   if (const Parameter* chosen = given_of_target(values))
     throw Error(ErrorCode::kUsage,
-                fmt::format("{} and {} exclude each other: a target chooses that setting", chosen->option(),
+                fmt::format("{} and {} are mutually exclusive, because a target chooses that setting", chosen->option(),
                             values.has("target_error") ? "--target-error" : "--budget-ms"));
 }
 
 void check_met(const BakeJob& job, const ChosenBake& chosen) {
   if (chosen.met) return;
   throw Error(ErrorCode::kVerification,
-              chosen.written ? job.input + ": no settings reach the target; the best ones were written"
-                             : fmt::format("{}: no settings reach the target: {}--best-effort writes the best ones",
+              chosen.written ? job.input + ": no settings reach the target, so the best settings were used"
+                             : fmt::format("{}: no settings reach the target: {}--best-effort writes the best result",
                                            job.input, chosen.report.choice));
 }
 

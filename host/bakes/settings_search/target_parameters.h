@@ -10,10 +10,11 @@ namespace multum {
 /// Returns whether a target error or a time budget is given, so that settings must be chosen.
 bool has_target(const ParameterValues& values);
 
-/// Returns the target. `viewer`: the program that draws a picture of the result (BakeTarget::viewer).
+/// Returns the target. `viewer` is the program that draws a picture of the result (BakeTarget::viewer).
 BakeTarget bake_target(const ParameterValues& values, const std::string& viewer);
 
-/// Throws Error(kUsage) for target parameters without a target, and for settings that a target chooses.
+/// Throws Error(kUsage) if there are target parameters without a target, or settings that would be chosen for the
+/// target.
 void check_target_values(const ParameterValues& values);
 
 /// Throws Error(kVerification) if no settings reach the target.

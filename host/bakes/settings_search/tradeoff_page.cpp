@@ -176,7 +176,8 @@ std::string tradeoff_markdown(const TradeoffResult& result) {
 
 std::string tradeoff_text(const TradeoffJob& job, const TradeoffResult& result) {
   std::string text =
-      "settings that no other settings beat in both error and cost (work of a bake, memory, or work of a frame):\n";
+      "settings for which no other settings have both a lower error and a lower cost (work of a bake, memory, or work "
+      "of a frame):\n";
   for (const TradeoffRow& row : result.rows) {
     if (!row.on_front() || row.same_as || !row.fits) continue;
     text += fmt::format("  {:>16}  {:>6} ms  {:>8} MiB  {}  {} {}\n", errors_text(row), millis(row.bake.work_seconds()),
@@ -194,10 +195,10 @@ std::string tradeoff_text(const TradeoffJob& job, const TradeoffResult& result) 
   if (!is_asked(job)) return text;
   if (!result.chosen) return text + "no settings meet this\n";
   const TradeoffRow& chosen = result.rows[*result.chosen];
-  text +=
-      fmt::format("chosen: {}; 95 % of pixels have errors of at most {} %; the worst pixels cover {} and have {} %\n",
-                  chosen.options, percent(chosen.reached.percentile_95), octave_text(chosen.reached.worst_octave),
-                  percent(chosen.reached.worst_octave_error));
+  text += fmt::format(
+      "chosen: {}; 95 % of pixels have errors of at most {} %; the worst pixels cover {} and have an error of {} %\n",
+      chosen.options, percent(chosen.reached.percentile_95), octave_text(chosen.reached.worst_octave),
+      percent(chosen.reached.worst_octave_error));
   return text;
 }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writes the results of a sweep (host/bakes/settings_search/tradeoff_sweep.h) as a page and as JSON. The page is one
-// HTML file that contains its pictures and JSON. It is made from host/bakes/settings_search/templates. The page's
-// script draws plots as SVG and makes tables sortable.
+// Writes the results of a sweep (host/bakes/settings_search/tradeoff_sweep.h) as a page and as JSON. The page is a
+// single HTML file that contains its pictures and JSON. It is made from host/bakes/settings_search/templates. A script
+// in the page draws plots as SVG and makes tables sortable.
 #pragma once
 
 #include <map>

@@ -70,7 +70,7 @@ void add_term_views(const TargetBrdf& target, std::vector<View>& views) {
 void add_default_views(const TradeoffJob& job, std::vector<View>& views) {
   if (job.length == SweepLength::kQuick) return;
   views.push_back({"shading formula", "--shade-first", "", false});
-  if (job.has_roughness()) return;  // the BRDF comes from the map and has only one formula
+  if (job.has_roughness()) return;  // the BRDF is determined by the map and has only one formula
   if (job.brdf.brdf.kind == BrdfKind::kBlinnPhong) views.push_back({"shading formula", "--formula paper", "", false});
   if (job.brdf.has_highlight()) add_term_views(job.brdf, views);
 }
@@ -206,7 +206,7 @@ class Sweep {
     if (views_.waiting_bytes() > kWaitingBytesMax) draw_views();
   }
 
-  // Rows need only the pixel error of one BRDF, but by default a bake measures four BRDFs and each level.
+  // Rows need only the pixel error of one BRDF, whereas a bake measures four BRDFs and each level by default.
   void choose_measured(BakeJob& bake) const {
     if (job_.has_roughness()) return;  // only one BRDF is measured, and a warning needs the errors of its levels
     if (job_.measures_all_brdfs) {
@@ -218,7 +218,7 @@ class Sweep {
     if (job_.brdf.has_highlight()) bake.highlights = {make_highlight(job_.brdf.id, job_.brdf.brdf)};
   }
 
-  // Bakes again only to measure the time. Warnings about the map have already been printed.
+  // Bakes again only to measure the time. The warnings about the map have already been printed.
   BakeReport bake_unmeasured(BakeJob bake, const BakeSource& source) {
     bake.report.clear();
     bake.force = true;
@@ -228,9 +228,9 @@ class Sweep {
     return bake_file(bake, &source, device_, &quiet);
   }
 
-  // Bakes all settings again, alternately and without measuring errors, because during the first bakes kernels were
-  // compiled and files entered the cache. The start is remembered from the first bake, and the time of its search is
-  // added.
+  // Bakes all settings again, alternately and without measuring errors, because the first bakes included the time for
+  // compiling kernels and loading files into the cache. The start is remembered from the first bake, and the time of
+  // its search is added.
   void time_bakes(const std::vector<SweptBake>& sweep, const BakeSource& source) {
     progress_stage(progress_, "time bakes");
     std::vector<RunTime> remembered(sweep.size());
@@ -277,7 +277,7 @@ class Sweep {
   }
 
   void add_errors(const BakeReport& report, const View& view, TradeoffRow& row) const {
-    // For moments, uses the errors of this shading method.
+    // For moments, takes the errors of this shading method.
     for (const FootprintError& one : report.error)
       if (one.brdf.shading == view.shading && !one.brdf.has_colours) row.errors.push_back(one);
     row.reached = reached_error(row.errors, job_.brdf);
@@ -292,7 +292,7 @@ class Sweep {
   std::string scratch(const std::string& name) const { return scratch_->path() + "/" + name; }
   std::string new_scratch_file() { return scratch(fmt::format("swept_{}.ndf.exr", scratch_count_++)); }
 
-  // Compares the picture with the pixel reference, as the measured error does. The reference is drawn once per BRDF.
+  // Compares the picture with the pixel reference, like the measured error. The reference is drawn once per BRDF.
   void draw(const std::string& baked, const View& view, std::size_t row_number) {
     const bool is_first = references_.empty();  // the page shows the reference of the first view
     std::vector<std::string> arguments = arguments_of(view);
@@ -337,7 +337,7 @@ class Sweep {
     return arguments;
   }
 
-  // A row without a drawn frame does not meet any time budget.
+  // A row for which no frame was drawn does not meet any time budget.
   void mark_budgets() {
     for (TradeoffRow& row : result_.rows)
       row.fits = (!job_.bytes_max || row.gpu_bytes <= *job_.bytes_max) &&
@@ -345,9 +345,9 @@ class Sweep {
                  (!job_.bake_seconds_max || row.bake.elapsed_seconds <= *job_.bake_seconds_max);
   }
 
-  // Chooses a row. For a target error, this is the row with the fewest bytes, then the least work. For a target time,
-  // or if only budgets are given, it is the row with the lowest error. Budgets limit elapsed time, because users wait
-  // for it.
+  // Chooses a row. For a target error, chooses the row with the fewest bytes, and among such rows the one with the
+  // least work. For a target time, or if only budgets are given, chooses the row with the lowest error. Budgets limit
+  // the elapsed time, because this is the time that users wait.
   void choose() {
     for (std::size_t i = 0; i < result_.rows.size(); ++i) {
       const TradeoffRow& row = result_.rows[i];
@@ -375,7 +375,7 @@ class Sweep {
   std::map<std::string, std::size_t> references_;  // [BRDF]: index of the file
 };
 
-// A cost that fronts use. The noise is 0 if the cost is exact.
+// A cost for which there is a front. The noise is 0 if the cost is exact.
 struct FrontCost {
   bool TradeoffRow::*flag;
   std::function<double(const TradeoffRow&)> of;  // < 0 if not known

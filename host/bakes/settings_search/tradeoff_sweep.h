@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Measures how much time accuracy costs for one map on this machine. Bakes the whole map with every kind of setting,
-// measures the error against the reference, and draws the map. Pictures and frame times come from multum-view, a child
-// process.
+// Measures the trade-off between accuracy and time for one map on this machine. Bakes the whole map with every kind of
+// setting, measures the error against the reference, and draws the map. Pictures and frame times come from multum-view,
+// which runs as a child process.
 #pragma once
 
 #include <string>
@@ -27,7 +27,7 @@ struct TradeoffJob {
   int samples = 64;                 // per pixel of the reference
   std::optional<double> error;      // error or time for which settings are chosen; at most one is set
   std::optional<double> bake_seconds;
-  // Budgets. Rows state whether they meet all given budgets. Only rows that meet them can be chosen.
+  // The budgets. Each row states whether it meets all given budgets. Only rows that meet them can be chosen.
   std::optional<std::uint64_t> bytes_max;  // limit for textures on the GPU
   std::optional<double> frame_ms_max;      // needs a viewer
   std::optional<double> bake_seconds_max;
@@ -66,18 +66,19 @@ struct TradeoffRow {
   bool on_front() const { return on_time_front || on_frame_front || on_size_front; }
 };
 
-/// The noise of bake and frame times, as relative half widths of 95 % intervals from repeated runs of the default
-/// settings.
+/// The noise of bake times and frame times. It is the relative half width of a 95 % interval, from repeated runs with
+/// the default settings.
 struct TimeNoise {
   double bake = 0.0, frame = 0.0;
 };
-/// Half width of Student's 95 % interval for one of at least two repeated times, divided by their mean.
+/// Returns the half width of Student's 95 % interval for a single time, divided by the mean of the repeated times.
+/// There must be at least two times.
 double relative_half_width(const std::vector<double>& times);
 
 /// Marks rows on the fronts of error against the work of a bake, the work of a frame, and memory, and marks rows that
 /// are indistinguishable. A row is not on a front if another row beats it. The other row must be better in cost or
-/// error by more than the intervals, and must not be worse in cost or error by more than the intervals. Elapsed times
-/// are ignored, because on a busy machine they depend on the other load.
+/// error by more than the intervals, and must not be worse in either by more than the intervals. Elapsed times are
+/// ignored, because on a busy machine they depend on other programs.
 void mark_fronts(std::vector<TradeoffRow>& rows, const TimeNoise& noise);
 
 struct TradeoffResult {

@@ -14,14 +14,14 @@ namespace {
 
 constexpr int kBlock = 4;           // finest texels per side
 constexpr int kBinCount = 180;      // bins of one degree
-constexpr double kSharpness = 8.0;  // sharpness of an axis's influence around its angle; at 17 degrees, the influence
+constexpr double kSharpness = 8.0;  // sharpness of an axis's influence around its angle; 17 degrees away, the influence
                                     // is half as large
 constexpr int kBlockRows = 256;     // largest number of block rows; enough for a histogram in steps of one degree
 
 using Bins = std::array<double, kBinCount>;
 
-// Adds the axis along which the normals of a block (x and y) vary most. Its weight is the difference between the
-// variances along and across it.
+// Adds the axis along which x and y of a block's normals vary most. The weight of the axis is the difference between
+// the variances along and across it.
 void add_block(const std::vector<float>& x, const std::vector<float>& y, std::size_t width, std::size_t first,
                Bins& bins) {
   double sx = 0.0, sy = 0.0, sxx = 0.0, sxy = 0.0, syy = 0.0;
@@ -53,7 +53,7 @@ double find_axis_cut(const PlaneStore& normals) {
     for (std::size_t column = 0; column + kBlock <= width; column += kBlock) add_block(x, y, width, column, bins);
   }
   // Each axis has a small influence at all angles, so the minimum is in the middle of an empty range. If there are no
-  // axes, the cut points straight down, and directions point to the right.
+  // axes, the cut points straight down, so that directions point to the right.
   double least = -1.0;
   int cut = kBinCount / 2;
   for (int i = 0; i < kBinCount; ++i) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Chooses signs of anisotropy axes. An axis has no sign, but textures store a direction. Filtering between two texels
-// of opposite signs would lose the axis. All directions of a map and its levels are therefore in one half plane. The
-// border of the half plane is at the angle with the fewest axes.
+// Chooses the signs of anisotropy axes. An axis has no sign, but textures store a direction with a sign. If two texels
+// had opposite directions, the axis would be lost when they are filtered. All directions of a map and its levels are
+// therefore in one half plane, whose border is at the angle with the fewest axes.
 #pragma once
 
 #include <glm/vec2.hpp>

@@ -25,10 +25,10 @@ namespace {
 void check_has_lobes(const std::string& path, const BakedHeader& header) {
   if (!holds_lobes(header.representation))
     refuse_baked(path, fmt::format("holds {}", representation_info(header.representation).name),
-                 "a file of lobes (multum bake --ndf vmf or gmm), or the map that was baked");
+                 "a file of lobes (from multum bake --ndf vmf or gmm), or the map that was baked");
   if (header.has_roughness)
     refuse_baked(path, "has a roughness map baked into the lengths of its normals, which cannot be undone",
-                 "a file of multum bake without --roughness, or the map that was baked");
+                 "a file baked without --roughness, or the map that was baked");
 }
 
 // Returns a stored normal of level 0, scaled to length 1.
@@ -45,9 +45,10 @@ NormalMapRows read_baked_normals(const std::string& path, const SpillPolicy& spi
   const BakedHeader header = read_baked_header(path);
   check_has_lobes(path, header);
   if (header.first_level > 0)
-    refuse_baked(path,
-                 fmt::format("holds no levels finer than {}, so the map's normals are missing", header.first_level),
-                 "a file of multum bake --first-level 0, or the map that was baked");
+    refuse_baked(
+        path,
+        fmt::format("holds no levels finer than {}, so it does not contain the map's normals", header.first_level),
+        "a file baked with --first-level 0, or the map that was baked");
   MovmfReader reader(path);
   NormalMapRows map{make_plane_store(header.width, header.height, spill), {}};
   map.report.format = fmt::format("baked file, {} lobes per texel, {}", reader.header().lobe_count(),
@@ -71,7 +72,7 @@ NormalMapRows read_baked_normals(const std::string& path, const SpillPolicy& spi
         refuse_baked(path,
                      fmt::format("the normal at texel ({}, {}) of level 0 has no direction", i % size_of(header.width),
                                  size_of(row) + i / size_of(header.width)),
-                     "finite normals; multum verify lists other damage");
+                     "finite normals (multum verify lists other damage)");
       x[i] = n.x, y[i] = n.y, z[i] = n.z;
     }
     map.normals.write_rows(row, count, {x.data(), y.data(), z.data()});
@@ -84,12 +85,12 @@ BakedLobes::BakedLobes(const std::string& path, const std::vector<int>& levels) 
   check_has_lobes(path, header);
   const RepresentationInfo& info = representation_info(header.representation);
   if (!info.has_kappa)
-    refuse_baked(path, fmt::format("holds {}, which have no GGX formula", info.contents),
-                 "vMF lobes (multum bake --ndf vmf)");
+    refuse_baked(path, fmt::format("holds {}, which cannot be shaded by the GGX formula", info.contents),
+                 "vMF lobes (from multum bake --ndf vmf)");
   for (const int level : levels)
     if (level < header.first_level)
       refuse_baked(path, fmt::format("holds no levels finer than {}", header.first_level),
-                   fmt::format("a file with level {}, whose error is measured", level));
+                   fmt::format("a file that contains level {}, whose error is measured", level));
 }
 
 std::string BakedLobes::name() const {

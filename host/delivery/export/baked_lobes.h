@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads a baked file for an export: the normal map in its finest level, and the highlights of its lobes, with which the
-// exported lobes are compared.
+// Reads a baked file for an export. The finest level of the file contains the normal map. The highlights of the file's
+// lobes are compared with the highlights of the exported lobes.
 #pragma once
 
 #include <string>
@@ -22,8 +22,8 @@ namespace multum {
 /// Returns whether the file name marks a baked file: NAME.ndf.exr.
 bool is_baked_name(const std::string& path);
 
-/// Returns the normals in level 0 of a baked file. They equal the map's normals to 16 bits, or exactly in files of
-/// floats. Throws Error(kInput) if the file has no lobes or no level 0, or if the lengths of its normals hold
+/// Returns the normals in level 0 of a baked file. They equal the map's normals to 16 bits, or exactly if the file
+/// stores floats. Throws Error(kInput) if the file has no lobes or no level 0, or if the lengths of its normals include
 /// roughness.
 NormalMapRows read_baked_normals(const std::string& path, const SpillPolicy& spill, Progress* progress);
 
@@ -37,7 +37,7 @@ class BakedLobes {
   int width() const { return reader_.header().width(); }
   int height() const { return reader_.header().height(); }
   std::string surface() const { return baked_surface(reader_.header().header); }
-  /// Returns the SHA-256 of the map file that was baked.
+  /// Returns the SHA-256 hash of the map file that was baked.
   const std::string& source_hash() const { return reader_.header().header.provenance.file_hash(); }
   int count() const { return reader_.header().lobe_count(); }
   /// Returns a name such as "4 baked lobes".

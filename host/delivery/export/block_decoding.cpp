@@ -12,7 +12,7 @@
 namespace multum {
 namespace {
 
-// Reads bits from the lowest bit of the first byte on.
+// Reads bits, beginning with the lowest bit of the first byte.
 class BitReader {
  public:
   explicit BitReader(const std::uint8_t* bytes) : bytes_(bytes) {}

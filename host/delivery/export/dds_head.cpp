@@ -8,7 +8,7 @@
 namespace multum {
 namespace {
 
-// Flag bits of the header, its pixel format and its caps: DDSD_CAPS and so on.
+// The flag bits (DDSD_CAPS and so on) of the header, of its pixel format and of its caps.
 constexpr std::uint32_t kHasCaps = 0x1, kHasHeight = 0x2, kHasWidth = 0x4, kHasPitch = 0x8, kHasPixelFormat = 0x1000,
                         kHasMipCount = 0x20000, kHasLinearSize = 0x80000;
 constexpr std::uint32_t kIsFourCharacterCode = 0x4;

@@ -12,7 +12,7 @@ std::vector<std::string> engines_that_fail(MaterialFormat format, MaterialTexels
       return {"Babylon.js", "PlayCanvas", "Filament", "Unreal", "Godot 3", "Blender"};
     case MaterialFormat::kDds: break;
   }
-  // These engines fail on DDS files with a DX10 header.
+  // These engines cannot load DDS files with a DX10 header.
   if (texels == MaterialTexels::kRgba16f) return {"three.js", "PlayCanvas", "Filament", "Blender"};
   if (texels == MaterialTexels::kBlocks) return {"three.js", "Babylon.js", "PlayCanvas", "Filament"};
   return {"three.js", "Babylon.js", "PlayCanvas", "Filament", "Blender"};

@@ -29,7 +29,7 @@ MaterialFolderSettings output_of(const ExportJob& job) {
   const ExportPlace name = export_place(job.output);
   if (name.format && job.format && *name.format != *job.format)
     throw Error(ErrorCode::kUsage,
-                job.output + ": --format and the output's name give different file types; expected the same type");
+                job.output + ": --format and the output name select different file types; expected the same type");
   MaterialFolderSettings settings;
   settings.folder = name.folder;
   settings.name_prefix = name.stem.empty() ? "" : name.stem + "_";
@@ -37,9 +37,10 @@ MaterialFolderSettings output_of(const ExportJob& job) {
   settings.texels =
       job.texels.value_or(settings.format == MaterialFormat::kExr ? MaterialTexels::kRgba16f : MaterialTexels::kRgba8);
   if (!can_store(settings.format, settings.texels))
-    throw Error(ErrorCode::kUsage,
-                "--texels: PNG files have 8 bits per channel, EXR files have half floats, and DDS files cannot hold "
-                "UASTC; expected KTX2 or DDS for other texels (--format ktx2, --format dds), and KTX2 for uastc");
+    throw Error(
+        ErrorCode::kUsage,
+        "--texels: PNG files always have 8 bits per channel, EXR files always have half floats, and DDS files cannot "
+        "store UASTC; expected --format ktx2 or --format dds for other texels, and --format ktx2 for uastc");
   if (job.zstd_level > 0 && settings.format != MaterialFormat::kKtx2)
     throw Error(ErrorCode::kUsage, "--zstd: only KTX2 files support this compression; add --format ktx2");
   settings.zstd_level = job.zstd_level;
@@ -55,8 +56,9 @@ void check_export_job(const ExportJob& job) {
   if (job.lobe.is_anisotropic && job.form.value_or(MaterialForm::kOneLobe) != MaterialForm::kOneLobe)
     throw Error(
         ErrorCode::kUsage,
-        fmt::format("--form: found {}, expected one-lobe with --anisotropy, because other forms have no direction",
-                    choice_name(kMaterialForms, *job.form)));
+        fmt::format(
+            "--form: found {}, expected one-lobe with --anisotropy, because other forms do not store a direction",
+            choice_name(kMaterialForms, *job.form)));
   check_paths_differ(input_files(job), {job.report});
   if (!job.report.empty()) check_writable(job.report);
   std::error_code error;
@@ -66,7 +68,7 @@ void check_export_job(const ExportJob& job) {
 }
 
 // Makes a folder in `folder` for files that this program exchanges with the UASTC encoder. Returns null if the job does
-// not use UASTC. If the encoder is missing, throws before any input is read.
+// not use UASTC. If the encoder is missing, throws an error before any input is read.
 std::unique_ptr<WorkFolder> make_uastc_folder(const ExportJob& job, const std::string& folder,
                                               MaterialFolderSettings& output) {
   if (output.texels != MaterialTexels::kUastc) return nullptr;
@@ -76,7 +78,7 @@ std::unique_ptr<WorkFolder> make_uastc_folder(const ExportJob& job, const std::s
   return made;
 }
 
-// Returns null if the job is not resumable, or if another process exports to the same place.
+// Returns null if the job is not resumable or if another process is exporting to the same place.
 std::unique_ptr<FitJournal> open_journal(const ExportJob& job, const ExportSource& source) {
   const ExportPlace place = export_place(job.output);
   const std::string name = place.folder + "/" + (place.stem.empty() ? "export" : place.stem);

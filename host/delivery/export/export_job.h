@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Exports a normal map or height field, with a material's other maps, from file to file. The result is a material of
-// one lobe per texel that engines load.
+// Exports the file of a normal map or height field, together with a material's other maps. The result is a material
+// with one lobe per texel, which engines can load.
 #pragma once
 
 #include <cstdint>
@@ -40,7 +40,7 @@ struct ExportJob {
   std::optional<MaterialTexels> texels;  // if not set, half floats in EXR, otherwise RGBA8
   int zstd_level = 0;                    // Zstandard level of KTX2 files, 1..kZstdLevelMax. If 0, files are not
                                          // supercompressed.
-  // Store only roughness, instead of occlusion, roughness and metalness in one texture.
+  // If true, stores a texture of roughness only, instead of a texture with occlusion, roughness and metalness.
   bool has_roughness_alone = false;
   bool has_smoothness = false;             // store 1 - roughness, as Unity reads it
   GreenAxis write_green = GreenAxis::kUp;  // green axis of written files; `reading` has the map's own axis
@@ -53,7 +53,7 @@ struct ExportJob {
   std::string scratch_folder;
   int threads = 1;
   bool force = false;  // for manifests: also export maps whose files are up to date
-  // Keep fitted rows during the run, and continue from the rows of a stopped export of the same job.
+  // If true, fitted rows are kept during the run, and an export that was stopped continues from its fitted rows.
   bool resume = false;
 };
 
@@ -61,14 +61,15 @@ struct ExportJob {
 constexpr std::string ExportJob::*kExportMapsBeside[] = {&ExportJob::roughness, &ExportJob::occlusion,
                                                          &ExportJob::metalness, &ExportJob::lobes};
 
-/// Returns the settings that choose another form for levels. `scratch_folder` is for data that does not fit in memory,
+/// Returns the settings for choosing the form of levels. `scratch_folder` is for data that does not fit in memory,
 /// unless the job names a folder.
 FormSettings form_settings(const ExportJob& job, const std::string& scratch_folder);
 
 /// Returns the files that an export reads, the map first. FILE:CHANNEL counts as FILE.
 std::vector<std::string> input_files(const ExportJob& job);
 
-/// The folder that ExportJob::output names, and the prefix "NAME_" of files if the output is NAME.ktx2 or NAME.dds.
+/// The folder that ExportJob::output names. If the output is NAME.ktx2 or NAME.dds, also the prefix "NAME_" of its
+/// files.
 struct ExportPlace {
   std::string folder, stem;
   std::optional<MaterialFormat> format;  // format that follows from the name
@@ -87,7 +88,7 @@ struct ExportReport {
   std::vector<std::string> engines_failing;  // engines that cannot load the files
                                              // (host/delivery/export/engine_support.h)
   std::string engine_line;                   // the same engines as one line of text; empty if there are none
-  std::vector<std::string> side_warnings;    // warnings about readers that do not support textures with these sides
+  std::vector<std::string> side_warnings;    // warnings about readers that do not support textures of this size
   std::optional<ChosenForm> form;            // set only for MaterialForm::kAuto
   ExportAccuracy accuracy;
   std::map<std::string, std::uint64_t> launches;        // number of launches per kernel

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lists everything that an export's bytes depend on. The list shows whether existing files were made from the same map
-// and settings.
+// Lists everything on which the bytes of an export depend. The list is used to find out whether existing files were
+// made from the same map with the same settings.
 #pragma once
 
 #include <functional>
@@ -11,7 +11,8 @@
 
 namespace multum {
 
-/// Returns everything that determines a fit: this program, the hashes of its input files, and the lobe settings.
+/// Returns everything that determines a fit, which is this program, the hashes of its input files, and the lobe
+/// settings.
 nlohmann::json fit_key(const ExportJob& job, const std::function<std::string(const std::string&)>& hash);
 
 /// Returns everything that determines the bytes of the files. Throws Error(kInput) if a file cannot be read.

@@ -73,7 +73,7 @@ OneLobeInputs ExportSource::inputs(const ExportJob& job) const {
 ExportSource read_export_source(const ExportJob& job, const std::string& folder, Progress* progress) {
   auto hashes = std::make_unique<InputHashes>();
   for (const std::string& file : input_files(job)) hashes->note(file);
-  // Half of the memory is for the fit. Normals, surface and material share the other half.
+  // Half of the memory is for the fit. The other half is for normals, surface and material.
   const bool has_surface = job.surface == MapSurface::kInterpolated;
   const SpillPolicy spill = {job.scratch_folder.empty() ? folder : job.scratch_folder,
                              static_cast<std::int64_t>(job.memory_bytes / (has_surface ? 6 : 4))};

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads the inputs of an export: the normals of its map or baked file, the other maps, and lobes to compare with.
+// Reads the inputs of an export, which are the normals of its map or baked file, the other maps, and the lobes with
+// which the export is compared.
 #pragma once
 
 #include <memory>

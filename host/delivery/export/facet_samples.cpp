@@ -33,8 +33,8 @@ double sobol(std::uint32_t n) {
   return static_cast<double>(value) * 0x1p-32;
 }
 
-// Returns the maximum-likelihood alpha of isotropic slopes with mean 0. This alpha solves 1 = mean of w |x|^2 / 2 with
-// w = 4 / (2 + |x|^2 / s) and s = alpha^2 / 2. The right side decreases as s grows.
+// Returns the maximum-likelihood alpha of isotropic slopes with mean 0. This alpha solves 1 = mean of w |x|^2 / (2 s),
+// where w = 4 / (2 + |x|^2 / s) and s = alpha^2 / 2. The right side decreases as s grows.
 double likeliest_alpha(const std::vector<glm::dvec2>& slopes) {
   double low = 1e-3, high = 1e3;
   for (int i = 0; i < 200; ++i) {

@@ -12,7 +12,7 @@
 namespace multum {
 namespace {
 
-// A record is this head, then all planes.
+// A record consists of this head, followed by all planes.
 using RecordHead = std::array<std::uint32_t, 4>;  // level, first row, width, height
 
 std::uint64_t float_count(const RecordHead& head) { return std::uint64_t{MULTUM_ONE_LOBE_FITTED} * head[2] * head[3]; }

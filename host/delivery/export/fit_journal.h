@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Keeps the fitted rows of an export in a hidden folder next to its output, so that a stopped export can resume. Only
-// fits are kept, because they take most of the time. Averages of the map are computed again.
+// fits are kept, because they take most of the time. The averages of the map are computed again.
 #pragma once
 
 #include <cstdint>
@@ -17,7 +17,7 @@ namespace multum {
 class FitJournal {
  public:
   /// Opens the journal of the export to `output`. `key` is one line that identifies everything on which fits depend.
-  /// Keeps rows with the same key and removes all others. Returns null while another process exports to the same
+  /// Keeps rows with the same key and removes all other rows. Returns null if another process is exporting to the same
   /// output. Throws Error(kEnvironment).
   static std::unique_ptr<FitJournal> open(const std::string& output, const std::string& key);
   FitJournal(const FitJournal&) = delete;
@@ -30,11 +30,11 @@ class FitJournal {
 
   /// Keeps the folder when this object is destroyed, so that the stopped export can resume.
   void leave() { journal_->leave(); }
-  /// Returns how many rows find() has found.
+  /// Returns the number of rows that find() has found.
   std::uint64_t rows_resumed() const { return rows_resumed_; }
 
  private:
-  // The position of a record's floats.
+  // The position of a record's floats in the file.
   struct Place {
     std::uint64_t offset;
     std::uint32_t width, height;

@@ -39,7 +39,7 @@ glm::dvec4 shares_of(const std::array<float, 3>& normal, double alpha) {
   return {0.5 + 0.5 * glm::dvec3(normal[0], normal[1], normal[2]), alpha};
 }
 
-// Holds levels 1 and coarser until their form is chosen. Passes level 0 on at once.
+// Holds levels 1 and coarser until their form is chosen. Level 0 is passed on immediately.
 class WaitingMaterial : public MaterialSink {
  public:
   WaitingMaterial(const OneLobeInputs& inputs, const OneLobeSettings& settings, const FormSettings& form,
@@ -80,7 +80,7 @@ class WaitingMaterial : public MaterialSink {
                                {rows.metalness.data(), rows.metalness.data(), rows.metalness.data()});
   }
 
-  /// Chooses the form by pictures, after all rows have arrived.
+  /// Draws pictures to choose the form, after all rows have arrived.
   ChosenForm choose() {
     average_roughness();
     const AskedTexture averages(frame_, [this](int level, int x, int y) { return average_at(level, x, y); });
@@ -158,7 +158,7 @@ class WaitingMaterial : public MaterialSink {
     return {1.0, roughness, metalness, 1.0};
   }
 
-  // Averages perceptual roughness as a renderer's mips do, if a map has roughness.
+  // If a map has roughness, averages perceptual roughness in the same way as a renderer's mips.
   void average_roughness() {
     if (!inputs_.has_roughness) return;
     for (int level = 1; level < frame_.level_count; ++level) {
@@ -168,7 +168,7 @@ class WaitingMaterial : public MaterialSink {
     }
   }
 
-  // Averages the texels of the previous level that each texel covers.
+  // Sets each texel to the average of the texels that it covers in the previous level.
   void average_rows(int level, int first, int count) {
     Level& at = level_at(level);
     const int width = mip_level_size(frame_.width, level), height = mip_level_size(frame_.height, level);

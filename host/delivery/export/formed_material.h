@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Fits a material, and gives each level the form that is best in pictures of simple shapes
-// (host/delivery/forms/material_forms.h): mean or fitted normals, with a share of the fitted roughness.
+// Fits a material and gives each level the form that is best in pictures of simple shapes
+// (host/delivery/forms/material_forms.h). A form uses mean or fitted normals, and a share of the fitted roughness.
 #pragma once
 
 #include <optional>
@@ -14,9 +14,9 @@ namespace multum {
 struct FormSettings {
   MaterialForm form = MaterialForm::kOneLobe;
   Engine engine = Engine::kThree;  // engine whose pictures choose the form, for MaterialForm::kAuto
-  bool has_two_channels = false;   // true if textures store only x and y of normals, so that means are stored as unit
+  bool has_two_channels = false;   // true if textures store only x and y of normals; means are then stored as unit
                                    // vectors
-  // Storage of levels 1 and coarser, which wait for their form in up to four stores each.
+  // The storage of levels 1 and coarser until their form is chosen. Each level uses up to four stores.
   SpillPolicy spill;
 };
 

@@ -17,7 +17,7 @@ struct DescribedSample {
   std::uint32_t channel, first_bit, bit_count;
 };
 
-// Returns the KHR_DF_MODEL. 1 is RGBSDA. Block compression has its own models.
+// Returns the KHR_DF_MODEL value. RGBSDA is 1, and block formats have their own models.
 std::uint32_t colour_model(TexelFormat format) {
   switch (format) {
     case TexelFormat::kBc4: return 131;
@@ -44,9 +44,9 @@ std::vector<DescribedSample> samples_of(TexelFormat format) {
   return samples;
 }
 
-// Makes a basic descriptor block (Khronos Data Format Specification 1.3, section 5): linear RGB with BT.709 primaries,
-// straight alpha, for one texel or a block of 4 x 4 texels. KHR_texture_basisu forbids primaries for data that is not
-// colour.
+// Makes a basic descriptor block (Khronos Data Format Specification 1.3, section 5) for one texel or a block of 4 x 4
+// texels. It states linear RGB with BT.709 primaries and straight alpha. KHR_texture_basisu forbids primaries for data
+// that is not colour.
 ByteList format_descriptor(TexelFormat format) {
   constexpr std::uint32_t kLinearTransfer = 1, kVersion = 2;
   constexpr std::uint32_t kSignedFloat = 0xc0;  // bits of a channel's type
@@ -61,7 +61,7 @@ ByteList format_descriptor(TexelFormat format) {
   list.add(block_bytes, 2);
   for (const std::uint32_t value : {colour_model(format), primaries, kLinearTransfer, 0u}) list.add(value, 1);
   for (const int side : {info.block_side, info.block_side, 1, 1}) list.add(size_of(side - 1), 1);
-  // bytesPlane 0 to 7, with the values for data without supercompression (KTX 2.0, revision 4).
+  // The bytesPlane values 0 to 7 are those of data without supercompression (KTX 2.0, revision 4).
   list.add(size_of(info.block_bytes), 8);
   const std::uint32_t most = info.is_float ? 0x3f800000u : info.block_side > 1 ? 0xffffffffu : 255u;  // 1
   for (const DescribedSample& sample : samples) {
@@ -104,8 +104,8 @@ TextureHead ktx2_head(const LeveledTexture& texture, const Ktx2Settings& setting
   constexpr std::uint64_t kFixed = 80, kIndexEntry = 24;
   const std::uint64_t descriptor_at = kFixed + kIndexEntry * size_of(texture.level_count);
   const std::uint64_t keys_at = descriptor_at + descriptor.bytes.size();
-  // A level begins at a multiple of 4 and of its texel or block size. Supercompressed levels follow one another
-  // directly.
+  // A level begins at an offset that is a multiple of 4 and of its texel or block size. Supercompressed levels follow
+  // one another without padding.
   const std::uint64_t alignment = is_compressed ? 1 : std::lcm<std::uint64_t>(size_of(info.block_bytes), 4);
   TextureHead head;
   head.level_offsets.resize(size_of(texture.level_count));

@@ -24,13 +24,14 @@ struct Ktx2Settings {
   std::string writer;   // human-readable name of the writing program
   std::string swizzle;  // sources of r, g, b, a in shaders: four of r, g, b, a, 0, 1; if empty, channels are used as
                         // stored
-  // Bytes of each level after Zstandard supercompression, level 0 first. Empty if levels are not supercompressed.
+  // The number of bytes of each level after Zstandard supercompression, beginning with level 0. The list is empty if
+  // levels are not supercompressed.
   std::vector<std::uint64_t> zstd_lengths;
   std::vector<Ktx2Key> keys = {};
 };
 
-/// The data is linear and not colour. Row 0 is at the top ("rd"). The head's length does not depend on the values of
-/// zstd_lengths.
+/// The data is linear and does not represent colour. Row 0 is at the top ("rd"). The length of the head does not depend
+/// on the values of zstd_lengths.
 TextureHead ktx2_head(const LeveledTexture& texture, const Ktx2Settings& settings);
 
 }  // namespace multum

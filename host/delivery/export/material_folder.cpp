@@ -75,7 +75,7 @@ class MaterialFolder : public MaterialWriter {
       write(level, first_row, std::move(rows));
       return;
     }
-    // Rows wait until they fill blocks.
+    // Rows wait here until they fill blocks.
     MaterialRows& waiting = waiting_[size_of(level)];
     const int first = first_row - waiting.height;
     append(waiting, rows);

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writes an exported material. Image formats give one image per level and texture: FOLDER/normal_00.png, orm_00.png
-// and, with anisotropy, anisotropy_00.png. KTX2 and DDS give one file per texture with all its levels:
-// FOLDER/normal.ktx2. orm follows glTF: occlusion is in red, roughness in green, and metalness in blue. Without maps,
-// occlusion is 1 and metalness 0. For Unity, orm is replaced by mask: metalness is in red, occlusion in green, 1 in
-// blue (HDRP's detail mask), and smoothness in alpha. anisotropy follows KHR_materials_anisotropy: the direction is in
-// red and green, the strength in blue. The alpha channel of other textures is 1.
+// Writes an exported material. In image formats, each level of a texture is an image, such as FOLDER/normal_00.png,
+// orm_00.png and, with anisotropy, anisotropy_00.png. In KTX2 and DDS, each texture is one file with all its levels,
+// such as FOLDER/normal.ktx2. As in glTF, orm contains occlusion in red, roughness in green and metalness in blue. If
+// there are no maps, occlusion is 1 and metalness is 0. For Unity, orm is replaced by mask, which contains metalness in
+// red, occlusion in green, 1 in blue (HDRP's detail mask) and smoothness in alpha. As in KHR_materials_anisotropy,
+// anisotropy contains the direction in red and green, and the strength in blue. The alpha channel of all textures
+// except mask is 1.
 #pragma once
 
 #include <memory>
@@ -20,8 +21,8 @@
 namespace multum {
 
 /// Rounds rows to the stored precision, and rebuilds the values that are not stored. Rounding the rows a second time
-/// changes nothing. Inputs of block encoders have 8 bits or are not rounded. The errors of blocks are not part of this
-/// rounding.
+/// would change nothing. Inputs of block encoders are rounded to 8 bits or not at all. This rounding does not include
+/// the errors of blocks.
 void round_material(MaterialRows& rows, MaterialTexels texels);
 
 /// Writes an exported material from rows as they arrive, rounded or not.
@@ -30,7 +31,7 @@ class MaterialWriter : public MaterialSink {
   /// Encodes textures that are encoded as a whole, after all rows of all levels, and passes the stored rows to
   /// `stored`. Throws Error(kEnvironment) and Cancelled.
   virtual void encode(Progress* progress) = 0;
-  /// Gives all files their final names, after encode().
+  /// Renames all files to their final names. Call this function after encode().
   virtual void commit() = 0;
 };
 
@@ -51,18 +52,18 @@ struct MaterialFolderSettings {
 /// Returns whether an image format can store the texels. KTX2 and DDS store all texel formats.
 bool can_store(MaterialFormat format, MaterialTexels texels);
 
-/// Returns text such as "normal, orm", in the order of the files.
+/// Returns a text such as "normal, orm", in the order of the files.
 std::string texture_list(const MaterialFolderSettings& settings);
 
 /// Returns the files of a map of this size, in the order of textures and levels.
 std::vector<std::string> material_files(const MaterialFolderSettings& settings, int width, int height);
 
-/// Returns human-readable warnings about readers that handle files with these sides incorrectly.
+/// Returns human-readable warnings about readers that cannot handle textures of this size correctly.
 std::vector<std::string> side_warnings(const MaterialFolderSettings& settings, int width, int height);
 
-/// Makes the files. `device` encodes blocks and must outlive the result. `stored` receives the rows as a reader will
-/// find them, and may be null. All functions throw Error(kEnvironment) if the disk or device fails. Without commit(),
-/// no file is left.
+/// Makes the files. `device` encodes blocks and must outlive the result. `stored` receives the rows in the form in
+/// which a reader will see them, and may be null. All functions throw Error(kEnvironment) if the disk or device fails.
+/// Without commit(), no file is left.
 std::unique_ptr<MaterialWriter> make_material_folder(const MaterialFolderSettings& settings, int width, int height,
                                                      Device& device, MaterialSink* stored);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Holds rows of a material of one GGX lobe per texel, as engines use it.
+// Holds rows of a material with one GGX lobe per texel, in the form that engines use.
 #pragma once
 
 #include <vector>

@@ -38,7 +38,7 @@ TexelFormat texel_format(TextureRole role, MaterialTexels texels) {
 }
 
 // Returns the swizzle for channels that are not stored. With this swizzle, readers see normals that point up instead of
-// down, and find roughness in every colour channel.
+// down, and roughness in every colour channel.
 std::string swizzle_of(TexelFormat format) {
   const int channels = info_of(format).channels;
   return channels == 1 ? "rrr1" : channels == 2 ? "rg11" : "";
@@ -121,7 +121,7 @@ class TextureImages : public TextureFiles {
       }
     levels_[size_of(level)]->write_rows(row_count, codes.data());
   }
-  // The file of the finest level gets its name last, so that a program that waits for this file finds all others.
+  // The file of the finest level is renamed last, so that a program that waits for this file finds all other files.
   void finish() override {
     for (auto level = levels_.rbegin(); level != levels_.rend(); ++level) (*level)->finish();
   }
@@ -131,7 +131,7 @@ class TextureImages : public TextureFiles {
   std::vector<std::unique_ptr<Writer>> levels_;
 };
 
-// Writes one file of all levels.
+// Writes all levels to one file.
 class TextureLevels : public TextureFiles {
  public:
   TextureLevels(TexelFormat format, std::unique_ptr<TextureFile> file)
@@ -157,7 +157,7 @@ class TextureLevels : public TextureFiles {
   std::unique_ptr<TextureFile> file_;
 };
 
-// Writes one file of all levels in blocks.
+// Writes all levels to one file in a block format.
 class TextureBlocks : public TextureFiles {
  public:
   TextureBlocks(const LeveledTexture& texture, BlockColour colour, BlockEncoder& encoder,
@@ -186,7 +186,7 @@ class TextureBlocks : public TextureFiles {
   std::unique_ptr<TextureFile> file_;
 };
 
-// Writes one file of all levels in UASTC. Another program encodes the levels, which wait in a file until then.
+// Writes all levels to one file in UASTC. The levels wait in a temporary file until another program encodes them.
 class TextureUastc : public TextureFiles {
  public:
   TextureUastc(const std::string& name, const LeveledTexture& texture, const UastcSettings& uastc,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Defines the textures of an exported material: their roles, the contents of their channels, and their files.
+// Defines the roles, the contents of the channels, and the files of the textures of an exported material.
 #pragma once
 
 #include <algorithm>
@@ -37,8 +37,8 @@ std::vector<std::string> texture_files(const MaterialFolderSettings& settings, T
 
 inline bool is_half(MaterialTexels texels) { return texels == MaterialTexels::kRgba16f; }
 
-/// Rounds a value from 0 to 1 to the nearest 8-bit code. Does not call std::lround, which would take a twelfth of an
-/// export's time.
+/// Rounds a value from 0 to 1 to the nearest 8-bit code. Does not call std::lround, which would take a twelfth of the
+/// time of an export.
 inline std::uint8_t code_of(float share) { return static_cast<std::uint8_t>(share * 255.0f + 0.5f); }
 
 /// Returns z of a unit normal, computed from x and y.
@@ -48,7 +48,7 @@ inline float rebuilt_z(const glm::vec3& normal) {
 
 /// Returns stored red, green, blue and alpha. Values of 8 bits are converted to shares from 0 to 1.
 std::vector<glm::vec4> texels_of(TextureRole role, const MaterialFolderSettings& settings, const MaterialRows& rows);
-/// Converts texels that are stored as blocks back to rows. Planes that are missing in `rows` stay empty.
+/// Converts texels that are stored as blocks back to rows. Planes that are empty in `rows` stay empty.
 void set_rows(TextureRole role, const MaterialFolderSettings& settings, const std::vector<glm::vec4>& texels,
               MaterialRows& rows);
 
@@ -56,15 +56,15 @@ void set_rows(TextureRole role, const MaterialFolderSettings& settings, const st
 class TextureFiles {
  public:
   virtual ~TextureFiles() = default;
-  /// Writes the next rounded rows of a level. Block formats need whole blocks, except for the level's last rows.
-  /// Replaces `texels` with the stored values.
+  /// Writes the next rounded rows of a level. In block formats, the rows must fill whole blocks, except for the last
+  /// rows of a level. Replaces `texels` with the stored values.
   virtual void write_rows(int level, int row_count, std::vector<glm::vec4>& texels) = 0;
-  /// Encodes the levels of a format that is encoded as a whole, after all rows were written. Throws Error(kEnvironment)
-  /// and Cancelled.
+  /// Encodes the levels of a format that is encoded as a whole, after all rows have been written. Throws
+  /// Error(kEnvironment) and Cancelled.
   virtual void encode(Progress*) {}
-  /// Returns stored rows of a level of a format that is encoded as a whole, after encode().
+  /// Returns stored rows of a level in a format that is encoded as a whole. Call this function after encode().
   virtual std::vector<glm::vec4> stored_rows(int level, int first_row, int row_count) const;
-  /// Gives the files their final names.
+  /// Renames the files to their final names.
   virtual void finish() = 0;
 };
 

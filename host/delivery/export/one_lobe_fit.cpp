@@ -23,11 +23,12 @@
 namespace multum {
 namespace {
 
-// Bytes of sample slopes that are fitted in one launch. They fit into the second-level caches of all processor cores
-// together, and are enough for a GPU.
+// The bytes of sample slopes that are fitted in one launch. They fit into the second-level caches of all processor
+// cores together, and they give a GPU enough work.
 constexpr std::size_t kSlopeBytes = std::size_t{4} << 20;
 
-// Copied averages of some rows of a level. A fit cannot be launched while the averages are handed over.
+// Copies of the averages of some rows of a level. They are needed because a fit cannot be launched while the averages
+// are handed over.
 struct WaitingRows {
   int level, first_row, width, height;
   std::vector<float> planes;  // [plane][row][column], with features last
@@ -86,7 +87,7 @@ class LobeFitter {
   }
 
  private:
-  // Tables that the samples of a level need for all rows.
+  // The tables that the samples of a level need for all rows.
   struct LevelTables {
     DeviceBuffer columns, facets;
   };
@@ -105,8 +106,8 @@ class LobeFitter {
     return place->second;
   }
 
-  // The finest rows that contain the samples of some rows, each once and in order, and the index of the finest row for
-  // each sample row.
+  // The finest rows that contain the samples of some rows, without repetitions and in order, and the index of the
+  // finest row for each row of samples.
   struct SampledRows {
     std::vector<int> finest;
     std::vector<int> slots;
@@ -212,7 +213,7 @@ class LobeFitter {
   GrowingBuffer slots_{"rows of samples"}, averages_{"averages of a fit"}, slopes_{"slopes"}, fitted_{"fitted lobes"};
 };
 
-// The planes that are averaged, and the fits that start from the averages.
+// The planes that are averaged and the fits that start from the averages.
 class OneLobePlanes : public AveragedPlanes {
  public:
   OneLobePlanes(Device& device, const OneLobeInputs& inputs, const OneLobeSettings& settings, double axis_cut,
@@ -255,8 +256,8 @@ class OneLobePlanes : public AveragedPlanes {
   // Returns the map's own normals with the base roughness.
   MaterialRows finest_rows(const WaitingRows& rows) const {
     MaterialRows made = empty_rows(rows);
-    // If there is no axis, the direction is the middle of the half plane of directions, so that filtering towards level
-    // 1 reverses no axis.
+    // If there is no axis, the direction is the middle of the half plane of directions. Filtering towards level 1 then
+    // does not reverse any axis.
     const glm::vec3 no_axis(-std::sin(axis_cut_), std::cos(axis_cut_), 0.0);
     const auto base =
         static_cast<float>(std::sqrt(std::max(kAlphaMin, settings_.base_roughness * settings_.base_roughness)));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lists the texel formats of texture files, and computes the bytes of levels. Data is linear, in single texels or in
-// blocks of 4 x 4.
+// Lists the texel formats of texture files, and computes the number of bytes of levels. The data is linear and consists
+// of single texels or of blocks of 4 x 4 texels.
 #pragma once
 
 #include <cstddef>
@@ -32,7 +32,7 @@ struct LeveledTexture {
   bool alpha_is_data = false;  // true if the fourth channel is data, not opacity
 };
 
-/// Returns the rows of blocks of a level, over all layers of an array. Blocks may be single texels.
+/// Returns the number of rows of blocks of a level, in all layers of an array together. A block may be a single texel.
 int block_rows(const LeveledTexture& texture, int level);
 std::uint64_t block_row_bytes(const LeveledTexture& texture, int level);
 std::uint64_t level_bytes(const LeveledTexture& texture, int level);

@@ -70,8 +70,8 @@ class PlainTextureFile : public TextureFile {
   RowCounts counts_;
 };
 
-// Compresses bytes of a scratch file into one Zstandard frame, in pieces of a fixed size, because the piece size
-// affects the compressed bytes.
+// Compresses bytes of a scratch file into one Zstandard frame. The pieces have a fixed size, because their size affects
+// the compressed bytes.
 class ZstdFrames {
  public:
   explicit ZstdFrames(int level)

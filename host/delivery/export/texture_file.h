@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writes KTX2 and DDS texture files with all levels. Rows of any level can arrive in any order of levels.
+// Writes KTX2 and DDS texture files with all levels. Levels can arrive in any order.
 #pragma once
 
 #include <memory>
@@ -11,18 +11,18 @@
 
 namespace multum {
 
-/// A texture file that appears complete or not at all. Every function throws Error(kEnvironment) if writing fails.
+/// A texture file, which appears complete or not at all. Every function throws Error(kEnvironment) if writing fails.
 class TextureFile {
  public:
   virtual ~TextureFile() = default;
-  /// Writes the next rows of blocks of a level in the texture's format. Blocks may be single texels. Layers of an array
-  /// follow one another. Levels come in any order.
+  /// Writes the next rows of blocks of a level in the texture's format. A block may be a single texel. The layers of an
+  /// array follow one another. Levels can arrive in any order.
   virtual void write_rows(int level, int row_count, const void* blocks) = 0;
-  /// Gives the file its name, after all rows of all levels were written.
+  /// Renames the file to its final name, after all rows of all levels have been written.
   virtual void finish() = 0;
 };
 
-/// The highest Zstandard level whose files all readers accept. Higher levels need more memory to read.
+/// The highest Zstandard level whose files all readers accept. Reading files of higher levels needs more memory.
 constexpr int kZstdLevelMax = 19;
 
 struct Ktx2Choice {

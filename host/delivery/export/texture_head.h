@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The head of a texture file, which is all bytes before the levels, and the offsets of the levels.
+// The head of a texture file, which consists of all bytes before the levels, and the offsets of the levels.
 #pragma once
 
 #include <cstddef>

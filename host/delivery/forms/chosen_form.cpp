@@ -44,7 +44,8 @@ std::string ChosenForm::to_text(bool has_own_maps) const {
     const FormError &own = errors.at("lobe_colours_4"), &mean = errors.at("mean_colour_4");
     const std::size_t there = most_different(own, mean);
     text += fmt::format(
-        " that have colours ({} the error is {:.1f} % with colours per lobe, and {:.1f} % with one colour per texel)",
+        " that have colours ({} the error is {:.1f} % with one colour per lobe, and {:.1f} % with one colour per "
+        "texel)",
         text_of(views[there]), own.by_view[there], mean.by_view[there]);
   }
   return text;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Describes the form of a material's normals and its errors in pictures, as one line and as a report.
+// Describes the form of a material's normals and the errors of this form in pictures, as one line of text and as a
+// report.
 #pragma once
 
 #include <map>
@@ -22,11 +23,11 @@ struct ChosenForm {
   bool is_on_sphere = false;                // true if drawn on a sphere because no mesh could be drawn
 
   /// Returns text such as "at 12 m plain 13.1 %, one lobe 12.9 %; with 4 evaluations points 11.0 %, lobes 10.9 %:
-  /// fitted normals and roughness, with lobes". If `has_own_maps` is true, parts that are not chosen keep the
-  /// material's own maps.
+  /// fitted normals and roughness, with lobes". If `has_own_maps` is true, the text says that parts that are not chosen
+  /// keep the material's own maps.
   std::string to_text(bool has_own_maps) const;
   /// Returns {"distances", "shapes", "errors": {"plain": [...]}, "levels": [{"fitted_normals", "fitted_roughness"}],
-  /// "lobes", "lobe_colours", "on_sphere"}. "shapes" is present only without a model.
+  /// "lobes", "lobe_colours", "on_sphere"}. "shapes" is present only if there is no model.
   nlohmann::ordered_json to_json() const;
 };
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Describes how engines look up a material's textures, and how they raise roughness where normals change from pixel to
-// pixel.
+// Describes how engines look up a material's textures, and how they increase roughness where normals change from pixel
+// to pixel.
 #pragma once
 
 #include <glm/vec3.hpp>
@@ -10,18 +10,18 @@
 namespace multum {
 
 struct EngineFilter {
-  /// The roughness term for changes of the normal between pixels.
+  /// The term that increases roughness if the normal changes between pixels.
   enum class Term {
     kNone,
     kChange,         // three.js: adds the largest change of any component to perceptual roughness
     kVariance,       // Filament: increases alpha^2 by 2 `variance` times the sum of the squares of both changes, but
                      // at most by `limit`
     kPerceptual,     // Godot: increases the square of perceptual roughness by the same amount
-    kGreaterChange,  // Babylon.js: uses the greater change c. The least roughness under lights is cbrt(c^2);
-                     // 3/4 of c is added to the alpha of reflections
+    kGreaterChange,  // Babylon.js: uses the greater change c. Under lights, roughness is at least cbrt(c^2). For
+                     // reflections, 3/4 of c is added to alpha
   };
   int anisotropy_max = 1;
-  double roughness_least = 0.0;  // least perceptual roughness
+  double roughness_least = 0.0;  // minimum of perceptual roughness
   Term term = Term::kNone;
   bool rebuilds_z = false;  // true if z of normals is computed from x and y
   bool is_of_map = false;   // true if the term uses mapped normals instead of the mesh's normals

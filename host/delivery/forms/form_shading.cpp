@@ -24,7 +24,7 @@ const std::array<glm::dvec3, kFormLights>& form_lights() {
 
 double schlick(double f0, double cosine) { return f0 + (1.0 - f0) * std::pow(1.0 - std::clamp(cosine, 0.0, 1.0), 5.0); }
 
-// The lamps of a room such as RoomEnvironment of three.js. Smooth surfaces show their reflections.
+// The lamps of a room that resembles RoomEnvironment of three.js. Smooth surfaces show their reflections.
 struct Lamp {
   glm::dvec3 direction;
   double solid_angle, radiance;
@@ -41,8 +41,8 @@ const std::array<Lamp, 5>& lamps() {
 // Returns the radiance of the walls, which are brighter above.
 double walls_at(double height, double width) { return 0.5 + 0.3 * height / std::sqrt(height * height + width * width); }
 
-// Returns the light of the room that a surface of this alpha reflects from a direction. Normals of variance alpha^2 / 2
-// turn reflections by twice their own angle.
+// Returns the light that a surface with this alpha reflects from a direction of the room. Normals have a variance of
+// alpha^2 / 2, and reflections are turned by twice the angle of the normal.
 double room_at(const glm::dvec3& direction, double alpha) {
   double sum = walls_at(direction.y, 0.1 + alpha);
   for (const Lamp& lamp : lamps()) {
@@ -53,7 +53,7 @@ double room_at(const glm::dvec3& direction, double alpha) {
   return sum;
 }
 
-// Returns irradiance over pi.
+// Returns the irradiance divided by pi.
 double room_around(const glm::dvec3& normal) {
   double sum = walls_at(normal.y, 1.0);
   for (const Lamp& lamp : lamps())

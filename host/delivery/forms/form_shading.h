@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Shades a pixel as engines do, in grey and double precision. The lights are three directional lights, with one picture
-// each, and a room with lamps, whose reflection is blurred in rough surfaces. The model is GGX with Smith's
+// Shades a pixel like an engine, in grey and in double precision. There are three directional lights, each with its own
+// picture, and a room with lamps, whose reflection is blurred by rough surfaces. The model is GGX with Smith's
 // height-correlated visibility, Schlick's Fresnel term and Lambert (glTF 2.0, appendix B; sources are in
 // host/delivery/export/accuracy/lobe_shading.h).
 #pragma once
@@ -17,7 +17,7 @@ constexpr std::size_t kFormLights = 3;
 /// The light of a pixel under each directional light.
 using FormLight = std::array<double, kFormLights>;
 
-/// Surface properties other than the normal.
+/// The surface properties other than the normal.
 struct FormSurface {
   double roughness = 1.0;  // perceptual roughness
   double metalness = 0.0;
@@ -28,7 +28,8 @@ struct FormSurface {
 
 /// Shades one unit normal. `view` is a unit vector towards the eye.
 FormLight shaded_normal(const glm::dvec3& normal, const FormSurface& surface, const glm::dvec3& view);
-/// Shades the lobe of normals (a r, a) as @multum/three does (lobe_shading.js). The result is for amplitude 1.
+/// Shades the lobe of normals (a r, a) as @multum/three does (lobe_shading.js). The result is for a lobe with amplitude
+/// 1.
 FormLight shaded_lobe(const glm::dvec4& lobe, const FormSurface& surface, const glm::dvec3& view);
 
 /// Returns the roughness that @multum/three uses where the geometry's normal changes from pixel to pixel. This

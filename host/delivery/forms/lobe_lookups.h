@@ -26,18 +26,18 @@ class LobeLevels {
   const TextureFrame& frame() const { return frame_; }
   int finest_held() const { return finest_held_; }
 
-  /// Returns the level at which addLobes() reads a place of a pixel, before clamping. `along_x` and `along_y` are the
-  /// changes of the place across its part of the pixel.
+  /// Returns the level at which addLobes() reads one of a pixel's places, before the level is clamped. `along_x` and
+  /// `along_y` are the changes of the texture coordinates across the part of the pixel that belongs to this place.
   double level_of(const glm::dvec2& along_x, const glm::dvec2& along_y, double bias) const;
-  /// Returns the columns and rows of the grid in which multum_point_grid() arranges the `count` shading points of a
-  /// pixel. `count` is a power of two.
+  /// Returns the numbers of columns and rows of the grid in which multum_point_grid() arranges the `count` shading
+  /// points of a pixel. `count` must be a power of two.
   glm::ivec2 grid(int count, const glm::dvec2& along_x, const glm::dvec2& along_y) const;
   /// Returns all lobes, (a r, a).
   std::vector<glm::dvec4> at(const glm::dvec2& place, double level) const;
   /// Returns `a` times the luminance of the colour for each lobe. The file must have colours.
   std::vector<double> luminances(const glm::dvec2& place, double level) const;
-  /// Returns the luminance of the lobe that is nearest to a unit normal of the map, in the finest loaded texel at the
-  /// place. Level 1 has one lobe for each normal that it covers.
+  /// Returns the luminance of the lobe that is closest to a unit normal of the map. The lobe is taken from the texel at
+  /// the place on the finest loaded level. Level 1 has one lobe for each normal that it covers.
   double finest_luminance(const glm::dvec2& place, const glm::dvec3& normal) const;
 
  private:

@@ -15,7 +15,7 @@ namespace {
 
 constexpr int kPointsAnisotropy = 16;  // requested by @multum/three and supported by GPUs
 constexpr int kPointsPerSide = 2;
-// Values of @multum/three (runtime_gl/web/three/lobe_material.js).
+// These values are those of @multum/three (runtime_gl/web/three/lobe_material.js).
 constexpr double kPointsBias = -0.25 - 1.0, kLobeBias = -0.5, kLobesFrom = 0.002;
 constexpr double kLobeRoughnessMin = 0.045;
 constexpr int kPixelsAtOnce = 64;
@@ -33,14 +33,14 @@ glm::dvec4 turned_lobe(const SurfacePoint& frame, const glm::dvec4& lobe) {
   return {turned * (length > 1e-12 ? glm::length(glm::dvec3(lobe)) / length : 0.0), lobe.w};
 }
 
-// Returns the interpolated values at a point of a pixel that is `x` and `y` pixels from its middle.
+// Returns the interpolated values at the point that is `x` and `y` pixels away from the pixel's middle.
 SurfacePoint moved(const ModelPixel& pixel, double x, double y) {
   SurfacePoint made = pixel.middle + pixel.along_x * x + pixel.along_y * y;
   made.normal = glm::normalize(made.normal);
   return made;
 }
 
-// Offsets of the pixels whose normals are compared with a pixel's normal.
+// The offsets of the pixels whose normals are compared with a pixel's normal.
 constexpr glm::dvec2 kBeside[] = {{1.0, 0.0}, {0.0, 1.0}};
 
 double part_place(int i, int count) { return (i + 0.5) / count - 0.5; }
@@ -65,7 +65,7 @@ FormMeter::FormMeter(const FormTextures& textures, const std::vector<ModelPictur
     for (int i = begin; i < end; ++i) prepare(pixels_[size_of(i)]);
   });
   // The relative L1 error is the sum of differences divided by the sum of references, over all pixels of a view.
-  // Returns its mean over lights.
+  // Returns the mean of this error over lights.
   std::vector<FormLight> wholes(views_.size());
   for (const Measured& at : pixels_)
     for (std::size_t l = 0; l < kFormLights; ++l) wholes[at.view][l] += at.reference[l];
@@ -227,7 +227,8 @@ FormLight FormMeter::shade_lobes(const Measured& at, const LobeLevels& lobes, co
                                  const PixelColours& colours) const {
   const ModelPixel& pixel = *at.pixel;
   const auto count = size_of(lobes.count());
-  // Adds lobes of a part of the pixel in world space. The first lobe includes the map's share.
+  // Adds the lobes of a part of the pixel in world space. The share that the normal map itself contributes is part of
+  // the first lobe.
   const auto add_lobes = [&](int number, const glm::ivec2& grid, std::vector<glm::dvec4>& sums) {
     const double level = lobes.level_of(pixel.along_x.place / static_cast<double>(grid.x),
                                         pixel.along_y.place / static_cast<double>(grid.y), kLobeBias);

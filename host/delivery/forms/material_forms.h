@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Compares the possible forms of a material's normals. Draws the model with each form as an engine would, and measures
-// the errors of the pictures. Chooses the cheapest form whose error exceeds the lowest error by at most 0.2 percentage
-// points.
+// Compares the possible forms of a material's normals. Draws the model with each form in the same way as an engine, and
+// measures the errors of the pictures. Chooses the cheapest form whose error exceeds the lowest error by at most 0.2
+// percentage points.
 #pragma once
 
 #include <array>
@@ -17,7 +17,8 @@
 
 namespace multum {
 
-/// Textures of a material, whose levels have the same sizes. Every material has `normals`. All values are shares.
+/// The textures of a material, whose levels have the same sizes. Every material has `normals`. All values are shares
+/// from 0 to 1.
 struct FormTextures {
   const SharesTexture* averages = nullptr;  // mean normals, rounded like a mip of the map; alpha holds the mean
                                             // roughness
@@ -53,8 +54,8 @@ struct NormalForm {
   bool has_fitted_normals() const;
 };
 
-/// Pictures that share one error number. They show the material from one distance, and without a model on one simple
-/// shape.
+/// A set of pictures for which one error is stated. They show the material from one distance and, if there is no model,
+/// on one simple shape.
 struct FormView {
   double distance = 0.0;
   std::string shape;  // ModelPicture::shape
@@ -83,19 +84,19 @@ class FormMeter {
 
   int level_count() const { return textures_.averages->frame().level_count; }
 
-  /// Returns the error with one evaluation per pixel, as the engine draws.
+  /// Returns the error if the material is drawn with one evaluation per pixel, as in the engine.
   FormError normals(const NormalForm& form) const;
-  /// Changes one level after the other so that the mean error drops most, while the error of each view stays below
-  /// `limits`. Levels that only a few pixels use get the form of the last level before them.
+  /// Changes one level after the other. Each level takes the form that reduces the mean error most while the error of
+  /// each view stays below `limits`. Levels coarser than last_seen_level() take the form of that level.
   void improve(NormalForm& form, const std::vector<double>& limits) const;
-  /// Returns the error that the sampling of the references causes, estimated from two halves of the samples.
+  /// Returns the error that is due to the sampling of the references. It is estimated from two halves of the samples.
   FormError noise() const;
   /// Returns the error with 2 x 2 points per pixel and the variance of slopes, as in addPoints() of @multum/three.
   FormError points(const NormalForm& form) const;
   /// Returns the error of lobes that addLobes() of @multum/three draws with 4 evaluations and with textures of this
   /// form.
   FormError lobes(const LobeLevels& lobes, const NormalForm& form) const;
-  /// Errors in colour for lobes that have colours, with the texel's mean colour or with each lobe's own colour.
+  /// The errors in colour for lobes that have colours, with the texel's mean colour and with each lobe's own colour.
   struct Coloured {
     FormError mean, own;
   };
@@ -124,7 +125,7 @@ class FormMeter {
     std::vector<Looked> beside;  // the pixels to the right and below, if this pixel's roughness uses them
     std::vector<Looked> points;  // the values at 2 x 2 points
   };
-  // Grey base colours of a pixel.
+  // The grey base colours of a pixel.
   struct PixelColours {
     double mean = 0.5;
     std::vector<double> factors = {};  // factors of lobes; 1 if empty
@@ -136,7 +137,7 @@ class FormMeter {
   };
   void prepare(Measured& at) const;
   Looked look(const SurfacePoint& point, const ModelPixel& pixel, int anisotropy_max, double bias) const;
-  // Returns the reference of a pixel. `lobes` has the colours. If it is null, all colours are equal.
+  // Returns the reference of a pixel. `lobes` contains the colours. If `lobes` is null, all colours are equal.
   struct Reference {
     FormLight light, noise;  // noise: distance of both sample halves from the reference
   };
@@ -161,8 +162,8 @@ class FormMeter {
   std::vector<Measured> pixels_;
 };
 
-/// Returns the form with the lowest mean error that the search finds. In each view, its error exceeds the error of
-/// `kept` by at most kFormTolerance. If no form improves the mean by kFormGain, returns `kept`.
+/// Returns the form with the lowest mean error that the search finds. In each view, the error of this form exceeds the
+/// error of `kept` by at most kFormTolerance. If no form reduces the mean error by at least kFormGain, returns `kept`.
 struct ChosenNormalForm {
   NormalForm form;
   FormError plain, fitted, chosen;  // `fitted` has levels 1 and coarser fitted, with the full roughness
@@ -170,7 +171,7 @@ struct ChosenNormalForm {
 ChosenNormalForm choose_normal_form(const FormMeter& meter, const NormalForm& kept);
 
 constexpr double kFormGain = 0.2;  // percentage points, or
-// The smallest gain as a share of the error. The larger of the two minimum gains applies. Our pictures differ from an
+// The minimum gain as a share of the error. The larger of the two minimum gains applies. These pictures differ from an
 // engine's pictures by about this share.
 constexpr double kFormGainShare = 0.05;
 constexpr double kFormTolerance = 0.1;  // percentage points, for each view

@@ -19,12 +19,13 @@ namespace {
 constexpr std::uint32_t kNothing = ~0u;
 constexpr int kPictureSide = 240;   // pixels
 constexpr int kSamplesPerSide = 8;  // samples per side of a pixel
-// Half of the picture's side at distance 1. The field of view is 45 degrees.
+// Half of the picture's side at distance 1, for a field of view of 45 degrees.
 const double kPlaneHalf = std::tan(22.5 * std::numbers::pi / 180.0);
 // Pixels are edges if, at their middle, the cosine between surface and view is below this value.
 constexpr double kFacingMin = 0.02;
 
-// A distance in radii of the model's sphere, and its number of views. Distant views have few pixels each.
+// A distance in radii of the model's bounding sphere, and the number of views at this distance. Each distant view has
+// only a few pixels.
 struct PicturedDistance {
   double radii;
   int side_count;
@@ -92,13 +93,15 @@ void ModelPictures::View::draw(const TriangleMesh& mesh) {
   std::vector<glm::dvec3> corners(mesh.positions.size());
   for (std::size_t i = 0; i < corners.size(); ++i) {
     corners[i] = projected(glm::dvec3(mesh.positions[i]));
-    corners[i].x = (corners[i].x - left) * kSamplesPerSide - 0.5;  // samples have their middles at whole numbers
+    corners[i].x = (corners[i].x - left) * kSamplesPerSide - 0.5;  // the middles of samples are at integers
     corners[i].y = (corners[i].y - top) * kSamplesPerSide - 0.5;
   }
   for (std::size_t t = 0; 3 * t + 2 < mesh.indices.size(); ++t) {
     const glm::dvec3 &a = corners[mesh.indices[3 * t]], &b = corners[mesh.indices[3 * t + 1]],
                      &c = corners[mesh.indices[3 * t + 2]];
-    if (std::min({a.z, b.z, c.z}) <= 0.0) continue;  // happens only by rounding, because the eye is outside the sphere
+    if (std::min({a.z, b.z, c.z}) <= 0.0)
+      continue;  // can happen only because of rounding, since the eye is outside
+                 // the sphere
     const double area = (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
     if (!(std::abs(area) > 1e-12)) continue;
     const auto bound = [](double value, int count) { return static_cast<int>(std::clamp(value, 0.0, 1.0 * count)); };

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Samples small pictures of a model at some of their pixels. For each pixel, finds the surface at the middle, which a
-// renderer shades, and the surface at many samples, which the reference shades. A visibility buffer holds the nearest
-// triangle at every sample (Burns and Hunt 2013). The pictures show the model from several sides and distances, at the
-// size that a viewer sees.
+// Samples some pixels of small pictures of a model. For each pixel, finds the surface point at the middle, which a
+// renderer shades, and the surface points at many samples, which the reference shades. A visibility buffer holds the
+// nearest triangle at every sample (Burns and Hunt 2013). The pictures show the model from several sides and distances,
+// at the size that a viewer sees.
 #pragma once
 
 #include <cstddef>
@@ -20,7 +20,7 @@
 
 namespace multum {
 
-/// A place on the surface, or a difference of places: the change of interpolated values.
+/// A place on the surface, or the difference of two places, which is the change of the interpolated values.
 struct SurfacePoint {
   glm::dvec3 position{0.0}, normal{0.0, 0.0, 1.0}, tangent{1.0, 0.0, 0.0}, bitangent{0.0, 1.0, 0.0};
   glm::dvec2 place{0.0};  // place in the image, 0 to 1, from its top left corner
@@ -53,7 +53,7 @@ struct PicturedSurface {
 /// Pictures of a whole model, drawn once for all its surfaces.
 class ModelPictures {
  public:
-  /// Progress can cancel, but counts no units. `mesh` must outlive this object.
+  /// The progress callback can cancel, but no progress units are advanced. `mesh` must outlive this object.
   ModelPictures(const TriangleMesh& mesh, int threads, Progress* progress);
   ~ModelPictures();
   ModelPictures(const ModelPictures&) = delete;

@@ -20,7 +20,8 @@ constexpr double kSpherePixelsMin = 4.0;    // smallest radius of the sphere
 constexpr double kSphereRim = 0.9;          // share of the sphere's area in the picture; the rest counts as edges
 // Tilts of the plane seen from above, and of the tilted plane, in degrees.
 constexpr double kTilts[] = {0.0, 35.0, 75.0};
-constexpr double kPoleMost = 1.4;  // largest latitude on the sphere in radians, because frames turn fast near the poles
+constexpr double kPoleMost = 1.4;  // largest latitude on the sphere in radians, because tangent frames turn fast near
+                                   // the poles
 constexpr double kFar = 1e7;       // distance of the eye in texels, so large that all rays are parallel
 constexpr const char *kPlane = "plane", *kTiltedPlane = "tilted plane", *kSphere = "sphere";
 constexpr double kTurn = 2.0 * std::numbers::pi;
@@ -30,7 +31,8 @@ class EvenNumbers {
  public:
   explicit EvenNumbers(std::size_t index) : index_(static_cast<double>(index)) {}
   double next() {
-    // Powers of the inverse of the root of x^9 = x + 1, which is Roberts's generalized golden ratio for eight axes.
+    // These are powers of the inverse of the root of x^9 = x + 1, which is Roberts's generalized golden ratio for eight
+    // axes.
     power_ /= 1.085070245491451;
     const double value = 0.5 + index_ * power_;
     return value - std::floor(value);
@@ -40,7 +42,7 @@ class EvenNumbers {
   double index_, power_ = 1.0;
 };
 
-// The viewing direction of a pixel. As for models, views are from all sides and slightly from above.
+// The viewing direction of a pixel. As for models, the surface is seen from all sides and slightly from above.
 struct Side {
   glm::dvec3 towards_eye{0.0, 0.0, 1.0}, right{1.0, 0.0, 0.0}, up{0.0, 1.0, 0.0};
   double pixel = 1.0;  // width of a pixel in texels
@@ -50,7 +52,7 @@ struct Side {
     right = glm::normalize(glm::cross(glm::dvec3(0.0, 1.0, 0.0), towards_eye));
     up = glm::cross(towards_eye, right);
   }
-  // Returns a point of the picture plane, `x` and `y` pixels from the middle, y downwards.
+  // Returns the point of the picture plane that is `x` pixels to the right of the middle and `y` pixels below it.
   glm::dvec3 screen(double x, double y) const { return pixel * (x * right - y * up); }
 };
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Looks up texture levels like the samplers of engines (OpenGL 4.6, section 8.14; EXT_texture_filter_anisotropic), in
-// double precision.
+// Looks up texture levels in double precision, in the same way as the samplers of engines (OpenGL 4.6, section 8.14;
+// EXT_texture_filter_anisotropic).
 #pragma once
 
 #include <array>
@@ -33,14 +33,14 @@ class SharesTexture {
   virtual ~SharesTexture() = default;
 
   const TextureFrame& frame() const { return frame_; }
-  /// Can be called from any number of threads at once.
+  /// This function can be called from any number of threads at once.
   virtual glm::dvec4 texel(int level, int x, int y) const = 0;
 
  private:
   TextureFrame frame_;
 };
 
-/// Looks up a texel bilinearly. `place` is 0 to 1 across the image.
+/// Samples a level bilinearly. `place` is from 0 to 1 across the image.
 template <typename Texture>
 glm::dvec4 linear_lookup(const Texture& texture, int level, const glm::dvec2& place) {
   const TextureFrame& frame = texture.frame();
@@ -54,15 +54,16 @@ glm::dvec4 linear_lookup(const Texture& texture, int level, const glm::dvec2& pl
          v * ((1.0 - u) * texture.texel(level, left, below) + u * texture.texel(level, right, below));
 }
 
-/// The places and levels of a pixel. The mean of their values is the pixel's value. All textures of one size use the
-/// same places and levels.
+/// The places and levels at which a texture is read for a pixel. The pixel's value is the mean of the values at these
+/// places. All textures of one size use the same places and levels.
 struct PixelTaps {
   std::array<int, 2> levels{};  // the finer and the coarser level
   double coarser_share = 0.0;
   std::vector<glm::dvec2> places;
 
-  /// Chooses taps like the samplers of engines. `along_x` and `along_y` are the changes of the place from pixel to
-  /// pixel. `bias` is the number of octaves that are added to the level. It does not move taps.
+  /// Chooses taps like the samplers of engines. `along_x` and `along_y` are the changes of the texture coordinates from
+  /// a pixel to the next one in x and in y. `bias` is the number of octaves that are added to the level, and it does
+  /// not move the taps.
   static PixelTaps of(const glm::dvec2& place, const glm::dvec2& along_x, const glm::dvec2& along_y,
                       const TextureFrame& frame, int anisotropy_max, double bias);
 

@@ -64,7 +64,7 @@ class GlbLayout {
   bool has_bytes() const { return has_bytes_; }
   std::uint64_t length() const { return length_; }
 
-  // Writes the bytes of the merged buffer in order, padded like a chunk.
+  // Writes the bytes of the merged buffer in order, with the padding of a chunk.
   void write(OutputFile& file, Progress* progress) const {
     std::uint64_t at = 0;
     const auto pad_to = [&](std::uint64_t offset) {
@@ -112,7 +112,7 @@ class GlbLayout {
     return count;
   }
 
-  // Merges all buffers that have bytes. Buffers with further properties remain separate.
+  // Merges all buffers that have bytes. Buffers with additional properties remain separate.
   void choose_buffers() {
     has_bytes_ = !contents_.empty() || std::any_of(asset_.buffers.begin(), asset_.buffers.end(),
                                                    [](const auto& buffer) { return buffer.has_value(); });
@@ -130,7 +130,8 @@ class GlbLayout {
     }
   }
 
-  // Calls use(object) for all objects that refer to buffer bytes: buffer views, and similar objects of extensions.
+  // Calls use(object) for all objects that refer to buffer bytes, which are buffer views and similar objects of
+  // extensions.
   template <typename Use>
   static void for_each_reference(GltfJson& value, const Use& use) {
     if (value.is_object() && unsigned_at(value, "buffer")) use(value);
@@ -258,7 +259,8 @@ std::uint64_t write_glb(const GltfAsset& asset, GltfJson json, const ViewContent
   const std::uint64_t binary_chunk = layout.has_bytes() ? 8 + binary : 0;
   const std::uint64_t total = 12 + 8 + text.size() + binary_chunk + asset.other_chunks.size();
   if (total > std::numeric_limits<std::uint32_t>::max())
-    asset.refuse(fmt::format("would give a file of {} bytes, expected less than 4 GiB, the limit of GLB", total));
+    asset.refuse(
+        fmt::format("would become a file of {} bytes, expected less than 4 GiB, which is the limit of GLB", total));
   AtomicFile file(output);
   OutputFile bytes(file);
   const auto add = [&](const std::string& part) { write_or_throw(bytes, part.data(), part.size()); };

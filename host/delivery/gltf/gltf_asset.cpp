@@ -36,7 +36,8 @@ GlbParts split_chunks(std::string_view bytes, const std::string& path) {
   if (const std::uint32_t version = number_at(bytes, 4); version != 2)
     refuse_file(path, fmt::format("is a GLB file of version {}, expected 2", version));
   if (const std::uint32_t length = number_at(bytes, 8); length != bytes.size())
-    refuse_file(path, fmt::format("is a damaged GLB file: its header says {} bytes, found {}", length, bytes.size()));
+    refuse_file(path, fmt::format("is a damaged GLB file: its header states {} bytes, but the file has {}", length,
+                                  bytes.size()));
   GlbParts parts;
   std::size_t at = kGlbHeader;
   for (int chunk = 0; at < bytes.size(); ++chunk) {
@@ -67,7 +68,7 @@ GltfJson parse_gltf_json(std::string_view text, const std::string& path) {
     if (depth > kGltfDepthMax)
       refuse_file(path, fmt::format("nests its JSON deeper than the limit of {} levels", kGltfDepthMax));
     if (++count > kGltfValuesMax)
-      refuse_file(path, fmt::format("has more than {} values in its JSON, which exceeds the limit", kGltfValuesMax));
+      refuse_file(path, fmt::format("has more than {} values in its JSON, which is the limit", kGltfValuesMax));
     return true;
   };
   try {
@@ -79,7 +80,7 @@ GltfJson parse_gltf_json(std::string_view text, const std::string& path) {
   }
 }
 
-// Returns the bytes of a URI up to a given number. The bytes are embedded or in a file.
+// Returns the bytes to which a URI refers, up to a given number. The bytes are embedded in the URI or stored in a file.
 std::string bytes_of_uri(const GltfAsset& asset, const GltfJson& uri, const std::string& what, std::uint64_t byte_max) {
   if (!uri.is_string()) asset.refuse(what + " has a URI that is not a string");
   return uri_bytes(asset.path, uri.get_ref<const std::string&>(), byte_max);
@@ -111,7 +112,7 @@ void check_views(const GltfAsset& asset) {
     const auto length = unsigned_at(view, "byteLength");
     const std::uint64_t offset = unsigned_at(view, "byteOffset").value_or(0), all = *unsigned_at(buffer, "byteLength");
     if (!length || (view.contains("byteOffset") && !unsigned_at(view, "byteOffset")))
-      asset.refuse(what + " has a byteOffset or byteLength that is not a number of bytes");
+      asset.refuse(what + " has a byteOffset or byteLength that is not a valid number of bytes");
     if (offset > all || *length > all - offset)
       asset.refuse(
           fmt::format("{} refers to bytes {} to {} of a buffer of {} bytes", what, offset, offset + *length, all));
@@ -196,7 +197,8 @@ GltfImageBytes read_gltf_image(const GltfAsset& asset, std::size_t image) {
   if (object.contains("bufferView"))
     return {std::string(asset.view_bytes(asset.index(object, "bufferView", "bufferViews"))), false};
   std::string bytes = bytes_of_uri(asset, object.at("uri"), fmt::format("image {}", image), kModelBytesMax + 1);
-  if (bytes.size() > kModelBytesMax) asset.refuse(fmt::format("image {} has 4 GiB or more", image));
+  if (bytes.size() > kModelBytesMax)
+    asset.refuse(fmt::format("image {} has 4 GiB or more, which exceeds the limit of GLB", image));
   return {std::move(bytes), true};
 }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Reads a glTF 2.0 or GLB file with all its contents and referenced files, for programs that write the file again. JSON
-// keys keep their order. The bytes of buffers and images are loaded. Damaged files and references out of range are
-// rejected first.
+// keys keep their order. Damaged files and references out of range are rejected. Then the bytes of buffers and images
+// are loaded.
 #pragma once
 
 #include <cstddef>
@@ -21,8 +21,8 @@ using GltfJson = nlohmann::ordered_json;
 struct GltfAsset {
   std::string path;
   GltfJson json;  // a JSON object
-  // Bytes of each buffer, as many as the file declares. A buffer without bytes in the file is unset, because extensions
-  // fill it (fallback buffers of EXT_meshopt_compression).
+  // The bytes of each buffer, as many as the file declares. A buffer that has no bytes in the file is unset, because an
+  // extension fills it (fallback buffers of EXT_meshopt_compression).
   std::vector<std::optional<std::string>> buffers;
   std::string other_chunks;  // whole chunks of a GLB that follow its bytes, unchanged
 
@@ -37,8 +37,8 @@ struct GltfAsset {
   std::string_view view_bytes(std::size_t view) const;
 };
 
-/// Limits of the JSON: text bytes, number of values and depth. They allow all practical models, and limit the memory
-/// that a small malicious file can use to a few gigabytes.
+/// The limits of the JSON for text bytes, number of values and depth. They allow all practical models, but ensure that
+/// a small malicious file can use at most a few gigabytes of memory.
 constexpr std::size_t kGltfJsonBytesMax = std::size_t{64} << 20;
 constexpr std::size_t kGltfValuesMax = 8'000'000;
 constexpr int kGltfDepthMax = 64;
@@ -48,7 +48,7 @@ constexpr int kGltfDepthMax = 64;
 /// a referenced file is not a regular file in the same folder or below.
 GltfAsset read_gltf_asset(const std::string& path);
 
-/// An image's bytes, and whether they are outside the file's buffers, in a separate file or a data URI.
+/// The bytes of an image, and whether they are outside the file's buffers, that is, in a separate file or a data URI.
 struct GltfImageBytes {
   std::string bytes;
   bool is_outside = false;

@@ -192,13 +192,13 @@ class GltfConversion {
     warn_of_bad(plan);
   }
 
-  // Returns the result of the pictures as text, which is empty if no pictures were drawn.
+  // Describes the result of the pictures. The text is empty if no pictures were drawn.
   std::string form_text(const std::vector<PreparedSource>& prepared, const MaterialPlan& material) const {
     if (material.source >= prepared.size() || report_.forms[material.source].views.empty()) return "";
     return report_.forms[material.source].to_text(true);
   }
 
-  // One bad map does not stop the fits of the other maps. If there are no other maps, the job fails.
+  // A bad map does not prevent the fits of other maps. If there are no other maps, the job fails.
   void warn_of_bad(const GltfPlan& plan) {
     for (const MaterialPlan& material : plan.materials) {
       if (!material.is_bad) continue;
@@ -237,7 +237,7 @@ class GltfConversion {
     return made;
   }
 
-  // Returns the form that pictures choose for a source, or the requested form if no pictures are drawn.
+  // Returns the form that is chosen for a source by means of pictures, or the requested form if no pictures are drawn.
   ChosenForm form_of(SourceForms& forms, std::size_t number, const FittedSource& fitted, const std::string& baked) {
     ChosenForm form;
     form.normals = NormalForm::of(fitted.normal->level_count(),
@@ -251,7 +251,7 @@ class GltfConversion {
     return form;
   }
 
-  // Returns no textures if the material keeps its own. `source` then gives the reason.
+  // If the material keeps its own textures, returns no textures, and `source` states the reason.
   SourceTextures textures_of(const GltfAsset& asset, SourceForms& forms, std::size_t number, PreparedSource& source) {
     SourceTextures made;
     std::optional<FittedSource> found = fit(asset, source, number);
@@ -301,7 +301,7 @@ class GltfConversion {
     return made;
   }
 
-  // Removes a source's files from the work folder. They are as large as its textures in memory.
+  // Removes a source's files from the work folder, because they are as large as its textures in memory.
   static void remove_levels(const FittedSource& fitted) {
     for (const auto* levels : {&fitted.normal, &fitted.surface, &fitted.anisotropy, &fitted.averages})
       if (*levels != nullptr) remove_file((*levels)->path());

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Converts a glTF or GLB model with normal maps, from file to file, to a GLB whose normal and metallic-roughness
-// textures have fitted mips (docs/reference/gltf.md).
+// Converts the file of a glTF or GLB model with normal maps to a GLB file whose normal and metallic-roughness textures
+// have fitted mips (docs/reference/gltf.md).
 #pragma once
 
 #include <cstdint>
@@ -29,7 +29,7 @@ struct GltfJob {
   bool is_anisotropic = false;
   MaterialForm form = MaterialForm::kAuto;  // form of all materials
   Engine engine = Engine::kThree;           // engine whose pictures choose the form
-  // Add MULTUM_lobes. With MaterialForm::kAuto, it is added only if lobes have the lower error.
+  // If true, adds MULTUM_lobes. With MaterialForm::kAuto, it is added only if lobes reduce the error.
   bool has_lobes = false;
   std::optional<LobeTexels> lobe_texels;  // used only with lobes; if not set, chosen by `format`
   bool is_fast = false;
@@ -50,7 +50,7 @@ struct GltfReport {
     int textures = -1;  // index into `textures`
     std::string form;   // result of the pictures; empty if no pictures were drawn
   };
-  /// The new textures that some materials share.
+  /// The new textures, which several materials may share.
   struct Textures {
     int width = 0, height = 0, level_count = 0;
     std::map<std::string, EncodedTexture> storage;  // keys: "normal", "metallic_roughness", "anisotropy", "lobes"

@@ -55,8 +55,8 @@ class GltfRewriter {
   }
 
  private:
-  // Returns a top-level array, and creates it if it is missing. Creation moves the other arrays, so do not keep the
-  // reference.
+  // Returns a top-level array, and creates the array if it is missing. Creating an array moves the other arrays, so do
+  // not keep the reference.
   GltfJson& array(const char* name) {
     GltfJson& found = made_.json[name];
     if (found.is_null()) found = GltfJson::array();
@@ -68,7 +68,7 @@ class GltfRewriter {
     const MaterialPlan& plan = plan_.materials[number];
     const LobeSource& source = plan_.sources[plan.source];
     const SourceTextures& textures = sources_[plan.source];
-    // Adds lobes first, because this moves `materials`.
+    // Lobes are added first, because adding them moves `materials`.
     const std::size_t lobes = textures.lobes ? lobes_of(plan.source) : 0;
     GltfJson& material = made_.json["materials"][number];
     const GltfJson::json_pointer place("/materials/" + std::to_string(number));
@@ -88,7 +88,7 @@ class GltfRewriter {
       surface.erase("roughnessFactor");
       const bool had_one = surface.contains("metallicRoughnessTexture");
       if (!had_one) surface["metallicRoughnessTexture"] = beside;
-      // Lobes use the original roughness, so the original texture stays.
+      // Lobes use the original roughness, so the original texture is kept.
       request(place / "pbrMetallicRoughness" / "metallicRoughnessTexture",
               surface["metallicRoughnessTexture"].at("index").get<std::size_t>(), had_one && !textures.lobes,
               {plan.source, TextureRole::kSurface});
@@ -172,7 +172,7 @@ class GltfRewriter {
       made_.json[request.info]["index"] = at;
       instead_.emplace(request.old_texture, at);
     }
-    // A replaced texture that is no longer used becomes a copy of its replacement.
+    // If a replaced texture is no longer used, it becomes a copy of its replacement.
     for (const auto& [texture, at] : instead_)
       if (is_free(texture) && !new_textures_.contains(texture)) {
         array("textures")[texture] = GltfJson(array("textures")[at]);
@@ -197,7 +197,7 @@ class GltfRewriter {
   std::set<std::size_t> filtered_textures() {
     std::set<std::size_t> made;
     for (const auto& [number, image] : new_textures_) made.insert(number);
-    // Without a minFilter, renderers choose a filter between levels themselves.
+    // If there is no minFilter, renderers choose how to filter between levels.
     for (const std::size_t number : kept_)
       if (const auto sampler = unsigned_at(array("textures").at(number), "sampler");
           sampler && array("samplers").at(*sampler).contains("minFilter"))
@@ -285,7 +285,7 @@ class GltfRewriter {
     }
   }
 
-  // Stores an image's bytes in its own buffer view if nothing else uses the view, otherwise in a new one.
+  // Stores an image's bytes in the image's own buffer view if nothing else uses this view, otherwise in a new view.
   void give_bytes(std::size_t number, const std::string& type, ViewContent content) {
     if (content.byte_count == 0) content.byte_count = content.bytes.size();
     const auto old = unsigned_at(array("images")[number], "bufferView");

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writes fitted textures into the JSON of a glTF file. Objects with no other use are replaced in place. Other new
-// objects are appended. Indices and unknown data do not change.
+// Writes fitted textures into the JSON of a glTF file. Objects without other uses are replaced in place. In all other
+// cases, new objects are appended. Indices and unknown data do not change.
 #pragma once
 
 #include <optional>

@@ -6,8 +6,8 @@
 namespace multum {
 namespace {
 
-// Extensions whose references can be found by the rules of Walk: textures as "...Texture": {"index": 1}, images as
-// "source" in a texture, buffer views as "bufferView".
+// The extensions whose references can be found by the rules of Walk. Textures have the form "...Texture": {"index": 1},
+// images are "source" in a texture, and buffer views are "bufferView".
 constexpr std::string_view kKnownExtensions[] = {"KHR_materials_anisotropy",
                                                  "KHR_materials_clearcoat",
                                                  "KHR_materials_diffuse_transmission",

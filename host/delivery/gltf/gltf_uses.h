@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Counts the uses of a glTF file's textures, images and buffer views. Objects with one use can then be replaced in
-// place. No index changes, so that references in unknown extensions stay valid.
+// Counts the uses of a glTF file's textures, images and buffer views, to find objects with a single use, which can be
+// replaced in place. No index changes then, so references in unknown extensions stay valid.
 #pragma once
 
 #include <cstdint>

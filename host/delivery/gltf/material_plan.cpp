@@ -95,7 +95,7 @@ class Planner {
   TextureCoordinates coordinates_of(const GltfJson& info) const {
     TextureCoordinates made;
     if (info.contains("texCoord") && !unsigned_at(info, "texCoord"))
-      refuse("texCoord is not the number of a coordinate set");
+      refuse("texCoord is not the index of a texture coordinate set");
     made.set = unsigned_at(info, "texCoord").value_or(0);
     if (const GltfJson* transform = extension_of(info, "KHR_texture_transform")) {
       made.offset = pair_at(*transform, "offset", 0.0);
@@ -145,8 +145,8 @@ class Planner {
     return use;
   }
 
-  // Returns the reason why the material is not fitted. If it is empty, the material is fitted, and `made` has the
-  // inputs.
+  // Returns the reason why the material is not fitted. If the reason is empty, the material is fitted, and `made`
+  // contains the inputs.
   std::string plan_material(const GltfJson& material, std::size_t number, MaterialPlan& made) {
     const std::optional<TextureUse> normal = texture_at(material, "normalTexture");
     if (!normal) return "it has no normal map";
@@ -163,7 +163,7 @@ class Planner {
     if (!normal->image) return "its normal texture has no PNG, JPEG or WebP image";
     if (rough && !rough->image) return "its metallic-roughness texture has no PNG, JPEG or WebP image";
     if (rough && rough->coordinates != normal->coordinates)
-      return "its roughness and its normals differ in texture coordinates or texture transform";
+      return "the texture coordinates or texture transforms of its roughness and its normals differ";
     if (rough && rough->wrap != normal->wrap) return "its roughness wraps differently from its normals";
 
     made.coordinates = normal->coordinates;
@@ -184,7 +184,7 @@ class Planner {
     source.is_anisotropic = is_anisotropic_;
     if (is_anisotropic_ && !normal->coordinates.keeps_axes()) {
       source.is_anisotropic = false;
-      made.notes.push_back("no anisotropy: its texture transform turns or mirrors the axes");
+      made.notes.push_back("its anisotropy was left out, because its texture transform rotates or mirrors the axes");
     }
     note_factors(source, made);
     const auto same = std::find(plan_.sources.begin(), plan_.sources.end(), source);

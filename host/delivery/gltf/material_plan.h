@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Decides which materials of a glTF file get fitted textures, and from which inputs (glTF 2.0, section 3.9; the rules
-// are in docs/reference/gltf.md). A material's normal texture and metallic-roughness texture are fitted together if
-// their texels cover the same places of the surface. Other materials stay unchanged, and the reason is stated.
+// Decides which materials of a glTF file receive fitted textures, and from which inputs these are made (glTF 2.0,
+// section 3.9; the rules are in docs/reference/gltf.md). A material's normal texture and metallic-roughness texture are
+// fitted together if their texels cover the same places on the surface. Otherwise the material stays unchanged, and the
+// reason is stated.
 #pragma once
 
 #include <array>
@@ -49,13 +50,13 @@ struct MaterialPlan {
   TextureCoordinates coordinates;  // coordinates of the fitted textures
   std::vector<std::string> notes;
   bool is_bad = false;    // true if `kept` is a fault of the model and causes a warning
-  bool is_plain = false;  // true if `kept` says that the material's own mips are as good, because a trilinear filter
-                          // reads them
+  bool is_plain = false;  // true if `kept` says that the material's own mips are equally good, because they are read
+                          // with a trilinear filter
 };
 
 struct GltfPlan {
   std::vector<LobeSource> sources;
-  // The base colour image of each source that covers the same texels, if all materials of the source use the same
+  // For each source, the base colour image, if it covers the same texels and all materials of the source use this
   // image.
   std::vector<std::optional<std::size_t>> colour_images;
   std::vector<MaterialPlan> materials;  // plan of each material, by its index

@@ -13,7 +13,7 @@
 namespace multum {
 namespace {
 
-// The two texels next to a place, and the share of the second texel.
+// The two texels next to a place and the share of the second texel.
 struct Between {
   int first, second;
   float share;

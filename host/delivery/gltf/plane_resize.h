@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Enlarges three planes with a sampler's linear filter, so that all maps of a material have one size.
+// Enlarges three planes with a sampler's linear filter, so that all maps of a material have the same size.
 #pragma once
 
 #include <functional>

@@ -165,7 +165,7 @@ class LevelSink : public MaterialSink {
   bool is_one_ = true;  // whether all values of the surface so far are 1
 };
 
-// Returns whether two normal codes have the same direction up to rounding. Their lengths may differ.
+// Returns whether two stored normals have the same direction apart from rounding. Their lengths may differ.
 bool is_same_direction(const std::uint8_t* one, const std::uint8_t* other) {
   constexpr float kCosineOfADegree = 0.99985f;
   const auto decoded = [](const std::uint8_t* code) {
@@ -175,8 +175,8 @@ bool is_same_direction(const std::uint8_t* one, const std::uint8_t* other) {
   return glm::dot(a, b) > kCosineOfADegree * glm::length(a) * glm::length(b);
 }
 
-// Keeps level 0 exactly as in the file. Rounding its unit vectors again would turn them by up to 0.4 degrees, which is
-// visible in mirrors.
+// Keeps level 0 exactly as it is in the file. Rounding its unit vectors again would turn them by up to 0.4 degrees,
+// which is visible on mirrors.
 void keep_finest_normals(const std::string& file, LevelFile& normal, const SourceFitSettings& settings) {
   ImageReader reader(file, reading_of(settings));
   const RawImageInfo info = reader.info();
@@ -205,7 +205,7 @@ void keep_finest_normals(const std::string& file, LevelFile& normal, const Sourc
 }
 
 // Computes rows of a level. Each texel is the mean of the texels that it covers in the previous level, rounded to 8
-// bits as drivers do.
+// bits as in drivers.
 std::vector<std::uint8_t> averaged_rows(const LevelFile& file, int level, int first, int count) {
   const int width = mip_level_size(file.width(), level), height = mip_level_size(file.height(), level);
   const int finer_width = mip_level_size(file.width(), level - 1),
@@ -287,10 +287,10 @@ void prepare(const GltfAsset& asset, const SourceFitSettings& settings, Prepared
     is_surface_whole = surface.first >= normal.first && surface.second >= normal.second;
     largest = {std::max(normal.first, surface.first), std::max(normal.second, surface.second)};
     const auto texels = [](const std::pair<int, int>& size) { return std::int64_t{size.first} * size.second; };
-    // A common size of up to four times the larger image is accepted. This allows images that differ in only one side.
-    // If the common size is larger, the images were not made for each other.
+    // A common size of up to four times the larger image is accepted, so that images may differ in one side. If the
+    // common size is larger, the images do not belong together.
     if (texels(largest) > 4 * std::max(texels(normal), texels(surface)))
-      made.kept = fmt::format("its normals have {} x {} texels and its roughness has {} x {}", normal.first,
+      made.kept = fmt::format("its normals have {} x {} texels, but its roughness has {} x {}", normal.first,
                               normal.second, surface.first, surface.second);
     if (surface != normal)
       made.notes.push_back(fmt::format("normals of {} x {} and roughness of {} x {} were resized to the same size",
@@ -307,9 +307,9 @@ void prepare(const GltfAsset& asset, const SourceFitSettings& settings, Prepared
   made.surface_is_original = source.surface_image && is_plain(made.surface_file, largest) &&
                              source.roughness_factor == 1.0 && is_surface_whole;
   if (std::make_pair(made.width, made.height) != largest)
-    made.notes.push_back(
-        fmt::format("{} x {} was enlarged to {} x {}, because KHR_texture_basisu needs sides that are multiples of {}",
-                    largest.first, largest.second, made.width, made.height, settings.side_multiple));
+    made.notes.push_back(fmt::format(
+        "{} x {} was enlarged to {} x {}, because KHR_texture_basisu requires sides that are multiples of {}",
+        largest.first, largest.second, made.width, made.height, settings.side_multiple));
 }
 
 }  // namespace

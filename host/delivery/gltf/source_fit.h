@@ -50,7 +50,8 @@ struct PreparedSource {
   std::uint64_t texel_count() const { return static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height); }
 };
 
-/// Runs `body`. Errors about the temporary `file` then name the image that was written to it.
+/// Runs `body`. In errors about the temporary `file`, replaces the file's name with the name of the image that was
+/// written to it.
 template <typename Body>
 auto of_image(const GltfAsset& asset, std::size_t image, const std::string& file, const Body& body) {
   try {
@@ -66,8 +67,8 @@ auto of_image(const GltfAsset& asset, std::size_t image, const std::string& file
   }
 }
 
-/// Returns the settings for reading a glTF normal texture, including its blue channel. A blue channel that is not z is
-/// an error.
+/// Returns the settings for reading a glTF normal texture, including its blue channel. It is an error if the blue
+/// channel is not z.
 NormalMapSettings gltf_normal_reading(const LobeSource& source, const SourceFitSettings& settings);
 
 /// Writes the images into the folder and checks their sizes. If an image cannot be read, its materials stay unchanged.
@@ -77,20 +78,20 @@ PreparedSource prepare_source(const GltfAsset& asset, const LobeSource& source, 
 /// Adds the base colour, if it is readable and has the size of the normal map.
 void add_colours(const GltfAsset& asset, std::size_t image, const SourceFitSettings& settings, PreparedSource& made);
 
-/// Returns the fault of an image as the reason to keep its materials, as in "image 2: found ...". Rethrows errors other
-/// than kInput.
+/// Returns the fault of an image as the reason why its materials are kept, as in "image 2: found ...". Rethrows errors
+/// other than kInput.
 std::string why_kept(const GltfAsset& asset, const Error& error);
 
 /// The fitted textures. A texture that does not exist is null.
 struct FittedSource {
   std::unique_ptr<LevelFile> normal, surface, anisotropy;
-  // The mips that a renderer makes from level 0. They hold normals, and roughness in alpha. Null if `anisotropy` is
-  // set.
+  // The mips that a renderer makes from level 0. They hold normals, with roughness in alpha. The pointer is null if
+  // `anisotropy` is set.
   std::unique_ptr<LevelFile> averages;
 };
 
-/// Names files by `number`. A surface texture that is 1 everywhere is not written. Progress: one unit per texel. Throws
-/// Error(kInput) that names the image, Error(kEnvironment), and Cancelled.
+/// File names contain `number`. A surface texture that is 1 everywhere is not written. Progress: one unit per texel.
+/// Throws Error(kInput) that names the image, Error(kEnvironment), and Cancelled.
 FittedSource fit_source(Device& device, const GltfAsset& asset, const PreparedSource& prepared, std::size_t number,
                         const SourceFitSettings& settings, Progress* progress);
 

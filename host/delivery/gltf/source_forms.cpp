@@ -17,8 +17,8 @@ namespace {
 
 constexpr std::size_t kPicturedPixels = 250;  // pixels of a picture
 constexpr int kFormRows = 64;
-// Lobes do not include the separate normals of a clearcoat. If evaluations are spent on lobes, these normals are
-// evaluated at only one point.
+// Lobes do not include the separate normals of a clearcoat. If lobes are drawn, these normals are evaluated at only one
+// point.
 constexpr const char* kClearcoatNormal = "/extensions/KHR_materials_clearcoat/clearcoatNormalTexture";
 
 // Applies KHR_texture_transform. v grows upwards in meshes, but downwards in glTF.
@@ -28,7 +28,7 @@ glm::dvec2 transformed(const TextureCoordinates& coordinates, const glm::dvec2& 
   return {coordinates.offset[0] + c * u + s * v, coordinates.offset[1] - s * u + c * v};
 }
 
-// If the noise is at least this share of an error, the errors of two forms cannot be distinguished.
+// If the noise is at least this share of an error, the errors of two forms cannot be told apart.
 constexpr double kNoiseMost = 0.5;
 
 // Returns the base colour as grey. The values of a colour texture are unknown here.

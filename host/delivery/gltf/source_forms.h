@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Chooses the form of a LobeSource's textures by pictures of the model (host/delivery/forms/material_forms.h).
+// Draws pictures of the model to choose the form of a LobeSource's textures (host/delivery/forms/material_forms.h).
 #pragma once
 
 #include <map>
@@ -14,7 +14,7 @@
 
 namespace multum {
 
-/// Draws the model on first use, once for all sources with the same set of texture coordinates.
+/// The model is drawn on first use, once for all sources with the same set of texture coordinates.
 class SourceForms {
  public:
   /// Both `asset` and `plan` must outlive this object. The pictures use the filter of `engine`.
@@ -22,7 +22,8 @@ class SourceForms {
               Progress* progress);
   ~SourceForms();
 
-  /// `baked` is a file of the source's lobes, which become a candidate. If there are no lobes, `baked` is empty.
+  /// `baked` is the file of the source's lobes, which are then one of the candidates. If there are no lobes, `baked` is
+  /// empty.
   ChosenForm choose(std::size_t source, const FittedSource& fitted, const std::string& baked);
 
  private:

@@ -30,7 +30,7 @@ double worst_error(const MovmfMipmap& exact, const MovmfMipmap& stored, const Lo
   return lobe_storage_error(levels_of(exact), levels_of(stored), surface).error;
 }
 
-// If an image was already reported, prevents a bake from reporting it again under its name in the work folder.
+// Prevents the bake from reporting an image under its name in the work folder if it has already been reported.
 class QuietBake {
  public:
   QuietBake() : level_(log_level()) { set_log_level(LogLevel::kQuiet); }

@@ -21,9 +21,9 @@ struct SourceLobeSettings {
   LobeSurface surface;               // properties of the surface, for the storage error
 };
 
-/// Bakes a file of the map's own size, even if the fitted textures have another size, and returns its path. Names files
-/// by `number`. Progress can cancel, but counts no units. Throws Error(kInput) that names the image,
-/// Error(kEnvironment), and Cancelled.
+/// Bakes a file of the map's own size, even if the fitted textures have another size, and returns its path. File names
+/// contain `number`. The progress callback can cancel, but no progress units are advanced. Throws Error(kInput) that
+/// names the image, Error(kEnvironment), and Cancelled.
 std::string bake_source_lobes(Device& device, const GltfAsset& asset, const PreparedSource& prepared,
                               std::size_t number, const SourceFitSettings& settings, Progress* progress);
 /// Encodes the colours of the lobes (host/delivery/export/lobes/lobe_colours.h). Returns nullopt if the file has no

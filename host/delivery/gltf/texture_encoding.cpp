@@ -16,7 +16,7 @@ namespace multum {
 namespace {
 
 constexpr int kRowsAtOnce = 64;
-// Basis Universal uses 6. Levels above 12 take several times as long and save one percent.
+// Basis Universal uses level 6. Levels above 12 take several times as long and save only one percent.
 constexpr int kZstdLevel = 12;
 
 FallbackImage write_png(const LevelFile& levels) {
@@ -73,8 +73,8 @@ UastcTrial encode_and_measure(const LevelFile& levels, const UastcSettings& uast
   return made;
 }
 
-// Choosing blocks by angle lowers angle errors by 3 to 20 %, and takes two to three times as long. This choice is made
-// only if its result can change the format, or if the user requested UASTC.
+// Choosing blocks by angle reduces angle errors by 3 to 20 %, but encoding takes two to three times as long. Blocks are
+// therefore chosen by angle only if this can change the format, or if the user requested UASTC.
 constexpr double kWorthChoosing = 2.0 * kStorageErrorMax;
 
 UastcTrial try_uastc(const LevelFile& levels, const TextureEncoding& how, Progress* progress) {

@@ -24,8 +24,9 @@ struct EncodedTexture {
   std::string type;  // media type, such as "image/ktx2"
   std::uint64_t byte_count = 0;
   std::string format = {};     // name in choices and reports, such as "uastc", or "bc" for lobes
-  double storage_error = 0.0;  // increase of the light's relative L1 error that the format causes, at the worst level
-  double refused_error = 0.0;  // increase that rejected blocks would have caused
+  double storage_error = 0.0;  // amount by which the format increases the relative L1 error of the light, at the worst
+                               // level
+  double refused_error = 0.0;  // the same amount for blocks that were rejected
   std::string refused_format = "uastc";
   std::optional<FallbackImage> fallback = {};
 };
@@ -39,12 +40,11 @@ struct TextureEncoding {
   bool has_fallback = false;  // true to add a fallback for every format
   bool is_original = false;   // true if level 0 is the unchanged image of the file, which is then the fallback
   UastcSettings uastc;
-  // Measures how much the light that the material reflects changes if `decoded` levels replace the texture's own
-  // levels.
+  // Measures the change of the light that the material reflects if `decoded` levels replace the texture's own levels.
   std::function<StorageError(const LevelFile& decoded)> measure;
 };
 
-/// Writes the files of the encoding next to the file of the levels. Throws Error(kEnvironment) and Cancelled.
+/// Writes the encoded files next to the file of the levels. Throws Error(kEnvironment) and Cancelled.
 EncodedTexture encode_texture(const LevelFile& levels, const TextureEncoding& how, Progress* progress);
 
 }  // namespace multum

@@ -33,15 +33,18 @@ std::string base64_of_file(const std::string& path) { return encode_base64(bytes
 // Throws Error for a map that the page cannot show.
 void check_map(const LookMap& map, const BakedHeader& header, bool same_source) {
   if (header.has_roughness)
-    refuse_file(map.input, "found roughness in its lobes, expected none, because the page has one base roughness");
+    refuse_file(
+        map.input,
+        "found roughness in its lobes, expected none, because the page uses one base roughness for the whole surface");
   if (header.width > kLookSideMax || header.height > kLookSideMax)
     refuse_file(
         map.input,
-        fmt::format("found a map of {} x {}, expected sides of at most {}, because the page holds the whole map",
+        fmt::format("found a map of {} x {}, expected sides of at most {}, because the page contains the whole map",
                     header.width, header.height, kLookSideMax));
   if (map.source.empty() && header.first_level > 0)
-    refuse_file(map.input, fmt::format("found levels from {} on, expected level 0 too, or the normal map (--source)",
-                                       header.first_level));
+    refuse_file(map.input,
+                fmt::format("found only levels from {} on, expected level 0 too, or the normal map (--source)",
+                            header.first_level));
   if (map.source.empty() || header.provenance.source_hash.empty() ||
       hash_file(map.source) == header.provenance.file_hash())
     return;
@@ -61,7 +64,7 @@ std::vector<BakedHeader> checked_headers(const LookJob& job) {
   }
   if (texels > kLookTexelsMax)
     throw Error(ErrorCode::kInput, fmt::format("found maps with {} texels in total, expected at most {} (four maps of "
-                                               "{} x {}), because the page holds all maps",
+                                               "{} x {}), because the page contains all maps",
                                                texels, kLookTexelsMax, kLookSideMax, kLookSideMax));
   return headers;
 }
@@ -115,7 +118,7 @@ std::string look_page(const nlohmann::ordered_json& data) {
   return page;
 }
 
-// Returns the lobes and the one-lobe export. Temporary files begin with `stem`.
+// Returns the lobes and the one-lobe export. The names of temporary files begin with `stem`.
 nlohmann::ordered_json map_data(const LookMap& map, const BakedHeader& header, const LookJob& job,
                                 const std::string& stem, Device& device, Progress* progress) {
   LobeExportJob lobes{map.input, stem + "_lobes.ktx2", ""};

@@ -12,9 +12,9 @@
 
 namespace multum {
 
-constexpr int kLookSideMax = 2048;  // limit per map, because browsers hold the whole map and its averaged normals as
+constexpr int kLookSideMax = 2048;  // limit per map, because a browser holds the whole map and its averaged normals as
                                     // floats
-// Limit for all maps together. A page with this many texels has 150 MB.
+// The limit for all maps together. A page with this many texels has a size of 150 MB.
 constexpr std::int64_t kLookTexelsMax = std::int64_t{4} * kLookSideMax * kLookSideMax;
 
 struct LookMap {

@@ -17,9 +17,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// On SIGTERM, multum stops and leaves files from which --resume continues.
+// On SIGTERM, multum stops and leaves files from which a run with --resume continues.
 constexpr int kNoticeSeconds = 30;
-// Duration of the work that a farm gives to one process. Starting a process, including its OpenCL programs, takes a
+// The duration of the work that a farm gives to one process. Starting a process, including its OpenCL programs, takes a
 // second or less.
 constexpr int kChunkSeconds = 60;
 
@@ -35,7 +35,8 @@ std::vector<std::string> all_absolute(std::vector<std::string> paths) {
   return paths;
 }
 
-// Returns a parameter name for each path: Input, Input2 and so on for inputs, Output, Output2 and so on for outputs.
+// Returns a parameter name for each path. Inputs are named Input, Input2 and so on, and outputs are named Output,
+// Output2 and so on.
 std::vector<std::string> parameter_names(const FarmCommand& command) {
   std::vector<std::string> names;
   int inputs = 0, outputs = 0;
@@ -47,7 +48,7 @@ std::vector<std::string> parameter_names(const FarmCommand& command) {
   return names;
 }
 
-// In strings of a template, {{ begins a reference and }} ends it; they cannot be escaped.
+// In strings of a template, {{ begins a reference and }} ends it. They cannot be escaped.
 void check_word(const std::string& word) {
   for (const char* braces : {"{{", "}}"})
     if (word.find(braces) != std::string::npos)
@@ -170,7 +171,7 @@ FarmJson openjd_template(const FarmCommand& command) {
   parameters.push_back({{"name", "Multum"},
                         {"type", "STRING"},
                         {"default", "multum"},
-                        {"description", "Name of the program in PATH, or its path on the workers"}});
+                        {"description", "Name of the program in PATH, or its path on the workers."}});
   FarmJson job = {{"specificationVersion", "jobtemplate-2023-09"}};
   if (command.shards > 1 && !command.is_one_map) job["extensions"] = {"TASK_CHUNKING"};
   check_word(command.name);

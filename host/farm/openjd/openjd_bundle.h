@@ -41,12 +41,12 @@ FarmJson openjd_template(const FarmCommand& command);
 FarmJson openjd_parameter_values(const FarmCommand& command);
 FarmJson openjd_asset_references(const FarmCommand& command);
 
-/// Returns sorted absolute paths without duplicates.
+/// Returns absolute paths, sorted and without duplicates.
 std::vector<std::string> openjd_input_files(const FarmCommand& command);
-/// Counts the tasks of all steps: shares, and the steps before and after them.
+/// Counts the tasks of all steps, which are the shares and the steps before and after them.
 int openjd_task_count(const FarmCommand& command);
 
-/// Returns objects, lists, texts, numbers and booleans as YAML 1.2 in block style; texts are in double quotes.
+/// Returns objects, lists, texts, numbers and booleans as YAML 1.2 in block style. Texts are in double quotes.
 std::string yaml_text(const FarmJson& value);
 
 /// Creates the folder and writes the three files. Throws Error(kUsage), before anything is written, if the job exceeds

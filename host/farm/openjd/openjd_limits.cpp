@@ -18,7 +18,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Limits, each with its section of the specification. Lengths are in Unicode characters.
+// The limits, each with its section of the specification. Lengths are in Unicode characters.
 constexpr std::size_t kJobNameMax = 128;         // 1.1.1
 constexpr std::size_t kExtensionNameMax = 128;   // 1.1.2, where the minimum is 3
 constexpr std::size_t kValueMax = 1024;          // 2.5
@@ -50,7 +50,7 @@ std::optional<std::u32string> characters_of(const std::string& text) {
   return characters;
 }
 
-// Unicode's category Cc: C0, DEL and C1 (section 9).
+// Unicode's category Cc, which consists of C0, DEL and C1 (section 9).
 bool is_control(char32_t c) { return c < 0x20 || (c >= 0x7f && c < 0xa0); }
 
 // The rules that one kind of text must follow.
@@ -90,7 +90,7 @@ void check_choice(const std::string& what, const std::string& value, const std::
   if (!choices.contains(value)) refuse(what, "is " + value, "a value of the specification");
 }
 
-// Section 7.3: {{ opens a reference and }} closes it; neither can be escaped. `values` holds the values of the
+// Section 7.3: {{ opens a reference and }} closes it. Neither can be escaped. `values` holds the values of the
 // references.
 std::string resolved(const std::string& what, const std::string& text,
                      const std::map<std::string, std::string>& values) {
@@ -123,7 +123,7 @@ class Checker {
     check_description("template", job_);
     check_parameters();
     check_values();
-    // The name must not contain a path parameter: only a running task knows the parameter's value.
+    // The name must not contain a path parameter, because only a running task knows the parameter's value.
     check_text("the job's name (--name)", resolved("the job's name (--name)", text_of(job_, "name"), {}),
                {1, kJobNameMax});
     const Json& steps = job_.at("steps");
@@ -163,7 +163,7 @@ class Checker {
         check_choice(what + ": dataFlow", text_of(parameter, "dataFlow"), {"NONE", "IN", "OUT", "INOUT"});
       const std::string value = parameter.contains("default") ? text_of(parameter, "default") : "";
       check_text(what + ": default", value, {0, kValueMax, false, true});
-      if (!references_.emplace("Param." + name, value).second) refuse(what, "is there twice", "a name of its own");
+      if (!references_.emplace("Param." + name, value).second) refuse(what, "occurs twice", "a name of its own");
       if (!parameter.contains("default")) without_value_.insert(name);
     }
   }
@@ -192,7 +192,7 @@ class Checker {
         if (!steps_.contains(text_of(one, "dependsOn")))
           refuse(what, "depends on " + text_of(one, "dependsOn"), "a step before it");
     }
-    if (!steps_.insert(name).second) refuse(what, "is there twice", "a name of its own");
+    if (!steps_.insert(name).second) refuse(what, "occurs twice", "a name of its own");
     if (step.contains("hostRequirements")) check_requirements(what, step.at("hostRequirements"));
     std::map<std::string, std::string> references = references_;
     if (step.contains("parameterSpace")) add_task_parameters(what, step.at("parameterSpace"), references);
@@ -226,11 +226,11 @@ class Checker {
       check_choice(own + ": type", type, {"INT", "CHUNK[INT]"});
       const std::string first = check_range(own, parameter.at("range"));
       if (type == "CHUNK[INT]") check_chunks(own, parameter.at("chunks"), ++chunked);
-      if (!references.emplace("Task.Param." + name, first).second) refuse(own, "is there twice", "a name of its own");
+      if (!references.emplace("Task.Param." + name, first).second) refuse(own, "occurs twice", "a name of its own");
     }
   }
 
-  // Returns the first value. Section 3.4.1.1.1: expressions are separated by commas, and must not overlap.
+  // Returns the first value. Expressions are separated by commas and must not overlap (section 3.4.1.1.1).
   std::string check_range(const std::string& what, const Json& range) {
     if (range.is_array()) {
       check_count(what + ": range", range.size(), 1, kRangeElementsMax);

@@ -36,7 +36,7 @@ void raise_file_limit(const ServiceSettings& settings) {
   const rlim_t wanted = static_cast<rlim_t>(settings.connections_max) + 256;
   if (limit.rlim_max < wanted)
     service_log(LogSeverity::kWarning, 0,
-                fmt::format("this process can open {} files, but connections_max is {}: expected a limit of {} files "
+                fmt::format("this process can open {} files, but connections_max is {}; expected a limit of {} files "
                             "(LimitNOFILE, ulimit -n)",
                             limit.rlim_max, settings.connections_max, wanted));
 }
@@ -50,7 +50,7 @@ std::string read_token(const std::string& path) {
   struct stat found {};
   if (::stat(path.c_str(), &found) == 0 && (found.st_mode & 077) != 0)
     throw Error(ErrorCode::kInput,
-                path + ": other users may read it, expected a file that only its owner can read (chmod 600)");
+                path + ": other users can read it, expected a file that only its owner can read (chmod 600)");
   return token;
 }
 
@@ -63,7 +63,7 @@ class Service {
         data_(settings_.data, settings_.data_max),
         roots_(roots_of(settings_, data_)),
         work_(asio::make_work_guard(io_)),
-        // Event numbers increase from one daemon to the next.
+        // The event numbers of each daemon are higher than those of earlier daemons.
         events_(static_cast<std::uint64_t>(wall_clock_ms()) * 1000),
         ledger_(std::make_unique<QueueThread>(find_ledger(settings_.data, settings_.retry, options.begins_anew),
                                               [this](std::function<void()> task) {
@@ -147,12 +147,12 @@ class Service {
     signals_.async_wait([this](const boost::system::error_code& error, int number) {
       if (error) return;
       if (is_ending_) {
-        service_log(LogSeverity::kWarning, 0, "received a second signal: the daemon ends at once");
+        service_log(LogSeverity::kWarning, 0, "received a second signal: the daemon exits at once");
         io_.stop();
         return;
       }
       is_ending_ = true;
-      service_log(LogSeverity::kInfo, 0, fmt::format("received signal {}: no more jobs will start", number));
+      service_log(LogSeverity::kInfo, 0, fmt::format("received signal {}: the daemon starts no more jobs", number));
       sd_notify(0, "STOPPING=1");
       dispatcher_.drain([this] {
         server_.close();
@@ -181,10 +181,10 @@ class Service {
                       "token_file was removed from the settings: restart the service to run without a token");
         api_.set_token(token);
         dispatcher_.reload(settings);
-        service_log(LogSeverity::kInfo, 0, "the settings were read again: queues, devices, memory and token");
+        service_log(LogSeverity::kInfo, 0, "queues, devices, memory and the token were read again from the settings");
         sweep();
       } catch (const std::exception& wrong) {
-        service_log(LogSeverity::kError, 0, std::string("the previous settings stay in use: ") + wrong.what());
+        service_log(LogSeverity::kError, 0, std::string("the previous settings remain in use: ") + wrong.what());
       }
       sd_notify(0, "READY=1");
       wait_for_reload();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Runs the daemon: its ledger, workers and web interface. It handles these signals:
+// Runs the daemon with its ledger, workers and web interface. It handles these signals:
 //   SIGTERM, SIGINT   starts no more jobs, and hands back running jobs that do not end within the grace period
 //   SIGHUP            reads the settings file again
 #pragma once
@@ -23,7 +23,7 @@ struct ServiceOptions {
   bool begins_anew = false;                        // makes a new ledger if the folder's ledger is lost
 };
 
-/// Runs until it is told to stop. Throws Error if it cannot start.
+/// Runs until the daemon is told to stop. Throws Error if it cannot start.
 void run_service(const ServiceOptions& options);
 
 }  // namespace multum

@@ -31,8 +31,8 @@ std::vector<ParameterPyramid::Halvings> chosen_levels(
   double least = cost(levels);
   for (std::size_t below = 1; below < levels.size();) {
     std::optional<ParameterPyramid::Halvings> best;
-    // Tries every level between the last chosen level and the finest one. Along each dimension, tries every number of
-    // halvings between the two levels.
+    // Tries every level between the last chosen level and the finest one. Tries every possible number of halvings along
+    // each dimension.
     ParameterPyramid::Halvings candidate(sizes.size(), 0);
     for (bool more = true; more;) {
       if (candidate != levels[below - 1] && candidate != levels[below]) {
@@ -93,7 +93,7 @@ ChunkCandidates chunk_candidates(const std::vector<std::size_t>& sizes, PyramidC
     first_along_one.front() = 0;
     if (first_along_one != top && first_along_one != finest)
       candidates.pyramids.push_back({top, first_along_one, finest});
-    // Refines one dimension after the other, starting with the last.
+    // Refines one dimension at a time, starting with the last dimension.
     std::vector<ParameterPyramid::Halvings> taking_turns = {top};
     for (auto next = top; next != finest; taking_turns.push_back(next)) {
       const auto most = std::max_element(next.rbegin(), next.rend());

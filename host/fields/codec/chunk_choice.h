@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Chooses how to code a chunk: the image coder, and either a pyramid over the parameters or a basis learnt from the
-// block. The choice minimises error + lambda bits.
+// block. The chosen settings minimise error + lambda bits.
 #pragma once
 
 #include <utility>
@@ -15,7 +15,7 @@ std::vector<ParameterPyramid::Halvings> plain_levels(const std::vector<std::size
 
 /// Chooses the order of dimensions and the levels (Hakura et al. 2000, section 4, "Adaptive Laplacian Pyramid"). The
 /// greedy search starts with the single image at the top. Each step tries every level that fits below the last chosen
-/// one, and keeps the list of levels with the least `cost`. The search ends when no level lowers the cost.
+/// one, and adds the level that gives the least `cost`. The search ends when no further level lowers the cost.
 std::vector<ParameterPyramid::Halvings> chosen_levels(
     const std::vector<std::size_t>& sizes,
     const std::function<double(const std::vector<ParameterPyramid::Halvings>&)>& cost);
@@ -23,15 +23,15 @@ std::vector<ParameterPyramid::Halvings> chosen_levels(
 /// An image coder and the side of cosine blocks.
 using CoderAndSide = std::pair<ImageCoder, std::size_t>;
 
-/// Returns the coders to try, in order: only `coder` if it is set, otherwise all coders.
+/// Returns the coders to try, in order. These are only `coder` if it is set, and otherwise all coders.
 std::vector<CoderAndSide> image_coders(std::optional<ImageCoder> coder);
 
 struct ChunkCandidates {
   std::vector<CoderAndSide> coders;  // at least one
   std::vector<std::vector<ParameterPyramid::Halvings>> pyramids;
   bool has_greedy = false;
-  std::vector<std::size_t> basis_images;  // in ascending order; may be empty only if `pyramids` is not empty or
-                                          // has_greedy is set
+  std::vector<std::size_t> basis_images;  // image counts in ascending order; may be empty only if `pyramids` is not
+                                          // empty or has_greedy is set
   bool open_loop = false;
 };
 
@@ -47,9 +47,9 @@ struct ChosenChunk {
   ChunkSettings settings;  // the settings that coded the chunk
 };
 
-/// Returns the chunk with the least error + lambda bits. Tries every pyramid with the first coder, and larger bases as
-/// long as more images lower the cost. Tries each later coder first with the best settings so far. Tries other settings
-/// of that coder only if it then has the lowest cost. `step` is as in ChunkEncoder.
+/// Returns the chunk with the least error + lambda bits. First tries every pyramid with the first coder, and then
+/// larger bases as long as more images lower the cost. Each later coder is first tried with the best settings so far.
+/// Its other settings are tried only if it then has the lowest cost. `step` is as in ChunkEncoder.
 ChosenChunk best_chunk(const ChunkSource& source, const WeightsOfLayout& weights_of, const ChunkCandidates& candidates,
                        double lambda, const std::function<void()>& step);
 

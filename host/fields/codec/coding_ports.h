@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Defines two ports of a SymbolCoder for the encoder. One writes bytes; the other only counts the cost of symbols and
-// does not change the contexts.
+// Defines two ports of a SymbolCoder for the encoder. One port writes bytes. The other port only counts the cost of
+// symbols and does not change the contexts.
 #pragma once
 
 #include <cmath>

@@ -36,7 +36,7 @@ float DctStreamEncoder::opening_bits(const GroupSurroundings& around) {
   return some.bits() - none.bits();
 }
 
-/// Returns the values to write for a block. The decoder adds `constant` to the first value. Unless all values are zero,
+/// Returns the values to write for a block. The decoder adds `constant` to the first value. If any value is not zero,
 /// `bits_if_any` is added to the cost of the block.
 DctStreamEncoder::Values DctStreamEncoder::chosen_values(const DctTarget& target, std::size_t plane, std::size_t number,
                                                          int constant, const BlockSurroundings& around,
@@ -98,7 +98,7 @@ DctStreamEncoder::Values DctStreamEncoder::chosen_values(const DctTarget& target
   return values;
 }
 
-/// Delays writing the plane's first groups, and a group's first blocks, until one of them is not empty.
+/// Delays writing the first groups of the plane, and the first blocks of a group, until one of them is not empty.
 void DctStreamEncoder::add_plane(CoefficientBlocks& image, const DctTarget& target, const ImagePlace& place,
                                  std::size_t plane) {
   const auto around_group = [&](std::size_t group) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Encodes the images of a pyramid over parameters into the stream that DctStreamDecoder reads. Coefficients are chosen
-// by rate and distortion. For each block, the encoder tries to drop bands and to lower each coefficient by one step.
-// The encoder keeps the choice with the least error + lambda bits. The number of bits is estimated from the contexts.
+// Encodes the images of a pyramid over parameters into the stream that DctStreamDecoder reads. The encoder chooses
+// coefficients by rate and distortion. For each block, it tries to drop bands and to lower each coefficient by one
+// step, and keeps the choice with the least error + lambda bits. The number of bits is estimated from the contexts.
 #pragma once
 
 #include "host/fields/codec/coding_ports.h"
@@ -11,9 +11,10 @@ namespace multum {
 
 /// The target coefficients of an image, and their required precision.
 struct DctTarget {
-  /// Target coefficients per plane, block by block: grid.count() * side * side values.
+  /// The target coefficients per plane, block by block. There are grid.count() * side * side values.
   std::array<std::vector<float>, CoefficientBlocks::kPlanes> coefficients;
-  /// The weight of each coefficient's squared error, block by block: at least 0, and 0 for invisible coefficients.
+  /// The weight of each coefficient's squared error, block by block. Weights are at least 0, and 0 for invisible
+  /// coefficients.
   std::vector<float> weights;
   std::vector<float> steps;  // steps above 0, one per position in a block
   float scale = 1.0f;        // multiplies all steps
@@ -59,8 +60,8 @@ class DctStreamEncoder {
   AdaptiveBit empty_plane_;
 };
 
-/// Returns the cosine coefficients of an image's blocks, [block][v][u]. Beyond the borders the outermost samples
-/// repeat.
+/// Returns the cosine coefficients of an image's blocks, [block][v][u]. The outermost samples are repeated beyond the
+/// borders.
 std::vector<float> block_coefficients(const BlockGrid& grid, std::span<const float> samples);
 
 }  // namespace multum

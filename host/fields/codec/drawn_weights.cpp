@@ -13,7 +13,7 @@
 namespace multum {
 namespace {
 
-/// Draws a texture with A, three channels per texel: [row][3].
+/// Multiplies a texture by the filter matrix A. The texture has three channels per texel: [row][3].
 std::vector<float> drawn(const FilterMatrix& matrix, const std::vector<float>& texels) {
   std::vector<float> pixels(3 * matrix.row_count());
   for (std::size_t r = 0; r < matrix.row_count(); ++r)
@@ -23,7 +23,7 @@ std::vector<float> drawn(const FilterMatrix& matrix, const std::vector<float>& t
   return pixels;
 }
 
-/// Multiplies the pixels by A^T and adds up all mip levels in the finest level: [height][width][3].
+/// Multiplies the pixels by A^T and adds up all mip levels in the finest level. The result is [height][width][3].
 std::vector<float> handed_back(const FilterMatrix& matrix, const std::vector<float>& pixels) {
   const auto width = static_cast<std::size_t>(matrix.texture_width);
   const auto height = static_cast<std::size_t>(matrix.texture_height);
@@ -35,7 +35,7 @@ std::vector<float> handed_back(const FilterMatrix& matrix, const std::vector<flo
   return handed_down(width, height, 3, std::move(texels));
 }
 
-/// Coefficients that are probed at once: those at one position of all cosine blocks, or those of one band.
+/// The coefficients that are probed at once. They are either at one position of all cosine blocks, or in one band.
 class Probe {
  public:
   explicit Probe(const CoefficientLayout& layout) : layout_(layout), grid_{layout.width, layout.height, layout.side} {
@@ -69,8 +69,8 @@ class Probe {
     return samples;
   }
 
-  /// Adds texel values to the coefficients of this kind at the same places. `stride` and `offset` say which texel
-  /// values to use.
+  /// Adds texel values to the coefficients of this kind at the same places. `stride` and `offset` select the texel
+  /// values.
   void collect(std::size_t kind, const std::vector<float>& texels, std::size_t channel,
                std::vector<float>& energies) const {
     if (is_dct()) {
@@ -103,9 +103,9 @@ class Probe {
   std::vector<WaveletBand> bands_;
 };
 
-/// Raises each weight of a wavelet to at least this share of the largest neighbouring weight, because wavelets extend
-/// beyond their places. Otherwise details at the borders of visible areas are lost, and the error of field_demo1 at
-/// 370:1 is 1.5 times as large.
+/// The weight of each wavelet is raised to at least this share of the largest neighbouring weight, because wavelets
+/// extend beyond their places. Without this, details at the borders of visible areas are lost, and the error of
+/// field_demo1 at a ratio of 370:1 is 1.5 times as large.
 void raise_beside_seen(const Probe& probe, std::size_t width, std::vector<float>& energies) {
   constexpr float kShare = 0.3f;
   const std::vector<float> before = energies;
@@ -130,9 +130,9 @@ std::vector<float> texel_masses(const FilterMatrix& matrix) {
   return masses;
 }
 
-/// Splits each block into sixteen parts and returns the fourth root of the greatest mass divided by the mean mass. On
-/// field_demo1 this correction lowers error + lambda bits by 0.5 %. A square root instead of the fourth root lowers
-/// them about as much.
+/// Splits each block into sixteen parts, and returns the fourth root of the ratio of the greatest mass to the mean
+/// mass. On field_demo1 this correction lowers error + lambda bits by 0.5 %. A square root instead of the fourth root
+/// has about the same effect.
 std::vector<float> partly_seen_factors(const CoefficientLayout& layout, const std::vector<float>& masses) {
   constexpr float kExponent = 0.25f, kShareMin = 0.02f;
   const BlockGrid grid{layout.width, layout.height, layout.side};
@@ -157,7 +157,7 @@ std::vector<std::vector<float>> coefficient_energies(const std::vector<FilterMat
   const Probe probe(layout);
   std::vector<std::vector<float>> energies(matrices.size(), std::vector<float>(probe.coefficients()));
   SplitMix64 random(1);
-  // Wavelets overlap, so one choice of signs measures their weights only to within a third.
+  // Wavelets overlap, so a single choice of signs measures their weights with an error of up to a third.
   const std::size_t rounds = probe.is_dct() ? 1 : 4;
   for (std::size_t kind = 0; kind < rounds * probe.kinds(); kind += 3) {  // three kinds at once: red, green, blue
     const std::size_t count = std::min<std::size_t>(3, rounds * probe.kinds() - kind);

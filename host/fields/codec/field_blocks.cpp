@@ -16,7 +16,7 @@ class BlockCutter {
               const std::vector<std::string>& textures, const BlockLimits& limits)
       : field_(field), grid_(grid), mappings_(mapping_of_sample), textures_(textures), limits_(limits) {}
 
-  /// Cuts a box into smaller boxes of one mapping each, and cuts these into blocks.
+  /// Cuts a box into smaller boxes that each have a single mapping, and cuts these boxes into blocks.
   void cut(const FieldBlock& box) {
     const auto place = mapping_change(box);
     if (!place) return cut_mapped(box, box);
@@ -41,7 +41,7 @@ class BlockCutter {
     return {first, second};
   }
 
-  /// Cuts `block`, whose samples have the same mapping.
+  /// Cuts `block`. All of its samples have the same mapping.
   void cut_mapped(FieldBlock block, const FieldBlock& box) {
     find_varying(block);
     const auto place = cut_of(block, box);

@@ -42,12 +42,12 @@ SampleGrid sample_grid(const std::vector<InferredSample>& samples);
 
 struct BlockLimits {
   int side = 8;                 // samples along a varying parameter, at least 1
-  int first = 0;                // length of the first of several blocks of a mapping, 0 to side; 0 means side
+  int first = 0;                // length of the first block if a mapping has several, 0 to side; 0 means side
   std::size_t samples_max = 1;  // most textures of a block, at least 1
 };
 
 /// Returns blocks that cover the grid, in a fixed order. `mapping_of_sample` and `textures` have one entry per sample.
-/// The name "" means that there is no texture, which fits every block.
+/// An empty texture name means that the sample has no texture, which fits every block.
 std::vector<FieldBlock> field_blocks(const InferredManifest& field, const SampleGrid& grid,
                                      const std::vector<int>& mapping_of_sample,
                                      const std::vector<std::string>& textures, const BlockLimits& limits);

@@ -28,10 +28,10 @@ constexpr int kBlockDimensionsMax = static_cast<int>(ParameterPyramid::kDimensio
 
 [[noreturn]] void refuse_description(const std::string& what) { throw Error(ErrorCode::kInput, what); }
 
-// Keys of a mapping that describe how it was found. Players do not need them.
+// The keys of a mapping that describe how it was found. Players do not need these keys.
 constexpr std::array kFoundKeys = {"stretchMax", "stretchRounds", "visiblePixels", "degeneratePixels"};
 
-// Replaces fractions by the shortest decimals that give the same single-precision numbers.
+// Replaces each fraction by the shortest decimal that gives the same single-precision number.
 void round_to_singles(json& value) {
   if (value.is_structured()) {
     for (json& child : value) round_to_singles(child);
@@ -79,7 +79,7 @@ json description_json(const FieldDescription& description) {
 std::string inflated(std::span<const std::uint8_t> bytes) {
   ByteReader reader(bytes);
   const std::uint64_t length = reader.number(kTextBytesMax);
-  if (reader.failed()) refuse_description("does not state its length");
+  if (reader.failed()) refuse_description("does not state how long it is");
   std::string text(length, '\0');
   auto written = static_cast<uLongf>(length);
   const auto packed = bytes.subspan(reader.position());
@@ -96,13 +96,13 @@ std::size_t index_of(const json& value, const char* what) {
 // Converts the description to the form that scene_from() reads. Returns the layers of each object.
 std::vector<json> expand(json& description) {
   const std::vector<json> views = description.at("views"), moves = description.at("moves");
-  std::size_t numbers = 0;  // count of the numbers of all samples; the description stores shared numbers only once
+  std::size_t numbers = 0;  // how many numbers all samples have; the description stores shared numbers only once
   for (json& sample : description.at("samples")) {
     const json& view = views.at(index_of(sample.at(2), "the view of a sample"));
     const json& move = moves.at(index_of(sample.at(3), "the moves of a sample"));
     numbers += view.size();
     for (const json& matrix : move) numbers += std::max<std::size_t>(matrix.size(), 1);
-    if (numbers > kNumbersMax) refuse_description("moves too many objects in too many samples for a field");
+    if (numbers > kNumbersMax) refuse_description("describes more positions of moving objects than a field can store");
     sample = {{"name", sample.at(0)}, {"at", sample.at(1)}, {"worldToClip", view}, {"objectToWorld", move}};
   }
   std::vector<json> layers;
@@ -185,7 +185,7 @@ FieldDescription decode_description(std::span<const std::uint8_t> bytes) {
   FieldDescription result;
   try {
     const std::string text = inflated(bytes);
-    if (holds_nul(text)) refuse_description("holds NUL in a text");
+    if (holds_nul(text)) refuse_description("contains a NUL in a text");
     json object = json::parse(text);
     const std::vector<json> layers = expand(object);
     result.field = scene_from(object);

@@ -40,7 +40,8 @@ const TextureMapping& mapping_of_sample(const InferredObject& object, std::size_
   return object.mappings[static_cast<std::size_t>(object.mapping_of_sample[sample])];
 }
 
-/// Reads an object and measures the weights of its errors. A thread holds the matrices of a few poses at a time.
+/// Reads an object and measures the weights of its errors. Each thread holds the matrices of only a few poses at a
+/// time.
 class ObjectReading {
  public:
   ObjectReading(const FieldSourceSettings& settings, const InferredManifest& field, const InferredObject& object,
@@ -163,8 +164,8 @@ class ObjectReading {
             coder.second};
   }
 
-  /// Returns groups of poses that have the same texture coordinates and view of the object. Poses of a group differ
-  /// only in occlusion.
+  /// Returns groups of poses that have the same texture coordinates and the same view of the object. The poses of a
+  /// group differ only in occlusion.
   std::vector<std::vector<std::size_t>> alike_poses() const {
     std::vector<glm::dmat4> object_to_clip;
     std::vector<std::vector<std::size_t>> groups;
@@ -183,7 +184,8 @@ class ObjectReading {
     return groups;
   }
 
-  /// For each pose, returns the poses whose measured energies it uses: only itself, or some similar poses.
+  /// Returns, for each pose, the poses whose measured energies it uses. These are either the pose itself or some
+  /// similar poses.
   std::vector<std::vector<std::size_t>> measured_of_poses() const {
     std::vector<std::vector<std::size_t>> result(poses_.size());
     for (const std::vector<std::size_t>& poses : alike_poses()) {
@@ -262,7 +264,7 @@ void read_object(const FieldSourceSettings& settings, const InferredManifest& fi
   for (const TextureMapping& mapping : object.mappings)
     texels = std::max(texels, static_cast<std::size_t>(mapping.width) * static_cast<std::size_t>(mapping.height));
   const std::size_t samples_max = std::max<std::size_t>(1, TextureChunkFormat::kTexelsMax / 2 / texels);
-  // Spreads the objects' first samples evenly over a block's side.
+  // Spreads the first samples of the objects evenly over the side of a block.
   const int first = settings.stagger ? static_cast<int>(number * static_cast<std::size_t>(settings.block) /
                                                         std::max<std::size_t>(1, field.objects.size()))
                                      : 0;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Reads a folder written by `multum infer` for packing: its description, its chunks, and the weights of coding errors
-// in drawn frames. Textures are read on request, because all textures of a field may not fit into memory.
+// in drawn frames. Textures are read on request, because the textures of a field may not all fit into memory.
 #pragma once
 
 #include <cstdint>
@@ -36,7 +36,7 @@ struct ChunkToCode {
   std::vector<float> texel_weights;               // as in ChunkSource
   const ObjectWeights* weights = nullptr;
 
-  /// Returns the memory that its textures take in ChunkSource.
+  /// Returns the memory that the chunk's textures take in ChunkSource.
   std::uint64_t texture_bytes() const { return std::uint64_t{12} * width * height * textures.size(); }
 };
 
@@ -59,8 +59,8 @@ struct FieldSourceSettings {
   int threads = 0;
 };
 
-/// Reads everything. At any time, a thread holds the matrices of only a few poses and the textures of one sample.
-/// Throws Error(kInput), which names the file and its fault; throws Cancelled.
+/// Reads the whole folder. At any time, each thread holds the matrices of only a few poses and the textures of one
+/// sample. Throws Error(kInput), which names the file and its fault. Throws Cancelled.
 FieldSource read_field_source(const FieldSourceSettings& settings, Progress* progress);
 
 /// Reads a chunk's gamma-coded textures. An invisible texture is a copy of a neighbouring sample's texture. Throws

@@ -22,7 +22,7 @@ std::size_t section_number(const PackedIndex& index, const PackedSection* sectio
   return static_cast<std::size_t>(section - index.sections().data());
 }
 
-/// Returns the samples of a block that have a texture, by the chunk's number.
+/// Returns the samples of a block that have a texture, by their numbers in the chunk.
 std::map<std::size_t, std::vector<std::size_t>> drawn_samples(const FieldDescription& description,
                                                               const PackedLayer& layer, const FieldBlock& block) {
   std::map<std::size_t, std::vector<std::size_t>> samples;
@@ -83,7 +83,7 @@ void PackedFieldFile::read_index() {
   for (const PackedSection& section : index_.sections())
     if (where.empty() && section.offset + section.length > size_)
       where = fmt::format(", cut within section {}", section_number(index_, &section));
-  refuse_file(path_, fmt::format("has {} bytes, but its index says {}{}", size_, index_.file_bytes(), where));
+  refuse_file(path_, fmt::format("has {} bytes, but its index states {}{}", size_, index_.file_bytes(), where));
 }
 
 std::string PackedFieldFile::section_name(std::size_t number) const {
@@ -156,7 +156,7 @@ InferredTexture unpacked_texture(const TextureChunk& chunk, std::size_t sample, 
   const TextureChunkFormat& format = chunk.format();
   InferredTexture texture{static_cast<int>(format.width), static_cast<int>(format.height),
                           radiance_levels(chunk, sample), provenance};
-  for (float& value : texture.texels) value = std::min(value, 65504.0f);  // the largest half float
+  for (float& value : texture.texels) value = std::min(value, 65504.0f);  // the largest 16-bit float
   round_to_half(texture.texels);
   return texture;
 }
@@ -174,7 +174,7 @@ UnpackReport unpack_field(const std::string& path, const std::string& folder, in
   const std::string manifest_path = folder + "/" + kInferredManifestName;
   std::error_code error;
   if (std::filesystem::exists(manifest_path, error))  // a manifest whose textures took hours is never overwritten
-    throw Error(ErrorCode::kUsage, manifest_path + ": already exists; unpack to a folder without this file");
+    throw Error(ErrorCode::kUsage, manifest_path + ": already exists; expected a folder without this file");
   make_folder(folder + "/textures");
   progress_start(progress, file.index().sections().size());
   progress_stage(progress, "unpack");

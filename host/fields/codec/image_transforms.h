@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Computes the coefficients of all textures of a chunk together. A device can do this efficiently
-// (host/fields/codec/transforms). The version in this file needs no device; it uses the decoder's transforms.
+// (host/fields/codec/transforms). The version in this file needs no device and uses the decoder's transforms.
 #pragma once
 
 #include <array>
@@ -16,11 +16,11 @@ struct CoefficientLayout {
   std::size_t width = 1, height = 1;  // texels
   std::size_t side = 16;              // side of cosine blocks
 
-  /// Returns the number of coefficients per plane: cosines [block][v][u], wavelets [height][width].
+  /// Returns the number of coefficients per plane. Cosines are [block][v][u], and wavelets are [height][width].
   std::size_t coefficient_count() const;
 };
 
-/// Converts red, green and blue to three planes: plane p is rows[p] . colour - offsets[p].
+/// Converts red, green and blue to three planes. Plane p is rows[p] . colour - offsets[p].
 struct PlaneAxes {
   std::array<std::array<float, 3>, 3> rows{};
   std::array<float, 3> offsets{};
@@ -36,7 +36,7 @@ class ImageTransforms {
   ImageTransforms& operator=(const ImageTransforms&) = delete;
   virtual ~ImageTransforms() = default;
 
-  /// Each of the `textures` is [height][width][3]. Several threads may call this function at once; the result does not
+  /// Each of the `textures` is [height][width][3]. Several threads may call this function at once. The result does not
   /// depend on the number of threads.
   virtual std::vector<PlaneCoefficients> coefficients(const CoefficientLayout& layout,
                                                       const std::vector<std::vector<float>>& textures,

@@ -19,8 +19,7 @@ std::vector<std::size_t> poses_to_measure(const std::vector<std::vector<float>>&
     for (std::size_t c = 0; c < most.size(); ++c) most[c] = std::max(most[c], masses[c]);
   std::vector<bool> is_served(most.size());
   std::vector<std::size_t> chosen;
-  while (true) {  // among the cells that no chosen pose shows well, finds the pose that shows the most; chooses this
-                  // pose
+  while (true) {  // finds the pose that shows the most of the cells that no chosen pose shows well; chooses this pose
     std::size_t best = 0;
     float gain = 0.0f;
     for (std::size_t p = 0; p < cell_masses.size(); ++p) {

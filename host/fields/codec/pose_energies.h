@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Holds the error weights of an object's coefficients in each of its poses. If something moves in front of an object,
-// the object has as many poses as the field has samples, and most of these poses differ only in occlusion. Poses that
-// differ only in occlusion are not measured. Unmeasured poses get the energies of similar measured poses, scaled by the
-// visible part of each cell of texels.
+// the object has as many poses as the field has samples, and most of these poses differ only in occlusion. Such poses
+// are not measured. Instead, they get the energies of similar measured poses, scaled by the visible part of each cell
+// of texels.
 #pragma once
 
 #include <cstddef>
@@ -13,9 +13,9 @@
 
 namespace multum {
 
-/// Chooses some of the poses in which an object is seen from the same place. Every cell of texels is seen in one of the
-/// chosen poses nearly as well as in any pose. `cell_masses`, [pose][cell], are the cell_sums() of texel_masses().
-/// Returns ascending indices of poses.
+/// Chooses some of the poses in which an object is seen from the same place. At least one chosen pose shows each cell
+/// of texels nearly as well as the best of all poses. `cell_masses`, [pose][cell], are the cell_sums() of
+/// texel_masses(). Returns the indices of the chosen poses in ascending order.
 std::vector<std::size_t> poses_to_measure(const std::vector<std::vector<float>>& cell_masses);
 
 class PoseEnergies {
@@ -23,13 +23,14 @@ class PoseEnergies {
   PoseEnergies() = default;
   explicit PoseEnergies(std::size_t pose_count) : poses_(pose_count) {}
 
-  /// `energies` come from coefficient_energies(), for textures of the layout's size, and `masses` from texel_masses().
+  /// `energies` come from coefficient_energies() for textures of the layout's size, and `masses` come from
+  /// texel_masses().
   void set_measured(std::size_t pose, const CoefficientLayout& layout, std::vector<float> energies,
                     const std::vector<float>& masses);
 
-  /// Sets the energies of a pose from similar `measured` poses. For each cell, takes the energies of the measured pose
-  /// in which most of the cell is visible. Scales them by the ratio of the cell's weights in both poses, and raises
-  /// them for the hidden part of each block. All poses have textures of the same size and coordinates.
+  /// Sets the energies of a pose from similar `measured` poses. Each cell uses the energies of the measured pose that
+  /// shows most of the cell. These energies are scaled by the ratio of the cell's weights in both poses, and raised for
+  /// the hidden part of each block. All poses have textures of the same size and coordinates.
   void set_like(std::size_t pose, const CoefficientLayout& layout, std::vector<std::size_t> measured,
                 const std::vector<float>& masses);
 

@@ -16,7 +16,7 @@ class RangeEncoder {
   /// Returns the number of bits of the symbols so far, with an error of at most 32 bits.
   std::size_t bits() const { return 8 * bytes_.size(); }
 
-  /// Returns the fewest bytes that determine every symbol, whatever bytes follow. Resets the encoder.
+  /// Returns the fewest bytes that determine every symbol, regardless of the bytes that follow. Resets the encoder.
   std::vector<std::uint8_t> finish();
 
  private:

@@ -14,13 +14,13 @@
 namespace multum {
 namespace {
 
-/// Steps in units of sqrt(lambda / weight). Theory gives 2.9 at high rates, where one more bit per coefficient quarters
-/// the error step^2 / 12. On field_demo1, these values had the least error + lambda bits: 2, 2.5, 2.8 and 3 were tried
-/// for cosines, and 2, 3.5 and 4.5 for wavelets. Wavelet coefficients become zero below a whole step, cosine
-/// coefficients below half a step.
+/// The steps, in units of sqrt(lambda / weight). Theory gives 2.9 at high rates, where one more bit per coefficient
+/// divides the error step^2 / 12 by four. On field_demo1, these values had the least error + lambda bits. The values 2,
+/// 2.5, 2.8 and 3 were tried for cosines, and 2, 3.5 and 4.5 for wavelets. Wavelet coefficients become zero below a
+/// whole step, and cosine coefficients below half a step.
 constexpr double kDctStep = 2.8, kWaveletStep = 3.5;
-/// High frequencies are hardly visible and get coarser steps. In this rule, their weight counts as at least this
-/// fraction of the first frequency's weight. No step is finer than the first step.
+/// High frequencies are hardly visible and get coarser steps. The weight of a high frequency counts as at least this
+/// fraction of the first frequency's weight. The first step is the finest.
 constexpr double kWeightRatioMin = 1.0 / 60.0;
 constexpr float kOffsetUnit = 1.0f / 64.0f;
 
@@ -28,7 +28,7 @@ std::uint8_t code_of(double factor, int zero) {
   return static_cast<std::uint8_t>(std::clamp(std::lround(8.0 * std::log2(factor)) + zero, 0l, 255l));
 }
 
-/// Computes the mean of values, with each value as its own weight, so that clearly visible parts matter most.
+/// Computes the mean of the values, with each value as its own weight. Clearly visible parts then matter most.
 class SelfWeighedMean {
  public:
   void add(double value) {
@@ -116,8 +116,8 @@ class WaveletCoding : public ImageCoding {
   std::vector<WaveletImage> images_;
 };
 
-/// Returns step codes by frequency, with coarser steps for frequencies that the runtime's filter averages away. The
-/// optimal step is proportional to the inverse root of the weight.
+/// Returns step codes by frequency. Frequencies that the runtime's filter averages away get coarser steps. The optimal
+/// step is inversely proportional to the square root of the weight.
 std::vector<std::uint8_t> dct_step_codes(const TextureChunkFormat& format, const std::vector<float>& weights) {
   const std::size_t size = std::size_t{format.side} * format.side, classes = format.step_code_count() / 2;
   std::vector<double> of_place(size);
@@ -187,7 +187,7 @@ void write_format(ByteWriter& writer, const TextureChunkFormat& format) {
   writer.bytes(format.step_codes);
 }
 
-/// A sample and its share in an image.
+/// A sample and the image's share in it.
 struct Share {
   std::size_t sample;
   float weight;
@@ -201,21 +201,22 @@ std::vector<std::vector<Share>> shares_of_images(const ImagePlan& plan) {
 }
 
 /// Returns the weight of an image's error in a sample. In a pyramid level, the shares t of a sample's images sum to 1,
-/// so the square of their combined error, sum t e, is at most sum t e^2. Images of a basis are orthogonal.
+/// so the square of their combined error, sum t e, is at most sum t e^2. The images of a basis are orthogonal.
 float error_share(const TextureChunkFormat& format, const Share& share) {
   return format.basis.empty() ? share.weight : share.weight * share.weight;
 }
 
-/// The remaining difference of each sample, by coefficient. The difference gives the target of the next image.
+/// The remaining difference of each sample, by coefficient. The target of the next image is computed from this
+/// difference.
 class Residual {
  public:
   /// The `weights`, [sample][coefficient], must outlive this object.
   Residual(std::vector<PlaneCoefficients> lacking, const std::vector<std::vector<float>>& weights)
       : lacking_(std::move(lacking)), weights_(weights) {}
 
-  /// Returns the image that fits its samples best in least squares. Each coefficient is (sum q w r / t) / (sum q w). q
-  /// comes from error_share(), w is the weight, r the remaining difference, and t the image's share. Sets `weights` to
-  /// the denominator.
+  /// Returns the image that fits its samples best in the least-squares sense. Each coefficient is (sum q w r / t) /
+  /// (sum q w), where q comes from error_share(), w is the weight, r is the remaining difference, and t is the image's
+  /// share. Sets `weights` to the denominator.
   PlaneCoefficients wanted(const TextureChunkFormat& format, const std::vector<Share>& shares,
                            std::vector<float>& weights) const {
     const std::size_t size = lacking_[0][0].size();
@@ -260,7 +261,7 @@ void choose_steps(TextureChunkFormat& format, const std::vector<float>& weights)
       format.coder == ImageCoder::kDct ? dct_step_codes(format, weights) : wavelet_step_codes(format, weights);
 }
 
-/// Chooses the codes of the levels' factors from the weights of their images' errors in all samples together.
+/// Chooses the code of each level's factor from the weights of its images' errors in all samples together.
 void choose_scales(TextureChunkFormat& format, const std::vector<float>& weights, double lambda, const ImagePlan& plan,
                    const std::vector<std::vector<Share>>& shares) {
   const double all = typical_weight(format, weights), samples = static_cast<double>(plan.of_samples.size());
@@ -327,8 +328,8 @@ ChunkEncoder::ChunkEncoder(const ChunkSource& source, const CoefficientWeights& 
   coefficients_ = transforms.coefficients({coder, source.width, source.height, side}, source.textures, planes);
 }
 
-/// Computes the eigenvectors of the matrix of products of any two samples. Coefficients are weighted by the roots of
-/// their errors' weights.
+/// Computes the eigenvectors of the matrix of products of any two samples. Coefficients are multiplied by the square
+/// roots of their errors' weights.
 const std::vector<std::vector<double>>& ChunkEncoder::eigenvectors() {
   if (eigenvectors_) return *eigenvectors_;
   const std::size_t n = coefficients_.size();

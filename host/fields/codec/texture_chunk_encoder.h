@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Encodes the textures of one layer of an object over one block of parameters as a texture chunk (Hakura et al. 2000,
-// section 4): an adaptive Laplacian pyramid over the parameters, whose images are coded in two dimensions.
+// section 4). The chunk is an adaptive Laplacian pyramid over the parameters, whose images are coded in two dimensions.
 //
 // Departures from the paper: The coder is a closed loop. An image is the weighted mean of the differences between its
 // samples and the sum of the decoded coarser images. Finer images thus correct quantization errors of coarser images.
 // The errors of each coefficient are weighted by its visibility in drawn pixels. Steps and the choice of coefficients
-// follow from one Lagrange multiplier. One multiplier gives all images of all chunks the same slope of error over bits.
+// follow from one Lagrange multiplier. With this one multiplier, all images of all chunks have the same slope of error
+// over bits.
 #pragma once
 
 #include <functional>
@@ -20,16 +21,17 @@ namespace multum {
 struct ChunkSource {
   std::size_t width = 1, height = 1;
   std::vector<std::size_t> sizes;  // samples along each dimension; the last changes fastest
-  /// One per sample, [height][width][3]: gamma-coded values, 255 for a radiance of 1.
+  /// One texture per sample, [height][width][3]. The values are gamma-coded, and 255 is a radiance of 1.
   std::vector<std::vector<float>> textures;
-  /// Weights of squared errors per texel, summed over the samples, at least 0. Used to choose colour axes.
+  /// The weight of each texel's squared error, summed over the samples, at least 0. The weights are used to choose
+  /// colour axes.
   std::vector<float> texel_weights;
   /// Computes the coefficients of all textures together. If null, HostImageTransforms does this.
   ImageTransforms* transforms = nullptr;
 };
 
-/// Returns the weight of each coefficient's squared error in one sample, at least 0: cosines [block][v][u], wavelets
-/// [height][width]. Called once per sample.
+/// Returns the weight of each coefficient's squared error in one sample, at least 0. Cosines are [block][v][u], and
+/// wavelets are [height][width]. This function is called once per sample.
 using CoefficientWeights = std::function<std::vector<float>(std::size_t sample)>;
 
 struct ChunkSettings {
@@ -40,7 +42,7 @@ struct ChunkSettings {
   std::vector<ParameterPyramid::Halvings> levels;
   std::size_t basis_images = 8;
   bool linear = false;
-  /// Finer images refine the exact coarser images instead of the decoded ones, as in the paper.
+  /// If set, finer images refine the exact coarser images instead of the decoded ones, as in the paper.
   bool open_loop = false;
   double lambda = 1.0;  // the weighted squared error that justifies one bit, above 0
 };
@@ -53,14 +55,15 @@ struct EncodedChunk {
   double cost(double lambda) const { return error + 8.0 * lambda * static_cast<double>(bytes.size()); }
 };
 
-/// The coefficients of a chunk's textures and their weights, which all codings of the chunk with one image coder share.
+/// The coefficients of a chunk's textures and their weights. All codings of the chunk with one image coder share them.
 /// Two threads must not use one object at once.
 class ChunkEncoder {
  public:
   /// `side` is the side of cosine blocks. The source must outlive the encoder.
   ChunkEncoder(const ChunkSource& source, const CoefficientWeights& weights, ImageCoder coder, std::size_t side);
 
-  /// Ends the program if source and settings contradict each other. Calls `step` before each image; `step` may throw.
+  /// Ends the program if the source and the settings contradict each other. Calls `step` before each image. `step` may
+  /// throw.
   EncodedChunk encode(const ChunkSettings& settings, const std::function<void()>& step);
 
  private:

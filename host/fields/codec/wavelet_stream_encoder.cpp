@@ -7,7 +7,7 @@ namespace multum {
 namespace {
 
 /// A coded coefficient must be worth at least this many bits. Isolated coefficients take more bits, but they save bits
-/// in the pyramid's finer images. With 6 instead, files of field_demo1 are longer at equal error.
+/// in the pyramid's finer images. If this value is 6, files of field_demo1 are longer for the same error.
 constexpr float kBitsOfFinding = 2.0f;
 
 std::vector<std::int32_t> quantized(const WaveletTarget& target, std::size_t plane, const WaveletPlane& shape) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Encodes the images of a pyramid over parameters into the stream that WaveletStreamDecoder reads. Any prefix can be
-// decoded: all images before the cut completely, and the last image down to its last complete bit plane.
+// decoded. It contains all images before the cut completely, and the last image down to its last complete bit plane.
 #pragma once
 
 #include "host/fields/codec/coding_ports.h"
@@ -11,7 +11,8 @@ namespace multum {
 /// The target coefficients of an image, and their required precision.
 struct WaveletTarget {
   std::array<std::vector<float>, 3> coefficients;  // planes, [height][width] as forward_wavelet computes them
-  /// The weight of each coefficient's squared error, [height][width]: at least 0, and 0 for invisible coefficients.
+  /// The weight of each coefficient's squared error, [height][width]. Weights are at least 0, and 0 for invisible
+  /// coefficients.
   std::vector<float> weights;
   std::vector<float> steps;  // steps above 0, one per band in the order of wavelet_bands
   float scale = 1.0f;        // multiplies all steps

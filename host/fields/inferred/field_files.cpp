@@ -36,13 +36,14 @@ std::string geometry_path(const InferredManifest& field, const std::string& fold
 
 std::string checked_geometry(const InferredManifest& field, const std::string& folder) {
   const std::string path = geometry_path(field, folder);
-  // The message does not say why the file is unreadable. Otherwise the author of a manifest could find out about
-  // private files of the user who reads it.
+  // The message does not say why the file is unreadable. If it did, the author of a manifest could find out about
+  // private files of the user who reads the manifest.
   const std::optional<std::string> hash = hash_regular_file(path);
-  if (!hash) refuse_file(path, "is missing or cannot be read; expected the geometry for which textures were inferred");
+  if (!hash)
+    refuse_file(path, "is missing or cannot be read; expected the geometry file from which the textures were inferred");
   if (*hash != field.geometry_hash)
-    throw Error(ErrorCode::kInput,
-                path + ": is not the geometry for which textures were inferred (SHA-256 " + field.geometry_hash + ")");
+    throw Error(ErrorCode::kInput, path + ": is not the geometry file from which the textures were inferred (SHA-256 " +
+                                       field.geometry_hash + ")");
   return path;
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Names the files of a folder written by `multum infer`: the filter matrix of an object at a sample, and all files that
-// packing reads.
+// Names the files of a folder written by `multum infer`. These are the filter matrix of an object at a sample, and all
+// files that packing reads.
 #pragma once
 
 #include <cstddef>
@@ -30,9 +30,9 @@ std::string geometry_path(const InferredManifest& field, const std::string& fold
 /// not the scene that textures were inferred for.
 std::string checked_geometry(const InferredManifest& field, const std::string& folder);
 
-/// Returns each file once: textures and matrices of the manifest's objects, its scene file, and the report of `multum
-/// infer` if present. Paths are absolute if the manifest's path is. Opens only the manifest. Throws Error(kInput) if
-/// the manifest cannot be read.
+/// Returns each file once. The files are the textures and matrices of the manifest's objects, its scene file, and the
+/// report of `multum infer` if present. Paths are absolute if the manifest's path is. Opens only the manifest. Throws
+/// Error(kInput) if the manifest cannot be read.
 std::vector<std::string> inferred_field_files(const std::string& manifest_path);
 
 }  // namespace multum

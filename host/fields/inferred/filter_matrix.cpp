@@ -115,7 +115,7 @@ void check_contents(const FilterMatrix& m, const std::string& path) {
   }
 }
 
-// Replaces line breaks: a comment ends with its line, and names from glTF files may contain any character.
+// Replaces line breaks, because a comment ends with its line and names from glTF files may contain any character.
 std::string in_one_line(std::string text) {
   for (char& c : text)
     if (static_cast<unsigned char>(c) < ' ') c = ' ';
@@ -144,7 +144,7 @@ FilterMatrix read_filter_matrix(const std::string& path) {
   FilterMatrix m;
   std::string checksum;
   try {
-    if (holds_nul(header)) refuse_file(path, "holds NUL in its header");
+    if (holds_nul(header)) refuse_file(path, "has a NUL in its header");
     const nlohmann::json json = nlohmann::json::parse(header);
     read_header(json, m);
     const std::uint64_t rows = count_of(json, "rows"), entries = count_of(json, "entries");
@@ -154,8 +154,8 @@ FilterMatrix read_filter_matrix(const std::string& path) {
     const auto bytes = static_cast<std::uint64_t>(file.tellg() - begin);
     if (rows > kEntriesMax || entries > kEntriesMax || bytes != 4 * (3 * rows + 1 + 2 * entries))
       refuse_file(
-          path, fmt::format("is cut short or damaged: {} bytes of lists, expected {} for {} rows and {} entries", bytes,
-                            4 * (3 * rows + 1 + 2 * entries), rows, entries));
+          path, fmt::format("is incomplete or damaged: found lists of {} bytes, expected {} for {} rows and {} entries",
+                            bytes, 4 * (3 * rows + 1 + 2 * entries), rows, entries));
     file.seekg(begin);
     m.pixels.resize(rows);
     m.coverage.resize(rows);

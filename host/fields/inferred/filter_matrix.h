@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Defines the filter matrix A of texture inference (Hakura et al. 2000, section 3.2, eq. 1): picture = A * texture. A
-// has one row per pixel that the object covers, and one column per texel of the mip pyramid. The OpenGL runtime
-// measures A and writes it to a file. The solver reads this file without OpenGL. docs/reference/inferred_textures.md
-// describes the file.
+// Defines the filter matrix A of texture inference (Hakura et al. 2000, section 3.2, eq. 1), for which picture = A *
+// texture. A has one row per pixel that the object covers, and one column per texel of the mip pyramid. The OpenGL
+// runtime measures A and writes it to a file. The solver reads this file without OpenGL.
+// docs/reference/inferred_textures.md describes the file.
 #pragma once
 
 #include <cstdint>
@@ -37,7 +37,7 @@ struct FilterMatrix {
   /// within 1e-4, or did not give the colour that OpenGL drew.
   std::uint64_t rows_rejected = 0;
 
-  // One entry per covered pixel, by ascending pixel number. The columns of a row are ascending.
+  // The rows have one entry per covered pixel, by ascending pixel number. The columns of a row are in ascending order.
   std::vector<std::uint32_t> pixels;     // y * width + x, row 0 at the top
   std::vector<float> coverage;           // share of the pixel's sub-pixels, (0, 1]
   std::vector<std::uint32_t> row_begin;  // [rows + 1], indices into the next two lists
@@ -51,15 +51,15 @@ struct FilterMatrix {
 /// Writes a temporary file and renames it when it is complete. Throws Error(kEnvironment).
 void write_filter_matrix(const FilterMatrix& matrix, const std::string& path);
 
-/// Throws Error(kInput), which names the file and its fault: another format or version, a truncated or damaged file,
-/// columns beyond the texture, or weights that are not finite.
+/// Throws Error(kInput), which names the file and its fault. The file can have another format or version, be truncated
+/// or damaged, or contain columns beyond the texture or weights that are not finite.
 FilterMatrix read_filter_matrix(const std::string& path);
 
 /// Returns only the key. The key is empty if the file does not exist or is not a filter matrix.
 std::string filter_matrix_key(const std::string& path);
 
-/// Writes the Matrix Market coordinate format (Boisvert et al. 1996) of type "real general", with indices from 1 and
-/// the provenance as comments.
+/// Writes the Matrix Market coordinate format (Boisvert et al. 1996) of type "real general". Indices start at 1, and
+/// the provenance is written as comments.
 void write_matrix_market(const FilterMatrix& matrix, const std::string& path);
 
 }  // namespace multum

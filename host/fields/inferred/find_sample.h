@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Finds the point of the parameter grid that a user names: by its indices, "3,5", or by the sample's name.
+// Finds the point of the parameter grid that a user names. The user gives either its indices, such as "3,5", or the
+// sample's name.
 #pragma once
 
 #include <fmt/format.h>

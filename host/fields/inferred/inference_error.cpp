@@ -10,7 +10,7 @@
 namespace multum {
 namespace {
 
-/// Returns mean error times pixel count of an entry. `mse` is null if there are no pixels.
+/// Returns the mean error of an entry times its pixel count. `mse` is null if there are no pixels.
 double error_sum(const nlohmann::json& entry) {
   const double pixels = entry.at("pixels").get<double>();
   return pixels > 0.0 ? entry.at("mse").get<double>() * pixels : 0.0;

@@ -134,7 +134,7 @@ InferredManifest read_inferred_manifest(const std::string& path) {
   try {
     const nlohmann::json json = nlohmann::json::parse(*text);
     if (json_int(json, "multumInferredTextures") != 1)
-      throw Error(ErrorCode::kInput, "is a manifest of another version, expected 1");
+      throw Error(ErrorCode::kInput, "has another manifest version, expected version 1");
     InferredManifest manifest = scene_from(json);
     check_textures(manifest);
     return manifest;

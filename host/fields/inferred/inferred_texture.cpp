@@ -29,7 +29,7 @@ constexpr const char* kProvenance = "multum:provenance";
 constexpr int kTile = 64;
 constexpr std::array<const char*, 3> kChannels = {"R", "G", "B"};
 
-// Describes one level as three interleaved half floats per texel.
+// Describes one level as three interleaved 16-bit floats per texel.
 Imf::FrameBuffer frame_of(half* texels, int width) {
   Imf::FrameBuffer frame;
   for (std::size_t c = 0; c < kChannels.size(); ++c)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads and writes the results of texture inference: mip-mapped radiance textures, and the manifest. For each point of
-// the parameter space, the manifest lists the textures and places of the objects, and the camera.
+// Reads and writes the results of texture inference, which are mip-mapped radiance textures and the manifest. For each
+// point of the parameter space, the manifest lists the textures and places of the objects, and the camera.
 // docs/reference/inferred_textures.md describes both.
 #pragma once
 
@@ -15,21 +15,21 @@
 
 namespace multum {
 
-/// All levels of a texture: three colours per texel, linear radiance, in the order of MipLayout.
+/// All levels of a texture. There are three colours per texel, in linear radiance and in the order of MipLayout.
 struct InferredTexture {
   int width = 1, height = 1;
   std::vector<float> texels;
   std::string provenance;  // JSON: settings and inputs of the inference
 };
 
-/// Writes a tiled, mip-mapped EXR of half floats, with "multum:provenance" in its header. Values beyond the largest
-/// half float become 65504. Writes a temporary file and renames it when it is complete. Throws Error(kEnvironment).
+/// Writes a tiled, mip-mapped EXR of 16-bit floats, with "multum:provenance" in its header. Values beyond the largest
+/// 16-bit float become 65504. Writes a temporary file and renames it when it is complete. Throws Error(kEnvironment).
 void write_inferred_texture(const InferredTexture& texture, const std::string& path);
 
-/// Rounds values to the values that a reader of the written file gets.
+/// Rounds values to those that a reader of the written file gets.
 void round_to_half(std::vector<float>& values);
 
-/// Throws Error(kInput) naming the file and its fault.
+/// Throws Error(kInput), which names the file and its fault.
 InferredTexture read_inferred_texture(const std::string& path);
 
 /// Returns only the provenance. The provenance is empty if the file does not exist or is not an inferred texture.
@@ -71,7 +71,7 @@ struct InferredManifest {
 constexpr const char* kInferredManifestName = "inferred.json";
 
 void write_inferred_manifest(const InferredManifest& manifest, const std::string& path);
-/// Throws Error(kInput) naming the file and its fault.
+/// Throws Error(kInput), which names the file and its fault.
 InferredManifest read_inferred_manifest(const std::string& path);
 
 }  // namespace multum

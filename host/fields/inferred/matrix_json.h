@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads and writes the JSON that probe requests and manifests of inferred textures share: 4 x 4 matrices for column
-// vectors, as four rows of four numbers, the sampler's anisotropy, and the picture's size.
+// Reads and writes the JSON that probe requests and manifests of inferred textures share. This is the sampler's
+// anisotropy, the picture's size, and 4 x 4 matrices for column vectors, written as four rows of four numbers.
 #pragma once
 
 #include <array>

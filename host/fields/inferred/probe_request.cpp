@@ -13,7 +13,7 @@ namespace {
 // Throws Error. The caller adds the file's name.
 ProbeRequest request_from(const nlohmann::json& json) {
   if (json_int(json, "multumProbeRequest") != 1)
-    throw Error(ErrorCode::kInput, "is a probe request of another version, expected 1");
+    throw Error(ErrorCode::kInput, "is a probe request of another version, expected version 1");
   ProbeRequest request;
   request.geometry_file = path_of_text(json.at("geometry").get<std::string>());
   request.uv_set = json_int(json, "uvSet");

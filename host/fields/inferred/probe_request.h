@@ -35,7 +35,7 @@ struct ProbeRequest {
 };
 
 void write_probe_request(const ProbeRequest& request, const std::string& path);
-/// Throws Error(kInput) naming the file and its fault.
+/// Throws Error(kInput), which names the file and its fault.
 ProbeRequest read_probe_request(const std::string& path);
 
 }  // namespace multum

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Defines an affine map of an object's own texture coordinates onto its inferred texture (Hakura et al. 2000, section
-// 3.4): six values, and the branch cuts of periodic directions.
+// 3.4). The map has six values, and the branch cuts of periodic directions.
 #pragma once
 
 #include <array>
@@ -15,11 +15,11 @@
 
 namespace multum {
 
-/// Largest side of pictures and textures that GPUs support.
+/// The largest side of pictures and textures that GPUs support.
 constexpr int kGpuSideMax = 16384;
 
-/// Coordinates across the texture (0..1, v upwards) = linear * (u', v') + offset. Here u' = u; in a direction with a
-/// branch cut, u' = u - floor(u - cut), in [cut, cut + 1).
+/// Coordinates across the texture (0..1, v upwards) are linear * (u', v') + offset. Here u' = u. In a direction with a
+/// branch cut, u' = u - floor(u - cut), which is in [cut, cut + 1).
 struct TextureMapping {
   glm::dmat2 linear{1.0};
   glm::dvec2 offset{0.0};
@@ -34,7 +34,8 @@ struct TextureMapping {
 };
 
 /// Returns the number of whole periods by which a triangle is moved to its side of the cuts. Visible triangles never
-/// cross a cut; for other triangles the middle decides. `uvs` has one entry per vertex, `indices` three per triangle.
+/// cross a cut. For other triangles, the position of the middle decides. `uvs` has one entry per vertex, and `indices`
+/// has three per triangle.
 glm::dvec2 cut_shift(const std::vector<glm::vec2>& uvs, const std::vector<std::uint32_t>& indices, std::size_t triangle,
                      const TextureMapping& mapping);
 

@@ -14,7 +14,7 @@ namespace multum {
 namespace {
 
 constexpr std::size_t kHalfBytes = 8;  // bytes per texel of an image: four 16-bit floats, RGBA
-// Bytes per texel while an image is decoded: three colours, a plane, and lines of wavelets.
+// The bytes per texel while an image is decoded, for three colours, a plane, and lines of wavelets.
 constexpr std::size_t kWorkBytes = 20;
 constexpr std::size_t kTextureWorkBytes = 32;  // bytes per texel of a texture: three colours of the finest level, and
                                                // three of all mip levels
@@ -25,7 +25,7 @@ MULTUM_VECTOR_CLONES void round_to_halves(const float* values, std::size_t count
   for (std::size_t i = 0; i < count; ++i) halves[i] = clamped_to_half(values[i]);
 }
 
-/// Writes three floats per texel as the first three of four half floats, and does not change the fourth. Rounds some
+/// Writes three floats per texel as the first three of four 16-bit floats, and does not change the fourth. Rounds some
 /// hundred texels at a time, without the fourth value, so that the compiler can vectorize the loop.
 void write_halves(std::span<const float> colours, std::span<std::uint16_t> halves) {
   constexpr std::size_t kTexels = 256;
@@ -71,8 +71,9 @@ std::size_t plan_bytes_max(const TextureChunkFormat& format) {
   return 24 * samples + 16 * terms + 64 * samples * levels + samples * format.basis.size();
 }
 
-/// Cosines need a place for each block of each plane, plus this many bytes per coded byte (at most 250 in files of
-/// field_demo1 at 60:1 to 800:1). Wavelets need two images at a time, with eight bytes per texel of each plane.
+/// Cosines need one place for each block of each plane, plus this many bytes per coded byte. (In files of field_demo1
+/// at ratios of 60:1 to 800:1, they need at most 250 bytes per coded byte.) Wavelets need two images at a time, with
+/// eight bytes per texel of each plane.
 std::size_t likely_coefficient_bytes(const TextureChunkFormat& format, std::size_t image_count,
                                      std::size_t coded_bytes) {
   const std::size_t blocks = (format.width / format.side + 1) * (format.height / format.side + 1);

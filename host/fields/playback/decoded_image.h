@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Decodes the parts of a chunk that playback needs, as half floats for upload: a single image, the sum of a sample's
-// images, or a whole texture. Also computes the memory of each part before it is decoded.
+// Decodes the parts of a chunk that playback needs, as 16-bit floats for upload. A part is a single image, the sum of a
+// sample's images, or a whole texture. Also computes the memory of each part before it is decoded.
 #pragma once
 
 #include <cstddef>
@@ -15,21 +15,21 @@ namespace multum {
 enum class DecodedKind {
   kImages,  // single images; a sample is a sum of images, which neighbouring samples share
   /// Single images as for kImages. But if two or more images of a sample are missing now, their sum is decoded in one
-  /// step, at the cost of one image. Textures are then complete sooner after a jump, but the images of a frame, and
-  /// their rounding, depend on time.
+  /// step, which takes as long as one image. Textures are then complete sooner after a jump, but the images of a frame,
+  /// and their rounding, depend on timing.
   kImagesAndSums,
-  kTextures,  // whole textures of single samples: radiance with all mip levels. For points on a single sample
+  kTextures,  // whole textures of single samples, for points that are exactly on a sample: radiance with all mip levels
 };
 
-/// RGBA half floats with an alpha of 0: either an image, [height][width][4], in the units of TextureChunk::image, or
-/// the radiance of all mip levels, [texel][4], the finest first.
+/// RGBA as 16-bit floats with an alpha of 0. This is either an image, [height][width][4], in the units of
+/// TextureChunk::image, or the radiance of all mip levels, [texel][4], the finest first.
 struct DecodedImage {
   std::size_t width = 0, height = 0;  // size of the finest level
   std::vector<std::uint16_t> halves;
 };
 
-/// A `number` below the chunk's image count is an image. From the image count on, numbers stand for samples, whose sum
-/// or texture is decoded.
+/// If `number` is below the chunk's image count, it stands for an image. Higher numbers stand for samples, whose sum or
+/// texture is decoded.
 DecodedImage decoded_image(const TextureChunk& chunk, std::size_t number, DecodedKind kind);
 
 /// Returns the size of a decoded image, and the memory needed while decoding it, in bytes.

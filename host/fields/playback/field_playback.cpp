@@ -232,7 +232,7 @@ void FieldPlayback::damage(Chunk& chunk, const std::string& what) {
 }
 
 void FieldPlayback::leave_out(Chunk& chunk, const std::string& part) {
-  damage(chunk, fmt::format("{} is left out: its {} would take too much of the {} bytes of memory",
+  damage(chunk, fmt::format("{} is omitted, because its {} would take too much of the {} bytes of memory",
                             file_.section_name(chunk.section), part, memory_.bytes_max()));
 }
 

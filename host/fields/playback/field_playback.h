@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 // Decodes a packed field during playback (Hakura et al. 2000, section 5). Finds which images of chunks are needed at a
-// point of the parameter space. Worker threads decode them, the nearest frames and the coarsest levels first. A cache
-// forgets an image `a * b^l` frames after its last use, where `l` is the image's level above the images of single
-// samples. In an adaptive pyramid or a basis, images have no such level, so an image that S samples share counts as
-// level `log4(S)`, as in the paper's pyramid over two parameters. This class does not draw: the caller uploads images
-// and reports each upload.
+// point of the parameter space. Worker threads decode these images, starting with the nearest frames and the coarsest
+// levels. A cache forgets an image `a * b^l` frames after its last use, where `l` is the image's level above the images
+// of single samples. In an adaptive pyramid or a basis, images have no such level. There, an image that S samples share
+// counts as level `log4(S)`, as in the paper's pyramid over two parameters. This class does not draw. The caller
+// uploads images and reports each upload.
 //
-// Memory is counted before it is allocated, and never exceeds memory_max: coefficients, images, their uploaded copies,
-// the workers' buffers, and the caller's memory for drawing. The description and the index are not counted.
+// Memory is counted before it is allocated, and never exceeds memory_max. Coefficients, images, their uploaded copies,
+// the workers' buffers, and the caller's memory for drawing are counted. The description and the index are not counted.
 //
-// A single thread calls this class; the workers are internal. The code is in three files: field_playback.cpp determines
-// needs and state, field_playback_forgetting.cpp forgets images, and field_playback_decoding.cpp makes requests and
-// runs the workers.
+// Only one thread may call this class; the workers are internal. The code is in three files. field_playback.cpp
+// determines which images are needed and their state, field_playback_forgetting.cpp forgets images, and
+// field_playback_decoding.cpp makes requests and runs the workers.
 #pragma once
 
 #include <array>
@@ -50,7 +50,7 @@ struct NeededImage {
   float weight;
 };
 
-/// The images whose sum is a layer's texture at a point; with DecodedKind::kTextures, one texture.
+/// The images whose sum is a layer's texture at a point. With DecodedKind::kTextures, there is only one texture.
 struct LayerNeed {
   bool is_drawn = false;            // the object has a texture of the layer there, and its chunk is undamaged
   std::size_t mapping = 0;          // mapping of the object, which gives the texture's size
@@ -70,8 +70,8 @@ struct PlaybackCounts {
 class FieldPlayback {
  public:
   /// Calls `forget` whenever another call discards a decoded image. `forget` must delete all uploaded copies of the
-  /// image, including partial ones, and must not call this object. Throws Error(kInput), and Error(kUsage) for settings
-  /// out of range.
+  /// image, including partial ones, and must not call this object. Throws Error(kInput). Throws Error(kUsage) for
+  /// settings out of range.
   FieldPlayback(const std::string& path, const PlaybackSettings& settings, std::function<void(ImageKey)> forget);
   /// Cancels running decodings.
   ~FieldPlayback();
@@ -80,7 +80,7 @@ class FieldPlayback {
 
   const FieldDescription& description() const { return file_.description(); }
 
-  /// Counts memory of the caller permanently. Throws Error(kEnvironment) if there is too little.
+  /// Permanently counts memory that the caller uses. Throws Error(kEnvironment) if there is too little.
   void reserve(std::size_t bytes);
 
   /// Begins the next frame at `now`. Later frames are expected at the points `ahead`, in this order. Forgets expired
@@ -88,8 +88,8 @@ class FieldPlayback {
   void begin_frame(std::vector<SampleShare> now, std::vector<std::vector<SampleShare>> ahead);
   /// Forgets all decoded images and requests. Waits for workers. Call it between frames.
   void forget_all();
-  /// Requests the images that the same frame still lacks, as far as memory allows. Call it after wait() and after
-  /// uploads.
+  /// Requests the images that the same frame still lacks, as far as memory allows. Must be called after wait() and
+  /// after uploads.
   void request();
   /// Waits until a worker has finished a request. Returns false at once if no worker runs.
   bool wait();

@@ -24,7 +24,7 @@ void FieldPlayback::request() {
 }
 
 /// Requests coarse parts first: coefficients, sums, the first images of all layers, then the second images. Returns
-/// false if memory is too full for some part.
+/// false if there is not enough memory to request one of these parts.
 bool FieldPlayback::ask(std::size_t distance, const std::vector<SampleShare>& shares) {
   std::vector<Wanted> wanted;
   std::vector<std::size_t> chunks;
@@ -53,7 +53,8 @@ bool FieldPlayback::ask(std::size_t distance, const std::vector<SampleShare>& sh
   return has_room;
 }
 
-/// Adds a sample's images that are not yet requested to `wanted`. Returns how many of its images are missing.
+/// Adds those images of a sample that are not yet requested to `wanted`. Returns how many of the sample's images are
+/// missing.
 std::size_t FieldPlayback::ask_terms(const Place& place, std::size_t distance, std::vector<Wanted>& wanted) const {
   const Chunk& chunk = *chunks_[place.chunk];
   const bool has_sum = images_.count(sum_of(place)) > 0;
@@ -189,7 +190,7 @@ void FieldPlayback::decode_image(Lock& lock, ImageKey key) {
   lock.unlock();
   const ThreadStopwatch stopwatch;
   try {
-    if (coefficients == nullptr) throw Error(ErrorCode::kEnvironment, "its coefficients are gone");
+    if (coefficients == nullptr) throw Error(ErrorCode::kEnvironment, "its coefficients were discarded");
     decoded = decoded_image(*coefficients, key.image, settings_.kind);
   } catch (const std::exception& error) {  // no memory
     problem = error.what();

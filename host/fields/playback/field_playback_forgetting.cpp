@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Forgets decoded images: expired ones, and images that must make room for more urgent ones.
+// Forgets decoded images that have expired, and images that must make room for more urgent ones.
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -60,10 +60,9 @@ void FieldPlayback::forget_all() {
   }
 }
 
-/// Forgets images until `bytes` fit. Begins with images that no known frame wants, in the order of their expiry. If
-/// `distance` is 0, continues with images that later frames want, beginning with the latest frame, and with
-/// coefficients that the current frame does not need. If all of these would not free enough, forgets nothing and
-/// returns false.
+/// Forgets images until `bytes` fit. First forgets images that no known frame wants, in the order of their expiry. If
+/// `distance` is 0, then forgets images that later frames want, beginning with the latest frame, and coefficients that
+/// the current frame does not need. If all of these would not free enough memory, forgets nothing and returns false.
 bool FieldPlayback::make_room(std::size_t bytes, std::size_t distance) {
   struct Victim {
     bool is_wanted;

@@ -19,7 +19,7 @@ std::size_t sample_of(const SampleGrid& grid, const std::vector<std::size_t>& at
   return grid.sample_at[grid.position_of(std::vector<int>(at.begin(), at.end()))];
 }
 
-/// A linear map: a rotation whose columns are multiplied by these lengths.
+/// A linear map that is a rotation whose columns are multiplied by these lengths.
 struct TurnedSizes {
   glm::dquat turn{1.0, 0.0, 0.0, 0.0};
   glm::dvec3 sizes{1.0};
@@ -83,7 +83,8 @@ std::optional<CameraParts> camera_parts(const glm::dmat4& world_to_clip) {
       glm::length(third - parts.z_scale * z) > kSquare * (std::abs(parts.z_scale) + parts.w) ||
       glm::dot(glm::cross(x, y), z) < 0.0)
     return {};
-  // The translation in camera space, from rows: last.w = -w t.z, first.w = x_scale t.x + x_shift t.z, and so on.
+  // The translation in camera space, computed from the rows: last.w = -w t.z, first.w = x_scale t.x + x_shift t.z, and
+  // so on.
   glm::dvec3 shift;
   shift.z = -rows[3].w / parts.w;
   shift.x = (rows[0].w - parts.x_shift * shift.z) / parts.x_scale;

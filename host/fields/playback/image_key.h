@@ -9,7 +9,8 @@ namespace multum {
 
 struct ImageKey {
   std::size_t chunk = 0;  // index in the order of layers, then blocks
-  // Index in the chunk's plan. Numbers after the last image stand for samples, and mean the sum of a sample's images.
+  // The index in the chunk's plan. Numbers after the last image stand for samples, and mean the sum of a sample's
+  // images.
   std::size_t image = 0;
 
   auto operator<=>(const ImageKey&) const = default;

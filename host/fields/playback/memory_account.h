@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Counts bytes against a limit. Refuses excess bytes before they are allocated. Two threads must not use one account at
-// once.
+// Counts bytes against a limit. Refuses bytes beyond the limit before they are allocated. Two threads must not use one
+// account at once.
 #pragma once
 
 #include <algorithm>
@@ -15,7 +15,7 @@ class MemoryAccount {
   explicit MemoryAccount(std::size_t bytes_max) : bytes_max_(bytes_max) {}
 
   bool has_room(std::size_t bytes) const { return bytes <= bytes_max_ - bytes_; }
-  /// Takes the bytes, or nothing if they do not fit.
+  /// Counts the bytes, or counts nothing if they do not fit.
   bool take(std::size_t bytes) {
     if (!has_room(bytes)) return false;
     bytes_ += bytes;

@@ -35,9 +35,9 @@ std::vector<double> position_from(const json& list, std::size_t number, std::siz
 }  // namespace
 
 RecordedPath::RecordedPath(const std::string& text, const std::vector<std::string>& names) {
-  if (holds_nul(text)) refuse_path("holds NUL in a text");
+  if (holds_nul(text)) refuse_path("contains a NUL in a text");
   const json file = json::parse(text, nullptr, false);
-  if (file.is_discarded()) refuse_path("is not JSON, expected a path that a player's page saved");
+  if (file.is_discarded()) refuse_path("is not JSON, expected a path that the player page saved");
   if (!file.is_object() || !file.contains("multumPath")) refuse_path("is not a path, expected \"multumPath\": 1");
   if (file["multumPath"] != 1)
     refuse_path(fmt::format("has \"multumPath\": {}, expected 1: a newer multum may have saved it",
@@ -59,7 +59,7 @@ RecordedPath::RecordedPath(const std::string& text, const std::vector<std::strin
     position.erase(position.begin());
     positions_.push_back(std::move(position));
   }
-  if (!std::isfinite(seconds())) refuse_path("takes more seconds than a number can store");
+  if (!std::isfinite(seconds())) refuse_path("has a duration that is not a finite number of seconds");
 }
 
 std::vector<double> RecordedPath::at(double seconds) const {

@@ -12,8 +12,8 @@ namespace multum {
 
 class RecordedPath {
  public:
-  /// Parses a file's text. `names` are the field's parameters; the path must have the same ones. Throws Error(kInput)
-  /// with the value found and the value expected. The caller adds the file's name.
+  /// Parses the text of a file. `names` are the field's parameters, and the path must have the same ones. Throws
+  /// Error(kInput) with the value found and the value expected. The caller adds the file's name.
   RecordedPath(const std::string& text, const std::vector<std::string>& names);
 
   /// Returns the time from the first position to the last, at least 0.
@@ -27,10 +27,10 @@ class RecordedPath {
   std::vector<std::vector<double>> positions_;
 };
 
-/// Returns whether the value of --path is the file of a recorded path. The name of such a file ends in .json;
+/// Returns whether the value of --path is the file of a recorded path. The name of such a file ends in .json, whereas
 /// expressions never do.
 bool is_recorded_path(const std::string& path);
-/// Throws Error(kInput) naming the file.
+/// Throws Error(kInput), which names the file.
 RecordedPath read_recorded_path(const std::string& path, const std::vector<std::string>& names);
 
 }  // namespace multum

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Embeds the player of packed fields: the page of runtime_gl/web, and the decoder as WebAssembly if the build could
-// compile it (tools/wasm_decoder).
+// Embeds the player of packed fields. The player is the page of runtime_gl/web, and the decoder as WebAssembly if the
+// build could compile it (tools/wasm_decoder).
 #pragma once
 
 #include <map>

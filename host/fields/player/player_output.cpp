@@ -32,8 +32,8 @@ using nlohmann::ordered_json;
 constexpr const char* kGeometryName = "geometry.glb";
 constexpr const char* kWasmName = "packed_field.wasm";
 
-// Modules in the order of their imports. On a single page they are joined to one script, so no two modules may use the
-// same top-level name.
+// The modules in the order of their imports. For a single page they are joined into one script, so no two modules may
+// use the same top-level name.
 constexpr std::array kPageModules = {
     "error_text.js",    "next_frame.js",        "byte_source.js",        "checksum.js",
     "mpt_file.js",      "field_description.js", "matrices.js",           "glb.js",
@@ -151,8 +151,8 @@ void write_player(const std::string& field, const PlayerOutput& output) {
   if (!output.folder.empty()) write_folder(name, title, bytes, geometry, output.folder);
   if (output.page.empty()) return;
   if (bytes.size() + geometry.size() > kPlayerPageBytesMax)
-    throw Error(ErrorCode::kUsage, fmt::format("{}: the field and its geometry have {} bytes, but a page holds at most "
-                                               "{}; expected a folder for the player instead of a page",
+    throw Error(ErrorCode::kUsage, fmt::format("{}: the field and its geometry have {} bytes, but a page can hold at "
+                                               "most {}; expected a folder for the player instead of a page",
                                                output.page, bytes.size() + geometry.size(), kPlayerPageBytesMax));
   write_text_file(output.page, one_page(name, title, bytes, geometry));
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writes the objects of a scene file as binary glTF: only positions, one set of texture coordinates, names and places.
+// Writes the objects of a scene file as binary glTF. Only positions, one set of texture coordinates, names and places
+// are written.
 #pragma once
 
 #include <string>

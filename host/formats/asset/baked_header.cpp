@@ -29,8 +29,8 @@ Imath::Box2i window_of(const BakedHeader& header, int level) {
   return {{0, 0}, {mip_level_size(header.width, level) - 1, mip_level_size(header.height, level) - 1}};
 }
 
-// Makes the layout of pixels, which consists of windows, tiles and channels. OpenEXR requires one display window for
-// all parts.
+// Makes the layout of the pixels, which consists of windows, tiles and channels. OpenEXR requires all parts to have the
+// same display window.
 Imf::Header make_layout(const BakedHeader& baked, const BakedPart& part, const BakedWriteOptions& options) {
   const ExrCompression choice = parse_compression(options.compression);
   Imf::Header header(window_of(baked, baked.first_level), window_of(baked, part.first_level));
@@ -38,7 +38,7 @@ Imf::Header make_layout(const BakedHeader& baked, const BakedPart& part, const B
   header.setType(Imf::TILEDIMAGE);
   header.compression() = choice.compression;
   if (choice.zip_level > 0) header.zipCompressionLevel() = choice.zip_level;
-  header.lineOrder() = Imf::RANDOM_Y;  // OpenEXR writes tiles as soon as they are ready and keeps none in memory
+  header.lineOrder() = Imf::RANDOM_Y;  // OpenEXR then writes tiles as soon as they are ready and keeps none in memory
   const auto tile = static_cast<unsigned>(options.tile_size);
   const auto levels = part.is_one_level ? Imf::ONE_LEVEL : Imf::MIPMAP_LEVELS;
   header.setTileDescription(Imf::TileDescription(tile, tile, levels, Imf::ROUND_DOWN));
@@ -59,7 +59,7 @@ Imf::Header make_header(const BakedHeader& baked, const BakedPart& part, const B
   header.insert("multum:mapHeight", Imf::IntAttribute(baked.height));
   header.insert("multum:firstLevel", Imf::IntAttribute(baked.first_level));
   header.insert("multum:hasColours", Imf::IntAttribute(baked.has_colours ? 1 : 0));
-  if (baked.format_version() > info.version) {  // otherwise, the bytes are the same as those that older programs write
+  if (baked.format_version() > info.version) {  // otherwise, the bytes are the same as in files of older programs
     header.insert("multum:weightCount", Imf::IntAttribute(baked.weight_count));
     header.insert("multum:roughness", Imf::IntAttribute(baked.has_roughness ? 1 : 0));
     header.insert("multum:meanCosine", Imf::FloatAttribute(baked.mean_cosine));
@@ -79,7 +79,7 @@ Imf::Header make_header(const BakedHeader& baked, const BakedPart& part, const B
   return header;
 }
 
-// Removes the trailing spaces that fill unused room.
+// Removes the trailing spaces that fill the unused room.
 std::string trimmed(const std::string& text) { return text.substr(0, text.find_last_not_of(' ') + 1); }
 
 // Joins names into a list such as "snorm16, half or float".
@@ -228,7 +228,7 @@ std::vector<Imf::Header> make_baked_headers(const BakedHeader& header, const std
   return headers;
 }
 
-// Reads an attribute that only tiles of sets have.
+// Reads an attribute that is only in files of tiles that belong to a set.
 std::string optional_text(const Imf::Header& header, const char* name) {
   const auto* attribute = header.findTypedAttribute<Imf::StringAttribute>(name);
   return attribute == nullptr ? "" : attribute->value();

@@ -21,7 +21,7 @@ constexpr char kDamaged[] = "damaged baked file";
 
 int thread_count(int threads) { return threads > 0 ? threads : processor_count(); }
 
-// Copies one channel of a tile's row. Values in the output are `stride` apart.
+// Copies one channel of a row of a tile. In the output, consecutive values are `stride` apart.
 void put_row(const unsigned char* from, bool is_half, std::size_t width, float* to, std::size_t stride) {
   for (std::size_t x = 0; x < width; ++x) {
     if (is_half) {
@@ -38,7 +38,7 @@ void put_row(const unsigned char* from, bool is_half, std::size_t width, float* 
 
 }  // namespace
 
-// Complete rows of tiles of one level of a part.
+// Complete rows of tiles in one level of a part.
 struct BakedReader::TileRows {
   std::size_t part;
   int level;  // level of the map
@@ -89,7 +89,7 @@ void BakedReader::read_values(std::size_t part_index, int level, int first_row, 
     rows.row_end =
         static_cast<int>(std::min<std::int64_t>(height, (rows.tile_last + 1) * std::int64_t{rows.tile_height}));
     if (rows.row_begin == first_row && rows.row_end == first_row + row_count) return read_tile_rows(rows, values);
-    // Only whole tiles can be read. If they hold more rows than requested, they go through a buffer.
+    // Only whole tiles can be read. If they hold more rows than requested, they are read into a buffer first.
     const std::size_t row_values = static_cast<std::size_t>(width) * part.channels.size();
     std::vector<float> whole(static_cast<std::size_t>(rows.row_end - rows.row_begin) * row_values);
     read_tile_rows(rows, whole.data());
@@ -133,7 +133,7 @@ void BakedReader::unpack_tile(const TileRows& rows, std::size_t chunk, float* va
     }
 }
 
-// Reads files that another program compressed in a way that only OpenEXR can unpack.
+// Reads files whose compression only OpenEXR can unpack. Other programs may have written such files.
 void BakedReader::read_by_library(const TileRows& rows, float* values) {
   use_exr_threads(threads_);
   const BakedPart& part = parts_[rows.part];
@@ -172,8 +172,8 @@ void BakedReader::check_tile_rows(const TileRows& rows, const float* values) {
   }
 }
 
-// Checks the checksum of the whole file. Row checksums are missing in older files. Row checksums also do not apply if
-// another program has rewritten the file with tiles of another size.
+// Checks the checksum of the whole file. Older files have no row checksums. Row checksums also do not apply if another
+// program has rewritten the file with tiles of another size.
 void BakedReader::check_content_hash() {
   is_content_checked_ = true;
   const std::string& stated = header_.provenance.content_hash;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads rows of a baked file of any representation, and hashes them. Only host/formats/asset uses this header; others
-// use MovmfReader, MomentReader and ShReader.
+// Reads rows of a baked file of any representation, and hashes them. Only host/formats/asset uses this file. Other code
+// uses MovmfReader, MomentReader and ShReader.
 #pragma once
 
 #include <ImfMultiPartInputFile.h>
@@ -18,27 +18,27 @@
 
 namespace multum {
 
-/// Reads rows with several threads. Only one thread may call it at a time.
+/// Reads rows with several threads. Only one thread may call this object at a time.
 class BakedReader {
  public:
-  /// Throws Error(kInput), which names the file. Decompresses with `threads` threads; 0 means one per core.
+  /// Throws Error(kInput), which names the file. Decompresses with `threads` threads. 0 means one thread per core.
   BakedReader(const std::string& path, int threads, TexelCheck check = TexelCheck::kRefuse);
 
   const std::string& path() const { return path_; }
   int threads() const { return threads_; }
   const Imf::MultiPartInputFile& file() const { return *file_; }
-  /// The height of one row of tiles. If reads begin at a multiple of this height and cover a multiple of it, no row is
-  /// decompressed twice.
+  /// The height of one row of tiles. If each read begins at a multiple of this height and covers a multiple of it, no
+  /// row is decompressed twice.
   int tile_size() const { return tile_size_; }
 
   /// Sets the contents that the file must have according to its header. Call it once, before reading rows. Throws
   /// Error(kInput) if the parts differ, or if a tile is misplaced or cut short.
   void expect(const BakedHeader& header, std::vector<BakedPart> parts);
   /// Reads some rows of a level of a part as interleaved floats. Writes every value, or throws Error(kInput), which
-  /// names the tile that cannot be unpacked or the row of tiles whose checksum differs. A file of an older program has
-  /// only one checksum, so the first call reads the whole file.
+  /// names the tile that cannot be unpacked, or the row of tiles that has a wrong checksum. A file of an older program
+  /// has only one checksum, so the first call reads the whole file.
   void read_values(std::size_t part, int level, int first_row, int row_count, float* values);
-  /// Rows found by TexelCheck::kReport, such as "part lobe.1, level 3, texel rows 0 to 127".
+  /// The damaged rows that TexelCheck::kReport found, such as "part lobe.1, level 3, texel rows 0 to 127".
   const std::vector<std::string>& changed_rows() const { return changed_rows_; }
 
   /// Converts exceptions of OpenEXR to Error.
@@ -78,13 +78,13 @@ class BakedReader {
   std::vector<std::string> changed_rows_;
 };
 
-/// Computes the checksum of docs/reference/file_format.md. Rows come level by level, from the top.
+/// Computes the checksum of docs/reference/file_format.md. The rows must be added level by level, from the top.
 class BakedRowHash {
  public:
   explicit BakedRowHash(const std::vector<BakedPart>& parts);
 
-  /// Adds the next rows of a level of a part, interleaved. Several threads may add different parts and levels at the
-  /// same time.
+  /// Adds the next rows of a level of a part, as interleaved values. Several threads may add different parts and levels
+  /// at the same time.
   void add(std::size_t part, int level, const float* values, std::size_t value_count);
   std::string finish();
 

@@ -3,7 +3,7 @@
 //
 //     rows of any count --> queue (16 MiB) --> row of tiles per part and level --> SHA-256, halfs, OpenEXR's writeTiles
 //
-// writeTiles distributes its tiles over OpenEXR's own threads. The file stores tiles in the order of these calls
+// writeTiles distributes the tiles among OpenEXR's own threads. The file stores tiles in the order of these calls
 // (RANDOM_Y). Readers find tiles through the tables that OpenEXR writes last.
 #include "host/formats/asset/baked_writer.h"
 
@@ -41,7 +41,7 @@ using Portion = std::unique_ptr<const BakedRows>;
 // First-in-first-out queue for one producer and one consumer.
 class PortionQueue {
  public:
-  /// Waits for room. An empty queue accepts a portion of any size.
+  /// Waits until there is room. An empty queue accepts a portion of any size.
   void put(Portion portion) {
     const std::size_t bytes = portion->bytes();
     std::unique_lock<std::mutex> lock(mutex_);
@@ -50,7 +50,7 @@ class PortionQueue {
     bytes_ += bytes;
     filled_.notify_one();
   }
-  /// Waits for a portion; returns false when no more will come.
+  /// Waits for the next portion. Returns false if no more portions will come.
   bool take(Portion& portion) {
     std::unique_lock<std::mutex> lock(mutex_);
     filled_.wait(lock, [&] { return !portions_.empty() || closed_; });
@@ -76,7 +76,7 @@ class PortionQueue {
   bool closed_ = false;
 };
 
-// One level of one part: its unfinished row of tiles, and the digest of earlier rows.
+// One level of one part, with its unfinished row of tiles and the digest of the earlier rows.
 struct PartLevel {
   const BakedPart* part;
   int part_index;
@@ -168,7 +168,7 @@ class BakedWriter::Work {
     }
   }
 
-  // Throws if a reader would reject the file, so that the file is not published.
+  // Throws if a reader would reject the file. Such a file must not be published.
   void check(const std::vector<VerifyFinding>& findings) const {
     for (const VerifyFinding& finding : findings)
       if (!finding.passed && options_.is_checked)
@@ -194,7 +194,7 @@ class BakedWriter::Work {
     finished_changed_.notify_one();
   }
 
-  // Adds the portion's rows to the waiting rows, and writes every full row of tiles.
+  // Adds the rows of the portion to the waiting rows, and writes every complete row of tiles.
   void gather(const BakedRows& portion) {
     Level& level = levels_[static_cast<std::size_t>(portion.level())];
     portion.scan(level.rows_written + level.rows_waiting);
@@ -230,8 +230,8 @@ class BakedWriter::Work {
     for (const auto& at : level.parts) at->values = std::vector<float>();
   }
 
-  // Describes the channels to OpenEXR. Floats are read directly from memory, and 16-bit floats through `halfs_`, one
-  // channel at a time. The values are rounded first, so the checksum covers exactly the stored values.
+  // Describes the channels to OpenEXR. 32-bit floats are read directly from memory. 16-bit floats are read through
+  // `halfs_`, one channel at a time. The values are rounded first, so the checksum covers exactly the stored values.
   Imf::FrameBuffer slices(PartLevel& at, const Level& level) {
     Imf::FrameBuffer buffer;
     const std::size_t channels = at.part->channels.size(), texels = at.values.size() / channels;
@@ -274,7 +274,7 @@ class BakedWriter::Work {
     if (failure_) std::rethrow_exception(failure_);
   }
 
-  // Waits for the thread, and cancels when asked to.
+  // Waits for the thread. Cancels the work if the caller asked for it.
   void wait(Progress* progress) {
     constexpr std::chrono::milliseconds kListenInterval(50);
     std::unique_lock<std::mutex> lock(mutex_);

@@ -4,7 +4,7 @@
 namespace multum {
 namespace {
 
-// Bytes of the stored levels of all four-channel textures.
+// Returns the bytes of the stored levels of all four-channel textures.
 std::uint64_t texture_bytes(const BakedHeader& header, const TexelCounts& counts) {
   std::uint64_t texels = 0;
   for (int l = header.first_level; l < header.level_count(); ++l)
@@ -18,7 +18,7 @@ std::uint64_t texture_bytes(const BakedHeader& header, const TexelCounts& counts
 
 constexpr std::uint64_t kBc5BlockBytes = 16, kBc4BlockBytes = 8;
 
-// Number of blocks of 4 x 4 texels in levels [0, level_end).
+// Returns the number of blocks of 4 x 4 texels in the levels from 0 to level_end - 1.
 std::uint64_t block_count(int width, int height, int level_end) {
   std::uint64_t blocks = 0;
   for (int l = 0; l < level_end; ++l) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Largest half float, and rounding to the nearest half. Only host/formats/asset uses this header.
+// The largest half float, and a function that rounds to the nearest half. Only host/formats/asset uses this file.
 #pragma once
 
 #include <half.h>

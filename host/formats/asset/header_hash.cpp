@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads the attributes from the file's bytes, not through OpenEXR. The hash therefore covers types that OpenEXR does
-// not know and bits that OpenEXR ignores.
+// Reads the attributes from the bytes of the file, not through OpenEXR. The hash therefore also covers types that
+// OpenEXR does not know and bits that OpenEXR ignores.
 #include "host/formats/asset/header_hash.h"
 
 #include <algorithm>
@@ -27,8 +27,8 @@ struct HeaderAttribute {
   std::string name, type, value;
 };
 
-// Returns attributes sorted by part, then by name. Attributes with equal names stay in the file's order. No writer
-// makes such attributes.
+// Returns the attributes sorted by part, then by name. Attributes with equal names stay in the order of the file, but
+// no writer makes such attributes.
 std::vector<HeaderAttribute> header_attributes(const std::string& path) {
   ByteFile file(path);
   std::vector<HeaderAttribute> attributes;
@@ -41,14 +41,14 @@ std::vector<HeaderAttribute> header_attributes(const std::string& path) {
   return attributes;
 }
 
-// Compression changes no value. The header checksum therefore stays valid for a recompressed file, like the checksum of
-// the pixels.
+// Compression changes no value. The header checksum does not cover it, so it remains valid for a recompressed file,
+// like the checksum of the pixels.
 bool is_covered(const HeaderAttribute& attribute) {
   return attribute.name != "compression" && (attribute.part > 0 || attribute.name != kHeaderHashAttribute);
 }
 
-// Adds "PART 0 NAME 0 TYPE 0 SIZE 0 VALUE". Numbers are decimal text, so that different attributes give different
-// bytes.
+// Adds "PART 0 NAME 0 TYPE 0 SIZE 0 VALUE". Numbers are written as decimal text, so that different attributes give
+// different bytes.
 void add(const HeaderAttribute& attribute, ContentHash& hash) {
   hash.update(fmt::format("{}{}{}{}{}{}{}{}", attribute.part, '\0', attribute.name, '\0', attribute.type, '\0',
                           attribute.value.size(), '\0'));
@@ -100,7 +100,7 @@ VerifyFinding header_finding(const std::string& path) {
   const auto stated = std::find_if(attributes.begin(), attributes.end(), looks_like_it);
   if (stated == attributes.end())
     return {"header", true,
-            fmt::format("the file has no {}, which older programs do not write, so its attributes are not checked",
+            fmt::format("the file has no {}, which older programs do not write, so its attributes cannot be checked",
                         kHeaderHashAttribute)};
   if (stated->part != 0 || stated->name != kHeaderHashAttribute || stated->type != "string")
     return {"header", false,

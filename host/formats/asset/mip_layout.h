@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Places the texels of a mip pyramid in one list. The finest level comes first. Within a level, the top row comes
-// first. Levels are ROUND_DOWN, as in OpenGL: level l is max(1, width >> l) by max(1, height >> l), down to 1 x 1.
+// Places the texels of a mip pyramid in one list. The finest level comes first, and each level begins with its top row.
+// The sizes of levels are rounded down (ROUND_DOWN), as in OpenGL: level l is max(1, width >> l) by max(1, height >>
+// l), down to 1 x 1.
 #pragma once
 
 #include <algorithm>
@@ -33,9 +34,9 @@ struct MipLayout {
     while (levels[static_cast<std::size_t>(l)].offset > texel) --l;
     return l;
   }
-  /// Calls visit(parent, texel) for every texel of `level`, row by row. `level` must not be the coarsest. The parent is
-  /// the texel of the next coarser level that contains the texel. The last texel of an odd side has the same parent as
-  /// its neighbour.
+  /// Calls visit(parent, texel) for every texel of `level`, row by row. `level` must not be the coarsest level. The
+  /// parent is the texel of the next coarser level that contains the texel. If a side is odd, the last texel has the
+  /// same parent as its neighbour.
   template <typename Visit>
   void for_each_child(std::size_t level, const Visit& visit) const {
     const MipLevelPlace &fine = levels[level], &coarse = levels[level + 1];

@@ -29,7 +29,7 @@ const char* storage_encoding_name(StorageEncoding encoding) { return choice_name
 const std::vector<RepresentationInfo>& representations() {
   static const std::vector<StorageEncoding> every = {StorageEncoding::kSnorm16, StorageEncoding::kHalf,
                                                      StorageEncoding::kFloat};
-  // snorm16 cannot store these values: slopes reach 20, their products reach 400, and coefficients exceed 1.
+  // snorm16 cannot store these values. Slopes reach 20, their products reach 400, and coefficients exceed 1.
   static const std::vector<StorageEncoding> wide = {StorageEncoding::kHalf, StorageEncoding::kFloat};
   static const std::vector<RepresentationInfo> all = {
       {.representation = Representation::kMovmf,

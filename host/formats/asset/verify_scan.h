@@ -17,7 +17,7 @@ namespace multum {
 
 struct TexelPlace {
   int level = 0, x = 0, y = 0;
-  int band = -1;  // band of spherical harmonics, or < 0 for other representations
+  int band = -1;  // band of spherical harmonics; negative for other representations
 };
 
 /// The texel with the largest excess over the tolerance. If `value` <= 0, no texel exceeds the tolerance.
@@ -32,22 +32,23 @@ struct WorstTexel {
   std::string text() const;
 };
 
-/// Returns a finding. The finding's detail is `good`, or "`bad` by 1.2e-03 at level 2, texel (3, 4)".
+/// Returns a finding. Its detail is `good` if it passes; otherwise "`bad` by 1.2e-03 at level 2, texel (3, 4)".
 VerifyFinding excess_finding(const std::string& check, const WorstTexel& worst, const std::string& good,
                              const std::string& bad);
 VerifyFinding structure_finding(const BakedHeader& header, const std::string& kind);
-/// `changed` lists the rows with a wrong checksum, as BakedReader describes them.
+/// `changed` lists the rows that have a wrong checksum, as BakedReader describes them.
 VerifyFinding checksum_finding(const std::string& hash, const std::string& expected,
                                const std::vector<std::string>& changed);
 VerifyFinding finite_finding(std::size_t nonfinite, const std::string& of_what);
 /// `high` names a weight's upper limit, such as "1".
 VerifyFinding weights_finding(int weight_count, const WorstTexel& worst, const std::string& high);
 
-/// Checks the `count` weights of texel `index`: each must be 0 to `high`, within a tolerance.
+/// Checks the `count` weights of texel `index`. Each must be from 0 to `high`, within a tolerance.
 void scan_weights(const std::vector<float>& weights, std::size_t index, int count, double high, double tolerance,
                   const TexelPlace& place, WorstTexel& worst, std::size_t& nonfinite);
 
-/// Calls `seen(level, first row, rows)` for bands of a tile's height until every row of every stored level was seen.
+/// Calls `seen(level, first row, rows)` for bands of the height of a tile, until it has seen every row of every stored
+/// level.
 template <typename Reader, typename Seen>
 void for_each_rows(Reader& reader, const Seen& seen) {
   const BakedHeader& header = reader.header();
@@ -58,8 +59,8 @@ void for_each_rows(Reader& reader, const Seen& seen) {
   }
 }
 
-/// Verifies a file of averages. Scans every row with `scan`, and passes it to `seen`, if set. Lists the findings on
-/// structure, checksum and header, and the findings of the scan. `kind` is, for example, "moments".
+/// Verifies a file of averages. Scans every row with `scan`, and also passes it to `seen` if that is set. Returns the
+/// findings on structure, checksum and header, and the findings of the scan. `kind` is, for example, "moments".
 template <typename Reader, typename Scan, typename Seen>
 std::vector<VerifyFinding> verify_by_scan(const std::string& path, Reader& reader, Scan& scan, const std::string& kind,
                                           const Seen& seen) {

@@ -30,7 +30,7 @@ std::vector<float> numbers_of(std::string_view text) {
   }
 }
 
-// Reads the family's width, then F0 if the family has one. Returns false if the text does not match.
+// Reads the width of the family, then F0 if the family has it. Returns false if the text does not match.
 bool read_members(const BrdfFamily& family, std::string_view text, Brdf& brdf) {
   const BrdfMember& width = family.members[0];
   const std::vector<float> n = numbers_of(text);
@@ -44,7 +44,7 @@ bool read_members(const BrdfFamily& family, std::string_view text, Brdf& brdf) {
   return true;
 }
 
-// Returns the family that a text names, either by its name only, or by "NAME:" and members.
+// Returns the family that a text names. The text is either only the name, or "NAME:" and members.
 const BrdfFamily* family_of_text(std::string_view text) {
   const std::size_t name = text.find(':');
   const BrdfFamily* const family = find_brdf_family(text.substr(0, name));
@@ -62,7 +62,7 @@ std::string measuring_refusal(const Brdf& brdf) {
   const BrdfFamily& family = family_of(brdf);
   if (!is_vmf_sum(brdf) || width_of(brdf) >= static_cast<float>(family.sum_from)) return "";
   return fmt::format(
-      "found {}, whose highlight cannot be fitted by a sum of vMFs, so errors cannot be measured: expected {} of at "
+      "found {}, whose highlight cannot be fitted by a sum of vMFs, so errors cannot be measured; expected {} of at "
       "least {:g}",
       brdf_text(brdf, ""), family.members[0].symbol, family.sum_from);
 }

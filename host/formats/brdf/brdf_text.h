@@ -9,19 +9,19 @@
 
 namespace multum {
 
-/// Parses the text, and sets the family's default diffuse and specular parts. A measurement has its own diffuse part,
-/// families with Schlick's F have a specular part of 1, and Lambert has none. Throws Error(kUsage), which names
-/// `option`, and Error(kInput) for a file.
+/// Parses the text, and sets the default diffuse and specular parts of the family. A measurement has its own diffuse
+/// part, families with Schlick's F have a specular part of 1, and Lambert has no specular part. Throws Error(kUsage),
+/// which names `option`, or Error(kInput) for a file.
 Brdf parse_brdf(const std::string& option, const std::string& text, int term_count);
 
 /// Returns whether `text` names a file.
 bool is_brdf_file(const std::string& text);
 
-/// Returns text that parse_brdf() reads, with F0 if the family has it. `measured_file` is the text for a measurement.
+/// Returns a text that parse_brdf() reads, with F0 if the family has it. `measured_file` is the text for a measurement.
 std::string brdf_text(const Brdf& brdf, const std::string& measured_file);
 
-/// Return why errors cannot be measured for the BRDF, or why an environment cannot light it, as a text "found ...,
-/// expected ...". Return an empty text if there is no obstacle.
+/// Return why errors cannot be measured for the BRDF, or why an environment cannot light it. The text has the form
+/// "found ..., expected ...". It is empty if there is no obstacle.
 std::string measuring_refusal(const Brdf& brdf);
 std::string environment_refusal(const Brdf& brdf);
 

@@ -26,7 +26,7 @@ double equivalent_exponent(const Brdf& brdf) {
   const BrdfFamily& family = family_of(brdf);
   if (family.exponent != nullptr) return family.exponent(width_of(brdf));
   if (family.fit == BrdfFit::kNone) return 1.0;
-  // Makes the peaks equal: (s + 1) / (2 pi) = f(0) / integral of f.
+  // Makes the two peaks equal: (s + 1) / (2 pi) = f(0) / integral of f.
   return std::max(2.0 * std::numbers::pi * mean_channel(facet_density(brdf, 0.0)) /
                           std::max(mean_channel(facet_total(brdf)), 1e-30) -
                       1.0,
@@ -38,8 +38,8 @@ glm::dvec3 facet_total(const Brdf& brdf) {
   return integrate_zonal([&](double e) { return facet_density(brdf, e); });
 }
 
-// Panels start at e = 1e-12 and double in width, so they resolve every wider f, whatever its tail. Densities of the
-// hemisphere end at e = 1, where two panels meet.
+// The panels start at e = 1e-12 and double in width, so they resolve every wider f, no matter how its tail falls off.
+// Densities of the hemisphere end at e = 1, where two panels meet.
 glm::dvec3 integrate_zonal(const std::function<glm::dvec3(double)>& f) {
   glm::dvec3 sum(0.0);
   double begin = 0.0;

@@ -14,11 +14,11 @@ bool has_diffuse_fresnel(const Brdf& brdf);
 
 /// Returns (1 - v.h)^5.
 double schlick_part(double v_h);
-/// Returns F, or 1 if the BRDF has none.
+/// Returns F, or 1 if the BRDF has no F.
 glm::dvec3 fresnel(const Brdf& brdf, double v_h);
 
-/// A constant that replaces F while v.h stays above v_h_min. The relative difference between the constant and F is
-/// equal for the smallest and for the largest F.
+/// A constant that replaces F while v.h stays above v_h_min. The relative difference between the constant and F is the
+/// same for the smallest F and for the largest F.
 struct FixedFresnel {
   glm::dvec3 value{1.0};
   double change = 0.0;  // largest relative change, in any channel, of the highlight or of the diffuse part

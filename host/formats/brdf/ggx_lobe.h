@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Spherical convolution of GGX's facets with a vMF lobe of normals, as one term with four numbers from a small table:
+// Spherical convolution of the facets of GGX with a vMF lobe of normals. It is one term with four numbers from a small
+// table:
 //
 //   D(e) = P / (pi s^2) S(t) (1 + y (1 + delta y))^-gamma,   e = 1 - mu.h, t = mu.h
 //
@@ -10,7 +11,7 @@
 //                                w^2 = 4.5 d / (1.001 - d), d / (1 - d) near 1 / kappa
 //
 // P, B, delta and gamma depend smoothly on alpha / s (1 for a single normal, 0 for a mirror) and on s (the distance to
-// the horizon). The build fits them to quadrature once (ggx_lobe_fit); tests/gl/ggx_lobe_test bounds the error. This
+// the horizon). The build fits them to quadrature once (ggx_lobe_fit). tests/gl/ggx_lobe_test bounds the error. This
 // form is not from a paper.
 #pragma once
 
@@ -26,19 +27,20 @@ struct GgxLobeShape {
   double power = 1.0;  // the number gamma
 };
 
-/// Returns approximately 1 / kappa of a lobe of spread `d`, 0..1, like multum_vmf_scatter() of ggx_lobe.glsl.
+/// Returns approximately 1 / kappa of a lobe with spread `d`, 0..1, like multum_vmf_scatter() of ggx_lobe.glsl.
 double vmf_scatter(double d);
 
 /// Returns D per solid angle. `alpha` is roughness^2, 0..1. `spread` is d, 0..1. `e` is 0..2.
 double ggx_lobe_density(const GgxLobeShape& shape, double alpha, double spread, double e);
 
-/// The table has columns by alpha / s and rows by s / sqrt(3), both 0..1, at texel centres.
+/// The columns of the table are values of alpha / s, and its rows are values of s / sqrt(3). Both are 0..1, at texel
+/// centres.
 constexpr int kGgxLobeTableSide = 32;
 
 /// Returns half floats [row][column][4]: P / pi, B, delta, -gamma, for a texture with linear filtering and clamping.
 std::span<const std::uint16_t> ggx_lobe_table();
 
-/// Looks the shape up in the table as a linear filter does.
+/// Looks up the shape in the table as a linear filter does.
 GgxLobeShape ggx_lobe_shape(double alpha, double spread);
 
 }  // namespace multum

@@ -18,8 +18,8 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 constexpr std::size_t kSide = kGgxLobeTableSide;
-constexpr double kPull = 0.06;      // weight of a logarithm's difference from the neighbours' mean
-constexpr int kSweepCount = 3;      // number of sweeps after the first, in which a cell has only two neighbours
+constexpr double kPull = 0.06;      // weight of the difference between a logarithm and the mean of its neighbours
+constexpr int kSweepCount = 3;      // number of sweeps after the first sweep, in which a cell has only two neighbours
 constexpr double kWidthMin = 0.01;  // smallest s; below it, shapes do not depend on s
 constexpr double kSpreadMin = 1e-9, kSpreadMax = 1.0 - 1e-5;
 constexpr double kLeastPart = 1e-6;  // weights stop growing where the exact value is below this share of its maximum
@@ -76,7 +76,7 @@ Cell cell_of(std::size_t row, std::size_t column) {
   static const Rule rule = gauss_legendre(6);
   const double s = std::max(std::numbers::sqrt3 * static_cast<double>(row) / (kSide - 1), kWidthMin);
   const double part = static_cast<double>(column) / (kSide - 1);
-  // alpha and d end at 1, but a filter also reads texels beyond these ends.
+  // alpha and d end at 1, but a filter also reads texels beyond this end.
   const double alpha = std::min(part * s, 1.0);
   Cell cell{std::max(alpha, 1e-4 * s), std::clamp(0.5 * (s * s - alpha * alpha), kSpreadMin, kSpreadMax), {}, {}, {}};
   const double kappa = vmf_kappa(cell.spread);
@@ -127,7 +127,7 @@ struct CellResiduals {
   Vector pulled_to;
 };
 
-// Fits a cell from each start and returns the best result.
+// Fits a cell from each set of starting values and returns the best result.
 GgxLobeShape fit_cell(const Cell& cell, const Vector& pulled_to, const std::vector<Vector>& starts) {
   const CellResiduals residuals{cell, pulled_to};
   Vector best = pulled_to;
@@ -189,7 +189,7 @@ std::vector<GgxLobeShape> fit_ggx_lobe_table() {
     add(column + 1 < kSide, i + 1);
     return Vector(sum / count);
   };
-  // Starts with single normals, whose shape is known, and continues with ever broader lobes.
+  // Starts with single normals, whose shape is known, and continues with broader and broader lobes.
   for (int sweep = 0; sweep <= kSweepCount; ++sweep)
     for (std::size_t row = 0; row < kSide; ++row)
       for (std::size_t column = kSide; column-- > 0;) {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Fits the table of ggx_lobe.h to quadrature of the convolution, cell by cell, by Levenberg-Marquardt (Eigen).
 // Minimizes the integral over the sphere of (fit - exact)^2 / exact, which is close to relative L1, plus a penalty for
-// differences from the neighbouring cells. If a lobe fills the sphere or hides GGX, several shapes fit equally well.
-// Without the penalty, filtering between unlike shapes would be inaccurate.
+// differences from the neighbouring cells. The penalty is needed because several shapes fit equally well if a lobe
+// fills the sphere or hides GGX. Without the penalty, filtering between unlike shapes would be inaccurate.
 #pragma once
 
 #include <vector>
@@ -15,7 +15,7 @@ namespace multum {
 /// 1e-3 to 1 and kappa from 1e-3 to 1e6. `theta` is the angle between mu and h, 0..pi.
 double convolved_ggx_facets(double alpha, double kappa, double theta);
 
-/// Returns kGgxLobeTableSide^2 shapes, row by row as in ggx_lobe_table(). Takes some seconds.
+/// Returns kGgxLobeTableSide^2 shapes, row by row as in ggx_lobe_table(). Takes a few seconds.
 std::vector<GgxLobeShape> fit_ggx_lobe_table();
 
 }  // namespace multum

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Looks shapes up in the embedded table. Separate from ggx_lobe.cpp, which is linked into the program that makes the
-// table.
+// Looks up shapes in the embedded table. This code is separate from ggx_lobe.cpp, which is linked into the program that
+// makes the table.
 #include <algorithm>
 #include <array>
 #include <cmath>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Computes the highlight of GGX convolved with a vMF lobe of normals in double precision, as renderers draw it. Follows
-// multum_movmf_ggx_specular() of runtime_gl/shaders/brdf/ggx_lobe.glsl step by step (tests/gl/ggx_lobe_test compares
-// the two).
+// multum_movmf_ggx_specular() of runtime_gl/shaders/brdf/ggx_lobe.glsl step by step. tests/gl/ggx_lobe_test compares
+// the two.
 #pragma once
 
 #include <glm/vec3.hpp>
@@ -11,11 +11,11 @@
 
 namespace multum {
 
-/// Returns the mean of max(n . w, 0) over a vMF of spread `d`. `t` is the cosine between its mean direction and w. Uses
-/// the formula of multum_vmf_mean_cosine() of runtime_gl/shaders/common/movmf_shading.glsl.
+/// Returns the mean of max(n . w, 0) over a vMF with spread `d`. `t` is the cosine of the angle between its mean
+/// direction and w. Uses the formula of multum_vmf_mean_cosine() of runtime_gl/shaders/common/movmf_shading.glsl.
 double shaded_mean_cosine(double d, double t);
 
-/// One lobe under GGX with one roughness.
+/// One lobe that is shaded by GGX with one roughness.
 class GgxOverLobe {
  public:
   /// `lobe` is (a r_x, a r_y, a r_z, a) as in baked files (host/formats/asset/lobes/movmf_mipmap.h). `alpha` is

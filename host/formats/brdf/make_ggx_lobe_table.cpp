@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// make_ggx_lobe_table FILE writes the fitted table of ggx_lobe.h as C++. The build runs this program.
+// make_ggx_lobe_table FILE writes the fitted table of ggx_lobe.h as C++ source code. The build runs this program.
 #include <fmt/format.h>
 
 #include <cstdio>

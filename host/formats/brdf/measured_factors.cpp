@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Alternating least squares: fits f for fixed g, then g for fixed f, each as a weighted quotient. The fit minimizes the
 // sum over cells and channels of (rho - k_d / pi - f g)^2 / (rho + 0.01 of its mean), weighted by the products of solid
-// angles and cosines for both angles. So neither the peak nor the other cells are neglected. f may not grow with
-// theta_h; growing neighbours are replaced by their weighted mean. This has three reasons: facet distributions do not
+// angles and cosines for both angles. Therefore neither the peak nor the other cells are neglected. f may not grow with
+// theta_h; neighbours that grow are replaced by their weighted mean. This has three reasons: facet distributions do not
 // grow with theta_h, a sum of vMFs around h cannot grow, and pooling smooths a thousand scattered samples. All channels
 // share one g, because three separate g with few samples each caused coloured fringes. k_d / pi is the mean of rho
 // outside the highlight (theta_h from 45 to 75 degrees, theta_d below 45), and at most the mean of all cells.
@@ -30,8 +30,8 @@ double theta_of_column(int column) { return kHalfPi * column / (kColumns - 1); }
 
 std::size_t index(int row, int column) { return static_cast<std::size_t>(row * kColumns + column); }
 
-// Fills entries without measurements. Interpolates linearly between neighbours, and repeats the last measured entry
-// after the end of the measurements.
+// Fills the entries that have no measurements. Interpolates linearly between neighbours, and repeats the last measured
+// entry after the end of the measurements.
 void fill(std::vector<double>& values, const std::vector<bool>& known) {
   int before = -1;
   const int count = static_cast<int>(values.size());
@@ -54,7 +54,7 @@ struct Cell {
   glm::dvec3 weight;  // about area / rho
 };
 
-// Replaces values by the nearest non-increasing sequence, by pooling neighbours (Barlow et al. 1972).
+// Replaces values by the closest non-increasing sequence, by pooling neighbours (Barlow et al. 1972).
 void hold_from_growing(std::vector<double>& values, const std::vector<double>& weights) {
   struct Pool {
     double value, weight;
@@ -77,7 +77,7 @@ void hold_from_growing(std::vector<double>& values, const std::vector<double>& w
     for (std::size_t k = 0; k < pool.count; ++k) values[i++] = pool.value;
 }
 
-// Returns quotients of the sums, which are at least 0. Entries without a quotient are interpolated from their
+// Returns the quotients of the sums, which are at least 0. Entries without a quotient are interpolated from their
 // neighbours.
 std::vector<double> quotients(const std::vector<double>& above, const std::vector<double>& below) {
   std::vector<double> values(above.size(), 0.0);
@@ -112,7 +112,7 @@ void improve_differences(const std::vector<Cell>& cells, MeasuredBrdf& brdf) {
     below[cell.column] += glm::dot(cell.weight * f, f);
   }
   brdf.differences = quotients(above, below);
-  // Scales g to a mean of 1 over the difference angles with many measurements.
+  // Scales g so that its mean is 1 over the difference angles with many measurements.
   double level = 0.0;
   for (int i = 0; i < 2 * kColumns / 3; ++i)
     level += brdf.differences[static_cast<std::size_t>(i)] / (2 * kColumns / 3);
@@ -172,7 +172,7 @@ MeasuredBrdf BrdfCells::factor(const std::string& name) const {
       mean += cell_area * rho;
       area += cell_area;
     }
-  if (cells.empty()) throw Error(ErrorCode::kInput, name + ": holds no measurement above the horizon");
+  if (cells.empty()) throw Error(ErrorCode::kInput, name + ": contains no measurement above the horizon");
   mean /= area;
   if (!(mean.x + mean.y + mean.z > 0.0)) throw Error(ErrorCode::kInput, name + ": reflects nothing");
   for (Cell& cell : cells) cell.weight = cell.area / (cell.rho + 0.01 * mean + 1e-12);

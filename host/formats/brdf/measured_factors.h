@@ -12,11 +12,12 @@
 
 namespace multum {
 
-/// Means of rho over cells of theta_h and theta_d. Azimuths are averaged, because the factors do not depend on them.
+/// The means of rho over cells of theta_h and theta_d. Azimuths are averaged, because the factors do not depend on
+/// them.
 class BrdfCells {
  public:
   BrdfCells();
-  /// Adds a sample; angles are in radians. Ignores samples with an angle beyond the horizon.
+  /// Adds a sample. Angles are in radians. Samples with an angle beyond the horizon are ignored.
   void add(double theta_h, double theta_d, const glm::dvec3& rho);
   MeasuredBrdf factor(const std::string& name) const;
 

@@ -43,7 +43,7 @@ glm::dvec3 linear_srgb(const glm::dvec3& xyz) {
           0.0557 * xyz.x - 0.2040 * xyz.y + 1.0570 * xyz.z};
 }
 
-// Converts spectra to colours; a flat spectrum of 1 gives white, (1, 1, 1).
+// Converts spectra to colours. A flat spectrum of 1 gives white, (1, 1, 1).
 class SpectrumColour {
  public:
   explicit SpectrumColour(const std::vector<double>& wavelengths) {
@@ -80,8 +80,9 @@ std::vector<double> numbers_of(const std::string& path, const std::string& text)
       char* end = nullptr;
       const double value = std::strtod(word.c_str(), &end);
       if (*end != '\0' || !std::isfinite(value))
-        refuse_file(path,
-                    fmt::format("line {}: expected numbers, with # before comments; this is not a measured BRDF", row));
+        refuse_file(
+            path,
+            fmt::format("line {}: expected numbers, or comments that begin with #; this is not a measured BRDF", row));
       numbers.push_back(value);
     }
   }
@@ -220,7 +221,8 @@ MeasuredBrdf read_measured_brdf(const std::string& path) {
   BrdfCells cells;
   if (sizes == std::array<std::int32_t, 3>{kThetaCount, kThetaCount, kPhiCount}) {
     if (size != kMerlBytes)
-      refuse_file(path, fmt::format("is cut short: {} bytes, expected {} for the MERL format", size, kMerlBytes));
+      refuse_file(path,
+                  fmt::format("is incomplete: it has {} bytes, expected {} for the MERL format", size, kMerlBytes));
     read_merl(path, in, cells);
     return cells.factor(path);
   }

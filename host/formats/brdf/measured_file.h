@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads measured BRDFs from files, as factors. The content distinguishes three formats:
+// Reads measured BRDFs from files, as factors. The contents of a file show which of three formats it has:
 //   text      .brdf of pbrt-v2: a count of wavelengths, the wavelengths (nm), then samples: theta_i phi_i theta_s phi_s
 //             (radians) and one value per wavelength; # begins a comment
 //   MERL      binary (Matusik et al. 2003): int32 90, 90, 180, then doubles of red, green, blue over theta_h

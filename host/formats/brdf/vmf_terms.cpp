@@ -6,8 +6,9 @@
 // Below the horizon of h, f is 0, but a vMF is greater than 0. In that region, the squared error is divided by
 // f(horizon) and multiplied by kHorizonWeight. Without this term, broad vMFs fill the rim of the hemisphere well, but
 // extend below the horizon and become visible under a lobe of kappa 3. A larger weight increases the error at the rim.
-// Largest relative L1 over GGX with alpha 0.05 to 0.4, kappa 3 to 2000 and four terms: 2.9 % for weight 0.1, 3.2 % for
-// 0.3, 5.9 % for 1.
+// The largest relative L1 error over GGX with alpha 0.05 to 0.4, kappa 3 to 2000 and four terms is 2.9 % for weight
+// 0.1,
+// 3.2 % for weight 0.3, and 5.9 % for weight 1.
 #include "host/formats/brdf/vmf_terms.h"
 
 #include <algorithm>
@@ -40,7 +41,7 @@ struct Sample {
 constexpr int kUpperCount = 240, kLowerCount = 24, kCountMax = kBrdfTermCountMax;
 constexpr double kLeast = 1e-8;
 
-// Nodes end just above the horizon, because densities of a hemisphere end there.
+// The nodes end just above the horizon, because densities of a hemisphere end there.
 double node(int i) {
   return (1.0 - 1e-9) * std::exp(std::log(kLeast) * (1.0 - static_cast<double>(i) / (kUpperCount - 1)));
 }
@@ -68,7 +69,7 @@ double unit_vmf(double kappa, double e) {
   return kappa / (2.0 * std::numbers::pi * -std::expm1(-2.0 * kappa)) * std::exp(-kappa * e);
 }
 
-// Returns the terms' vMFs times the sample's scale, at index [sample * terms + i].
+// Returns the vMFs of the terms, times the scale of the sample, at index [sample * terms + i].
 std::vector<double> scaled_terms(const std::vector<Sample>& samples, const std::vector<double>& kappas) {
   std::vector<double> rows;
   rows.reserve(samples.size() * kappas.size());
@@ -137,8 +138,8 @@ double fit_all(std::vector<Fitted>& channels, const std::vector<double>& kappas)
   return sum;
 }
 
-// If f is smaller than the fit's error, uses this error as the tolerance. Some measured densities end at an angle.
-// Without this rule, the region beyond this angle would dominate the fit.
+// If f is smaller than the error of the fit, this error is used as the tolerance. Some measured densities end at an
+// angle. Without this rule, the region beyond this angle would dominate the fit.
 void widen(Fitted& one) {
   for (std::size_t k = 0; k < one.samples.size(); ++k) {
     Sample& s = one.samples[k];
@@ -201,8 +202,8 @@ double fit_kappas(std::vector<Fitted>& channels, std::vector<double>& kappas) {
   return fit_all(channels, kappas);
 }
 
-// Returns the relative L1 error over solid angle, summed over the channels. This error can compare fits with different
-// tolerances.
+// Returns the relative L1 error over solid angle, summed over the channels. This error can be used to compare fits that
+// have different tolerances.
 double relative_difference(const std::vector<Fitted>& channels) {
   double sum = 0.0;
   for (const Fitted& one : channels) {
@@ -216,8 +217,8 @@ double relative_difference(const std::vector<Fitted>& channels) {
   return sum;
 }
 
-// Returns kappas that start near the peak's kappa. Each kappa is `ratio` times the previous one. A density with f(0) =
-// 0, such as a sheen, has no peak; differences of broad terms approximate its rise.
+// Returns starting kappas near the kappa of the peak. Each kappa is `ratio` times the previous one. A density with f(0)
+// = 0, such as a sheen, has no peak, and differences of broad terms approximate its rise.
 std::vector<double> ladder(const std::vector<Sample>& samples, int count, double ratio) {
   double total = 0.0;
   for (const Sample& s : samples) total += s.value * s.value * s.scale * s.scale;  // integral of f

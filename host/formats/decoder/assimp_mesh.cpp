@@ -18,11 +18,11 @@ namespace multum {
 namespace {
 
 // assimp must not compute tangents or join vertices. It averages tangents without weights, even across mirrored charts,
-// and merges positions closer than 1e-5, whatever the unit.
+// and merges positions that are closer than 1e-5, no matter what the unit is.
 constexpr unsigned kMeshSteps = aiProcess_Triangulate | aiProcess_SortByPType | aiProcess_GenSmoothNormals |
                                 aiProcess_PreTransformVertices | aiProcess_ValidateDataStructure;
 
-// Corners of a part's triangles, with the file's own tangents if it has any.
+// The corners of the triangles of a part, with the file's own tangents if it has any.
 struct PartCorners {
   TriangleCorners corners;
   std::vector<glm::vec4> tangents;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Flattens assimp's node tree to one object per node with triangles. Joins only equal vertices here, because assimp
-// merges positions closer than 1e-5, whatever the unit.
+// Flattens assimp's node tree to one object for each node that has triangles. Only equal vertices are joined, and this
+// is done here because assimp merges positions that are closer than 1e-5, no matter what the unit is.
 #include "host/formats/decoder/mesh_readers.h"
 
 #include <array>
@@ -19,7 +19,7 @@ namespace {
 
 constexpr unsigned kObjectMeshSteps = aiProcess_Triangulate | aiProcess_SortByPType | aiProcess_ValidateDataStructure;
 
-// assimp's rows are a, b, c, d; glm stores columns.
+// assimp stores the rows a, b, c and d, but glm stores columns.
 glm::dmat4 to_dmat4(const aiMatrix4x4& m) {
   glm::dmat4 result;
   for (unsigned row = 0; row < 4; ++row)

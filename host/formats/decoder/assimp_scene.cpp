@@ -18,8 +18,8 @@
 namespace multum {
 namespace {
 
-/// Listens to assimp's log, because only the log tells that assimp dropped triangles with indices out of range. The log
-/// belongs to the process, so only one import at a time may listen.
+/// Listens to assimp's log, because only the log tells whether assimp dropped triangles with indices out of range. The
+/// log belongs to the process, so only one import at a time may listen.
 class ImportLog {
  public:
   ImportLog() {

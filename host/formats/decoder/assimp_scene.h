@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Imports a scene by assimp for every reader of meshes. Watches the library's warnings, and checks its numbers.
+// Imports a scene with assimp for every reader of meshes. Watches the warnings of the library, and checks its numbers.
 #pragma once
 
 #include <memory>

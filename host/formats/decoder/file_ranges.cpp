@@ -46,8 +46,8 @@ std::size_t FileRanges::pread(void* data, std::size_t byte_count, std::int64_t o
   return static_cast<std::size_t>(to - static_cast<char*>(data));
 }
 
-// Changes bytes [begin, end) of the file, which are at `data`. If the other byte of a word is outside this range, reads
-// it separately.
+// Changes bytes [begin, end) of the file, which are stored at `data`. If the other byte of a word is outside this
+// range, reads that byte separately.
 void FileRanges::fill_words(std::int64_t begin, std::int64_t end, char* data) {
   for (const ByteRange& words : byte_words_) {
     for (std::int64_t at = std::max(begin, words.begin); at < std::min(end, words.end); ++at) {
@@ -65,7 +65,7 @@ void FileRanges::fill_words(std::int64_t begin, std::int64_t end, char* data) {
   }
 }
 
-// Changes bytes [begin, end) of the file, which are at `data`.
+// Changes bytes [begin, end) of the file, which are stored at `data`.
 void FileRanges::apply_patches(std::int64_t begin, std::int64_t end, char* data) const {
   for (const BytePatch& patch : patches_) {
     const auto patch_end = patch.position + static_cast<std::int64_t>(patch.bytes.size());

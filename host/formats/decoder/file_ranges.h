@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Presents byte ranges of a file to OpenImageIO as if they were the whole file. This gives a picture without its
-// metadata, read on demand. OpenImageIO 2.4's PNG reader accepts this; its JPEG reader accepts only files and memory.
+// Presents byte ranges of a file to OpenImageIO as if they were the whole file. The result is a picture without its
+// metadata, which is read on demand. The PNG reader of OpenImageIO 2.4 accepts this, but its JPEG reader accepts only
+// files
+// and memory.
 //   file       |signature IHDR|XMP ......|IDAT ........|text|IEND|
 //   presented  |signature IHDR|IDAT ........|IEND|
 #pragma once
@@ -19,8 +21,8 @@ namespace multum {
 
 class FileRanges : public OIIO::Filesystem::IOProxy {
  public:
-  /// `byte_words` are ranges with 16-bit words `v * 256`, which are presented as `v * 257` (both bytes of a word become
-  /// the larger byte). `patches` are bytes that are presented instead of the file's bytes.
+  /// `byte_words` are ranges that contain 16-bit words `v * 256`. They are presented as `v * 257`, so that both bytes
+  /// of a word have the larger value. `patches` are bytes that are presented instead of the file's bytes.
   FileRanges(const std::string& path, const std::vector<ByteRange>& ranges, std::vector<ByteRange> byte_words = {},
              std::vector<BytePatch> patches = {});
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Opens the file only with the reader that its first bytes indicate, after host/formats/image/files/image_container has
-// checked the sizes. PNG and JPEG are read without their metadata.
+// Opens the file only with the reader that its first bytes indicate. Before that,
+// host/formats/image/files/image_container has checked the sizes. PNG and JPEG are read without their metadata.
 #include "host/formats/decoder/library_image_file.h"
 
 #include <OpenImageIO/filesystem.h>
@@ -23,7 +23,7 @@
 namespace multum {
 namespace {
 
-// host/formats/image/files/number_type.h must have the same codes as OpenImageIO.
+// The codes in host/formats/image/files/number_type.h must be the same as in OpenImageIO.
 static_assert(number_type::kUint8 == OIIO::TypeDesc::UINT8 && number_type::kInt8 == OIIO::TypeDesc::INT8);
 static_assert(number_type::kUint16 == OIIO::TypeDesc::UINT16 && number_type::kInt16 == OIIO::TypeDesc::INT16);
 static_assert(number_type::kUint32 == OIIO::TypeDesc::UINT32 && number_type::kInt32 == OIIO::TypeDesc::INT32);
@@ -46,12 +46,12 @@ std::vector<unsigned char> joined_ranges(const std::string& path, const std::vec
 }
 
 struct OpenImage {
-  std::vector<unsigned char> bytes;  // like `file`, must outlive the reader
+  std::vector<unsigned char> bytes;  // must outlive the reader, like `file`
   std::unique_ptr<OIIO::Filesystem::IOProxy> file;
   std::unique_ptr<OIIO::ImageInput> input;
 };
 
-// Presents the file without metadata. For JPEG, the file is in memory, because its reader accepts no other source.
+// Presents the file without metadata. A JPEG file is held in memory, because its reader accepts no other source.
 void leave_out_metadata(OpenImage& image, const std::string& path, const ImageContainer& container) {
   if (container.format == "jpeg") {
     image.bytes = joined_ranges(path, container.ranges);
@@ -78,8 +78,8 @@ OpenImage open_image(const std::string& path, const ImageContainer& container) {
   return image;
 }
 
-// Workaround "PNG gamma": OpenImageIO 2.4.7 rounds a gAMA to two digits, such as "Gamma1.9" for 1.85
-// (tests/cli/odd_inputs/odd_cases.py, albedos).
+// Workaround "PNG gamma": OpenImageIO 2.4.7 rounds the value of a gAMA chunk to two digits, for example to "Gamma1.9"
+// for 1.85 (tests/cli/odd_inputs/odd_cases.py, albedos).
 std::string colour_space_of(const OIIO::ImageSpec& spec, double gamma) {
   std::string name = spec.get_string_attribute("oiio:ColorSpace");
   return gamma > 0.0 && name.starts_with("Gamma") ? fmt::format("Gamma{:.9g}", gamma) : name;
@@ -167,7 +167,8 @@ class OiioImageFile : public LibraryImageFile {
   }
 
  private:
-  // Checks each row only once. Rows are mostly read once, from the top, so the number of the last checked row suffices.
+  // Checks each row only once. Rows are mostly read once, from the top, so it suffices to store the number of the last
+  // checked row.
   void check_exr_rows(const PixelBlock& block) {
     const auto index = static_cast<std::size_t>(block.part);
     if (index >= exr_chunks_->parts().size()) return;
@@ -190,7 +191,7 @@ class OiioImageFile : public LibraryImageFile {
                                       block.channel_begin, block.channel_end, type, memory)
             : open_.input->read_scanlines(block.part, 0, block.y_begin, block.y_end, 0, block.channel_begin,
                                           block.channel_end, type, memory);
-    // The TIFF reader reports success for a truncated band; only its message reveals the fault.
+    // The TIFF reader reports success for a truncated band. Only its message reveals the fault.
     const std::string message = open_.input->geterror();
     if (inverts_integers_) invert_first_channel(from, block, memory);
     return is_read || !message.empty() ? message : "the reader gives no reason";

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Opens image files by OpenImageIO in this process. Used by multum-decode, which may crash on a broken file, and by
-// tests.
+// Opens image files with OpenImageIO in this process. This code is used by multum-decode, which may crash on a broken
+// file, and by tests.
 #pragma once
 
 #include <cstddef>
@@ -25,7 +25,7 @@ class LibraryImageFile : public ImageFile {
   std::vector<std::byte> memory_;
 };
 
-/// Throws as open_image_file() does. Can be passed to set_image_opener().
+/// Throws like open_image_file(). This function can be passed to set_image_opener().
 std::unique_ptr<LibraryImageFile> open_library_image(const std::string& path, const ImageFileSettings& settings);
 
 }  // namespace multum

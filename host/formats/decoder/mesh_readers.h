@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads meshes by assimp in this process (read_mesh(), read_object_meshes()), for multum-decode and for tests.
+// Reads meshes with assimp in this process (read_mesh(), read_object_meshes()). Used by multum-decode and by tests.
 #pragma once
 
 #include <string>

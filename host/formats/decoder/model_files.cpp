@@ -14,7 +14,7 @@
 namespace multum {
 namespace {
 
-// Reads the size from the open file, whereas assimp's own stream looks up the file name again.
+// Reads the size from the open file. assimp's own stream would look up the file name again.
 class ModelStream : public Assimp::IOStream {
  public:
   explicit ModelStream(std::FILE* file) : file_(file) {}

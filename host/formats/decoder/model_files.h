@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Files that assimp may open for a model: the model itself, and regular files beneath its folder. For assimp, names
-// with "..", absolute names, links that lead out of the folder, FIFOs and devices do not exist. assimp then omits an
-// OBJ file's materials, and rejects a model that cannot be read without the missing file.
+// The files that assimp may open for a model. These are the model itself, and regular files beneath its folder. For
+// assimp, names with "..", absolute names, links that lead out of the folder, FIFOs and devices do not exist. assimp
+// then omits the materials of an OBJ file, and rejects a model that cannot be read without the missing file.
 #pragma once
 
 #include <string>

@@ -46,7 +46,7 @@ constexpr std::array<UastcMode, 19> kUastcModes = {{{0x01, 4, 15, 3, 1, 1, 4, 6,
                                                     {0x09, 4, 15, 3, 1, 1, 5, 5, 1}}};
 
 // Seeds of ASTC's partitions. The first table is for two subsets. The second is for the two subsets of mode 7, which
-// also occur in BC7's modes of three subsets. The third is for three subsets.
+// are also in BC7's modes with three subsets. The third is for three subsets.
 constexpr std::array<unsigned, 30> kSeedsOfTwo = {28,  20,  16,  29,  91,  9,   107, 72,  149, 204,
                                                   50,  114, 496, 17,  78,  39,  252, 828, 43,  156,
                                                   116, 210, 476, 273, 684, 359, 246, 195, 694, 524};
@@ -143,7 +143,7 @@ Endpoints read_endpoints(BitReader& bits, const UastcMode& mode) {
   Endpoints values{};
   const unsigned count = mode.components * 2 * mode.subsets;
   const unsigned together = mode.endpoint_base == 3 ? 5 : 3;
-  // Number of bits that store 0 to 5 trits, or 0 to 3 quints.
+  // The numbers of bits that store 0 to 5 trits, or 0 to 3 quints.
   constexpr std::array<unsigned, 6> kTritBits = {0, 2, 4, 5, 7, 8}, kQuintBits = {0, 3, 5, 7, 0, 0};
   for (unsigned first = 0; mode.endpoint_base > 1 && first < count; first += together) {
     const unsigned here = std::min(together, count - first);
@@ -199,7 +199,7 @@ bool decode_uastc_block(const std::uint8_t* block, std::uint8_t* rgba) {
       weights[plane] = unquantized_weight(bits.take(mode.weight_bits - (is_begun[subset] ? 0 : 1)), mode.weight_bits);
     is_begun[subset] = true;
     for (unsigned c = 0; c < 4; ++c) {
-      // With two components, the first is grey and the second alpha.
+      // If there are two components, the first is grey and the second is alpha.
       const unsigned component = mode.components == 2 ? (c == kAlpha ? 1 : 0) : c;
       const std::size_t at = (subset * mode.components + component) * 2;
       rgba[4 * i + c] =

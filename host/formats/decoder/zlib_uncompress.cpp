@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Workaround "OpenEXR 3.1 inflates by zlib". multum-decode unpacks each chunk of an EXR map a second time, to check
-// that the chunk is whole (host/foundation/base/files/exr_chunks.h). The check takes a hundredth of a bake's processor
-// time. libdeflate inflates twice as fast as zlib, which compensates for the check. OpenEXR 3.1 (Debian 12) calls
-// zlib's uncompress(), and a program that links this file replaces that function; no other code in the program calls
-// uncompress(). Remove this file when Debian's OpenEXR has its own inflate function.
+// that the chunk is complete (host/foundation/base/files/exr_chunks.h). The check takes one hundredth of the processor
+// time of a bake. libdeflate inflates twice as fast as zlib, which compensates for the check. OpenEXR 3.1 (Debian 12)
+// calls zlib's uncompress(), and a program that links this file replaces that function. No other code in the program
+// calls uncompress(). Remove this file when Debian's OpenEXR has its own inflate function.
 #include "host/formats/decoder/zlib_uncompress.h"
 
 #include <libdeflate.h>

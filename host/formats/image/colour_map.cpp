@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Interprets values as colours. Integers are in the file's colour space ("Linear", "GammaX", otherwise sRGB, as for
-// untagged textures). Floats are always linear, as in OpenEXR. NaN, infinities and negative values are not
+// Interprets values as colours. Integers are in the colour space of the file ("Linear", "GammaX", otherwise sRGB, as
+// for untagged textures). Floats are always linear, as in OpenEXR. NaN, infinities and negative values are not
 // reflectances, so they become 0 and are counted. Texels are independent, so every band is converted as soon as it is
 // read.
 #include "host/formats/image/colour_map.h"
@@ -33,11 +33,11 @@ TransferFunction transfer_function(const RawImageInfo& image, ColourEncoding enc
   if (encoding == ColourEncoding::kSrgb) return {"sRGB", linear_from_srgb};
   if (encoding == ColourEncoding::kLinear) return {"linear", [](double v) { return v; }};
   const bool is_linear =
-      image.colour_space == "linear" || image.colour_space == "Linear";  // files contain both spellings
+      image.colour_space == "linear" || image.colour_space == "Linear";  // both spellings occur in files
   if (is_float_type(image.sample_type) || is_linear) return {"linear", [](double v) { return v; }};
   if (image.colour_space.starts_with("Gamma")) {
     const double gamma = std::strtod(image.colour_space.c_str() + 5, nullptr);
-    // An exponent of 2.2 is sRGB in PNG's gAMA (1 / 0.45455); other exponents are used unchanged.
+    // An exponent of 2.2 means sRGB in PNG's gAMA (1 / 0.45455). Other exponents are used unchanged.
     if (gamma > 0.0 && std::abs(gamma - 2.2) > 0.05)
       return {fmt::format("gamma {:g}", gamma), [gamma](double v) { return std::pow(v, gamma); }};
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Albedo maps as linear RGB, so that averages over texels are averages of light.
+// Reads albedo maps as linear RGB, so that averages over texels are averages of light.
 #pragma once
 
 #include <cstdint>
@@ -41,11 +41,11 @@ struct ColourRows {
   std::vector<std::string> notes = {};  // RawImageInfo::notes
 };
 
-/// Reads an albedo into a store made by `spill`; only a few bands of rows of the file are in memory. Throws
+/// Reads an albedo into a store that `spill` makes. Only a few bands of rows of the file are in memory. Throws
 /// Error(kEnvironment) if scratch files cannot be written.
 ColourRows read_albedo_rows(const std::string& path, int width, int height, const SpillPolicy& spill, int threads);
 
-/// Reads an image of any size. Throws as read_albedo_rows() does.
+/// Reads an image of any size. Throws like read_albedo_rows().
 ColourRows read_colour_rows(const std::string& path, ColourEncoding encoding, const SpillPolicy& spill, int threads,
                             Progress* progress);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads rows in bands. So images can be larger than memory, a cut file costs only the time for the bands before the
-// cut, and cancelling is quick.
+// Reads rows in bands. Therefore images can be larger than memory, a truncated file costs only the time for the bands
+// that it has, and cancelling is quick.
 #include "host/formats/image/image_reader.h"
 
 #include <algorithm>
@@ -39,7 +39,7 @@ void check_flat(const std::string& path, const ImagePart& part) {
   if (part.depth > 1) refuse_file(path, fmt::format("found a volume of depth {}, expected a flat image", part.depth));
 }
 
-// Rejects luminance/chroma images, which OpenEXR's own programs can write, because they hold neither vectors nor RGB.
+// Rejects luminance/chroma images, which OpenEXR's own programs can write, because they do not hold vectors or RGB.
 void check_no_luminance(const std::string& path, const ImagePart& part) {
   for (const std::string& name : part.channel_names)
     if (const std::string last = name.substr(name.rfind('.') + 1); last == "RY" || last == "BY")
@@ -50,8 +50,8 @@ void check_no_luminance(const std::string& path, const ImagePart& part) {
 
 constexpr int kColourChannelCountMax = 64;
 
-// Returns the number of leading colour channels. The colour channels are all channels except alpha if there are 1 to 3
-// of them. If there are more, they are the first three, provided that these are named RGB or XYZ.
+// Returns the number of leading colour channels. If there are 1 to 3 channels except alpha, all of these are colour
+// channels. If there are more, the first three are, provided that they are named RGB or XYZ.
 int colour_channel_count(const std::string& path, const ImagePart& part) {
   const int without_alpha = part.channel_count() - (part.alpha_channel >= 0 ? 1 : 0);
   const bool alpha_last = part.alpha_channel < 0 || part.alpha_channel == part.channel_count() - 1;
@@ -65,8 +65,9 @@ int colour_channel_count(const std::string& path, const ImagePart& part) {
                                 part.channel_count(), part.channel_names[0]));
 }
 
-// Rejects sizes that the file cannot hold, so that a short file cannot demand much memory. Deflate reaches at most
-// 1032:1, and DWA encodes blocks of 64 texels as one number, which is then deflated. Small sizes are always accepted.
+// Rejects sizes that the file cannot hold, so that a short file cannot demand much memory. Deflate compresses by at
+// most 1032:1, and DWA encodes blocks of 64 texels as one number, which is then deflated. Small sizes are always
+// accepted.
 void check_plausible_size(const std::string& path, const ImagePart& part, std::int64_t file_size) {
   constexpr std::int64_t kExpansionMax = 1032 * 64;
   constexpr std::int64_t kFreeBytes = std::int64_t{64} << 20;
@@ -104,7 +105,7 @@ void check_webp_opaque(const std::string& path, ImageFile& file) {
   }
 }
 
-// Returns the type for samples in memory: the file's own type, or floats if the channels' types differ.
+// Returns the type for samples in memory. It is the file's own type, or float if the channels have different types.
 int stored_type(const ImagePart& part) { return part.channel_types.empty() ? part.base_type : number_type::kFloat; }
 
 RawImageInfo image_info(const std::string& path, const ImagePart& part, const std::string& container_format,
@@ -136,14 +137,15 @@ RawImageInfo image_info(const std::string& path, const ImagePart& part, const st
 }
 
 // Returns the number of rows that bands must not separate: a row of tiles, or a strip of doubles. Workaround "TIFF
-// doubles": OpenImageIO 2.4.7's TIFF reader silently leaves 64-bit samples unread, unless it is asked for whole strips
-// of more than one row (ImageReaderTest.DoublesOfTiffAreRead). A single last row is read with the band before it.
+// doubles": the TIFF reader of OpenImageIO 2.4.7 silently leaves 64-bit samples unread, unless it is asked for whole
+// strips of more than one row (ImageReaderTest.DoublesOfTiffAreRead). A single last row is read with the band before
+// it.
 int whole_block_rows(const ImagePart& part) {
   if (part.tile_width > 0) return part.tile_height;
   return part.base_type == number_type::kDouble ? std::max(1, part.rows_per_strip) : 1;
 }
 
-// Returns the number of rows that are decoded together. If a band splits these rows, they can be decoded twice.
+// Returns the number of rows that are decoded together. If a band splits these rows, they may be decoded twice.
 int preferred_block_rows(const ImagePart& part, const RawImageInfo& info) {
   constexpr std::size_t kStripBytesMax = std::size_t{4} << 20;
   const int whole = whole_block_rows(part);
@@ -207,7 +209,7 @@ void ImageReader::State::read_band(int row_begin, int row_end, std::size_t offse
                                   message));
 }
 
-// Uses two bands: one is read while the other is consumed.
+// Uses two bands. One is read while the other is consumed.
 //   this thread    read 0 | read 1    | read 2    | ...
 //   other thread          | consume 0 | consume 1 | ...
 void ImageReader::State::read(const std::function<void(const RawBand&)>& consume, Progress* progress) {

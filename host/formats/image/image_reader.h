@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads image files by bands of rows, through OpenImageIO. Returns the file's own numbers, without colour conversion,
+// Reads image files in bands of rows, through OpenImageIO. Returns the file's own numbers, without colour conversion,
 // multiplication by alpha, or resizing. Other code interprets them.
 #pragma once
 
@@ -31,9 +31,9 @@ class ImageReader {
 
   const RawImageInfo& info() const;
 
-  /// Passes the bands, from the top, to `consume`, one after another. Unless settings.threads is 1, a second thread
-  /// consumes a band while the next one is read. Rethrows exceptions of `consume`, and throws Error(kInput) as the
-  /// constructor does. Can cancel between bands. Call it once.
+  /// Passes the bands to `consume`, one after another from the top. Unless settings.threads is 1, a second thread
+  /// consumes a band while the next one is read. Rethrows exceptions of `consume`, and throws Error(kInput) like the
+  /// constructor. The work can be cancelled between bands. Call this function only once.
   void read(const std::function<void(const RawBand&)>& consume, Progress* progress);
 
  private:

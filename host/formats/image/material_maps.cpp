@@ -77,7 +77,7 @@ ImageReadSettings settings_of(const SpillPolicy& spill, int threads) {
   return settings;
 }
 
-// Finds a channel by name. Also finds R, G, B and A by position. Without a name, returns the only channel, or the
+// Finds a channel by name. Also finds R, G, B and A by position. If no name is given, returns the only channel, or the
 // channel at `default_place`, or the last channel if there are fewer.
 std::size_t find_channel(const ChannelFile& file, const std::vector<std::string>& names,
                          std::size_t default_place = 1) {
@@ -91,7 +91,7 @@ std::size_t find_channel(const ChannelFile& file, const std::vector<std::string>
   return place;
 }
 
-// Sums over a row of a roughness map, and over the colours in its file.
+// The sums over one row of a roughness map, and over the colours in its file.
 struct RoughnessSums {
   double cosine = 0.0, roughness = 0.0, least = 1.0, most = 0.0;
   std::int64_t zeros = 0, ones = 0, mirrors = 0;
@@ -129,7 +129,7 @@ struct RoughnessSums {
     for (std::size_t k = 0; k < 3; ++k) colour[k] += other.colour[k], squares[k] += other.squares[k];
     for (std::size_t k = 0; k < 2; ++k) products[k] += other.products[k];
   }
-  // Returns the lower correlation of green with red and with blue; 0 if a channel is constant.
+  // Returns the lower of the correlations of green with red and of green with blue. Returns 0 if a channel is constant.
   double colour_correlation(double count) const {
     const auto variance = [&](std::size_t k) { return squares[k] / count - colour[k] * colour[k] / (count * count); };
     const auto with_green = [&](std::size_t k, double product) {
@@ -143,8 +143,8 @@ struct RoughnessSums {
   }
 };
 
-// Returns the words of a file's name in lower case. A word ends at a character that is not a letter, or between a small
-// letter and a capital.
+// Returns the words of a file name in lower case. A word ends before a character that is not a letter, or between a
+// small letter and a capital.
 std::vector<std::string> words_of_name(const std::string& path) {
   std::vector<std::string> words(1);
   bool was_lower = false;
@@ -201,8 +201,8 @@ const char* name_of(NamedMap map) {
 void warn_of_doubts(const ChannelFile& file, RoughnessReport& report) {
   const NamedMap named = map_by_name(file.path), taken = file.is_gloss ? NamedMap::kGloss : NamedMap::kRoughness;
   const bool is_opposite = file.is_gloss ? named == NamedMap::kRoughness : named == NamedMap::kGloss;
-  // A channel that the user names may hold another kind of map than the file's name says. For example, the alpha of a
-  // specular map may hold gloss.
+  // A channel that the user names may hold another kind of map than the file name states. For example, the alpha
+  // channel of a specular map may hold gloss.
   if (is_opposite || (named != NamedMap::kUnknown && named != taken && file.channel.empty())) {
     report.warnings.push_back(fmt::format(
         "{}: its name says that it is a {} map, but it was given as --{}: {}", file.path, name_of(named),
@@ -222,7 +222,7 @@ void warn_of_doubts(const ChannelFile& file, RoughnessReport& report) {
                     file.path, 100.0 * report.share_one));
 }
 
-// Returns the file's statements about its picture that the reader ignores, each with the file's name.
+// Returns the statements of the file about its picture that the reader ignores, each with the file's name.
 std::vector<std::string> named_notes(const std::string& path, const RawImageInfo& info) {
   std::vector<std::string> notes;
   for (const std::string& note : info.notes) notes.push_back(path + ": " + note);
@@ -250,7 +250,7 @@ RoughnessReport report_of(const ChannelFile& file, const std::vector<RoughnessSu
   return report;
 }
 
-// Reads a roughness or gloss map. `use(first_row, row_count, roughness)` receives it by bands, from several threads.
+// Reads a roughness or gloss map. `use(first_row, row_count, roughness)` receives it in bands, from several threads.
 template <typename Use>
 RoughnessReport read_roughness(const ChannelFile& file, int map_width, int map_height, const SpillPolicy& spill,
                                int threads, const Use& use) {
@@ -334,7 +334,7 @@ RoughnessReport shorten_by_roughness(PlaneStore& normals, const ChannelFile& fil
 LobeMaterial read_lobe_material(const LobeMaterialFiles& files, int width, int height, const SpillPolicy& spill,
                                 int threads) {
   LobeMaterial material{make_plane_store(width, height, spill)};
-  // Planes are written in groups of three. Each map replaces its own plane and keeps the other two.
+  // Planes are written in groups of three. Each map replaces its own plane and leaves the other two unchanged.
   const auto put = [&](std::size_t plane, int first_row, int row_count, const std::vector<float>& values) {
     std::array<std::vector<float>, 3> planes;
     for (std::vector<float>& all : planes) all.resize(values.size());

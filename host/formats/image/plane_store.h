@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stores three planes of floats, accessed by bands of rows, in memory or in a scratch file. Holds normals (x, y, z) or
-// linear RGB of maps that can be larger than memory. Row 0 is on top.
+// Stores three planes of floats in memory or in a scratch file. The planes are accessed in bands of rows. They hold
+// normals (x, y, z) or linear RGB of maps that can be larger than memory. Row 0 is at the top.
 #pragma once
 
 #include <array>
@@ -27,7 +27,7 @@ class PlaneStore {
   PlaneStore(int width, int height);
   /// Makes a store in a scratch file in `folder`.
   PlaneStore(int width, int height, const std::string& folder);
-  /// Reads planes that `file` holds one after another, in the layout of `blocks`. The store is read-only.
+  /// Reads planes that are stored in `file` one after another, in the layout of `blocks`. The store is read-only.
   PlaneStore(int width, int height, ScratchFile file, const PlaneBlocks& blocks);
   /// Refers to planes in memory, which must outlive the store. The store is read-only.
   PlaneStore(int width, int height, const std::array<const float*, 3>& planes);
@@ -38,13 +38,13 @@ class PlaneStore {
   /// (host/formats/image/material_maps.h).
   bool is_shortened() const { return is_shortened_; }
   void set_shortened(bool is_shortened) { is_shortened_ = is_shortened; }
-  /// Moves the planes out of the store, which must be in memory and is empty afterwards.
+  /// Moves the planes out of the store. The store must be in memory, and is empty afterwards.
   std::array<std::vector<float>, 3> take_planes();
 
-  /// Writes rows [first_row, first_row + row_count), row-major. Throws Error(kEnvironment) if the disk fails. Threads
-  /// may write different rows at once.
+  /// Writes rows [first_row, first_row + row_count) in row-major order. Throws Error(kEnvironment) if the disk fails.
+  /// Several threads may write different rows at once.
   void write_rows(int first_row, int row_count, const std::array<const float*, 3>& planes);
-  /// Read all planes, one plane, or one texel of all planes. Several threads may read at once.
+  /// Read all planes, one plane, or one texel of all planes. Several threads may read at the same time.
   void read_rows(int first_row, int row_count, const std::array<float*, 3>& planes) const;
   void read_rows(int plane, int first_row, int row_count, float* rows) const;
   std::array<float, 3> texel(int column, int row) const;
@@ -66,8 +66,8 @@ class PlaneStore {
 
 PlaneStore make_plane_store(int width, int height, const SpillPolicy& spill);
 
-/// Returns the rows per band for decoding. Bands are small enough for a thread's cache, but large enough to justify
-/// scheduling.
+/// Returns the number of rows per band for decoding. Bands are small enough for a thread's cache, but large enough to
+/// justify the cost of scheduling them.
 int decoding_rows(int width, const SpillPolicy& spill);
 
 }  // namespace multum

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Holds an image's values in the file's own type, in memory or in a scratch file, and returns rows as floats. The
-// values need a half or a quarter of the memory of floats. The values are written once while the file is read, and are
-// read several times.
+// Holds the values of an image in the file's own type, in memory or in a scratch file, and returns rows as floats. The
+// values need a half or a quarter of the memory of floats. They are written once, while the file is read, and are read
+// several times.
 #pragma once
 
 #include <cstddef>
@@ -22,7 +22,7 @@ enum class SampleType { kUint8, kUint16, kOtherInteger, kHalf, kFloat };  // kFl
 
 inline bool is_float_type(SampleType type) { return type == SampleType::kHalf || type == SampleType::kFloat; }
 
-/// Description of an image, known before its rows are read.
+/// The description of an image, which is known before its rows are read.
 struct RawImageInfo {
   int width = 0;
   int height = 0;
@@ -41,7 +41,7 @@ struct RawImageInfo {
   std::size_t row_values() const { return static_cast<std::size_t>(width) * static_cast<std::size_t>(channel_count); }
 };
 
-/// Rows in the file's sample type, row-major, with interleaved channels.
+/// Rows in the sample type of the file, in row-major order with interleaved channels.
 struct RawBand {
   int first_row;
   int row_count;
@@ -57,7 +57,7 @@ struct RawRows {
 
 class RawImage {
  public:
-  /// Throws Error(kEnvironment) if a needed scratch file cannot be made.
+  /// Throws Error(kEnvironment) if a scratch file is needed and cannot be made.
   RawImage(RawImageInfo info, const SpillPolicy& spill);
 
   const RawImageInfo& info() const { return info_; }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Converts a file's samples to floats, with integers scaled to 0..1. The result equals OpenImageIO's conversion to
-// FLOAT bit by bit. Can then apply a function.
+// Converts samples of a file to floats, with integers scaled to 0..1. The result equals OpenImageIO's conversion to
+// FLOAT bit by bit. A function can then be applied to the values.
 #pragma once
 
 #include <cstddef>
@@ -15,7 +15,7 @@ class SampleConverter {
   /// bits.
   explicit SampleConverter(int base_type, std::function<float(float)> then = {});
 
-  /// `values` holds `count` floats. Several threads may convert at once.
+  /// `values` holds `count` floats. Several threads may convert at the same time.
   void convert(const std::byte* samples, std::size_t count, float* values) const;
 
  private:

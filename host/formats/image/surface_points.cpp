@@ -16,7 +16,8 @@ namespace {
 
 constexpr float kBeside = 0.211324865f;  // distance (1 - 1 / sqrt 3) / 2 of the two-point Gauss rule, in texels
 
-// Directions (1 or -1) in which a texel's point is moved towards a neighbour. Each neighbour has the weight kBeside.
+// The directions (1 or -1) in which the point of a texel is moved towards a neighbour. Each neighbour has the weight
+// kBeside.
 int step_x(int x, int y) { return (x + y) % 2 == 0 ? 1 : -1; }
 int step_y(int x) { return x % 4 == 0 || x % 4 == 3 ? 1 : -1; }
 
@@ -25,7 +26,7 @@ int continued(int texel, int size, WrapMode wrap) {
   return std::clamp(texel, 0, size - 1);
 }
 
-// Three planes. If the planes hold normals, also the lengths of these normals.
+// Three planes. If the planes hold normals, they also include the lengths of these normals.
 struct Row {
   explicit Row(std::size_t width)
       : planes{std::vector<float>(width), std::vector<float>(width), std::vector<float>(width)}, lengths(width) {}
@@ -41,7 +42,7 @@ struct Row {
   std::vector<float> lengths;
 };
 
-// Makes rows of points one after another; each row needs the rows above and below.
+// Makes rows of points one after another. Each row needs the rows above and below it.
 class PointRows {
  public:
   PointRows(const PlaneStore& texels, const MapWrap& wrap, bool are_normals)

@@ -26,7 +26,7 @@ std::shared_ptr<const EnvironmentLight> make_environment_light(EnvironmentMap ma
 
 /// Returns the same light as make_environment_light() for (1 - share) a + share b, but only mixes the two results. This
 /// is exact because levels, harmonics and sums are linear in the light (Han et al. 2007, section 8, changing light).
-/// `a` and `b` must have equal size. At shares of 0 and 1, the result is `a` or `b`.
+/// `a` and `b` must have the same size. At shares of 0 and 1, the result is `a` or `b`.
 std::shared_ptr<const EnvironmentLight> mix_environments(const std::shared_ptr<const EnvironmentLight>& a,
                                                          const std::shared_ptr<const EnvironmentLight>& b,
                                                          double share);

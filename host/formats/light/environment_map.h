@@ -9,7 +9,7 @@
 
 namespace multum {
 
-/// Row 0 is the upward direction, +Y. The middle column is -Z, with +X to its right. Values are row-major and linear.
+/// Row 0 is the upward direction, +Y. The middle column is -Z, with +X to its right. Values are linear and row-major.
 struct EnvironmentMap {
   int width = 0;
   int height = 0;
@@ -18,13 +18,13 @@ struct EnvironmentMap {
 
 /// Returns a unit direction. `s` and `t` are 0..1 across the map.
 glm::dvec3 environment_direction(double s, double t);
-/// Returns the (s, t) of a unit direction.
+/// Returns (s, t) of a unit direction.
 glm::dvec2 environment_coordinates(const glm::dvec3& direction);
 /// Returns the solid angle of a texel of row `y`.
 double texel_solid_angle(int width, int height, int y);
 
-/// Averages blocks of texels over solid angle. The result is at most `width` wide, and half as high. A smaller map
-/// stays unchanged.
+/// Averages blocks of texels over solid angle. The result is at most `width` wide, and half as high as wide. A smaller
+/// map stays unchanged.
 EnvironmentMap shrink(const EnvironmentMap& map, int width);
 
 }  // namespace multum

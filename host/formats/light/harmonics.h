@@ -17,7 +17,8 @@ namespace multum {
 std::vector<double> harmonics(const glm::dvec3& direction, int order);
 
 /// The part of an environment with l <= 2, as a polynomial of the direction for each channel: L(n) = mean + linear . n
-/// + n . quadratic n. Diffuse (Lambert) light depends only on this part, to about 1 % (Ramamoorthi and Hanrahan 2001).
+/// + n . quadratic n. Diffuse (Lambert) light depends only on this part, up to an error of about 1 % (Ramamoorthi and
+/// Hanrahan 2001).
 struct SmoothEnvironment {
   std::array<double, 3> mean;
   std::array<glm::dvec3, 3> linear;
@@ -28,8 +29,8 @@ SmoothEnvironment smooth_environment(const EnvironmentMap& map);
 constexpr int kHalfVectorOrder = 8;
 
 /// Returns the coefficients of L'(h) = 4 (v.h) (v.h) L(reflect(v, h)), l <= kHalfVectorOrder, for one view direction
-/// (Han et al. 2007, section 8). These coefficients, multiplied by a normal distribution that was convolved with the
-/// facets, give the highlight. Han's formula has one factor v.h, from the change of variables. The other factor v.h
+/// (Han et al. 2007, section 8). Multiplying these coefficients by a normal distribution that was convolved with the
+/// facets gives the highlight. Han's formula has one factor v.h, from the change of variables. The other factor v.h
 /// replaces n.l. The factors v.h and n.l are equal at n = h, so each light is weighted approximately with its cosine.
 /// `map` is small (shrink()) and in the frame of `v`.
 std::vector<glm::dvec3> half_vector_light(const EnvironmentMap& map, const glm::dvec3& v);

@@ -39,8 +39,7 @@ LightSampler::LightSampler(const LightSampler& a, const LightSampler& b, double 
     cumulative_.push_back((1.0 - share) * a.cumulative_[i] + share * b.cumulative_[i]);
 }
 
-// Finds the texel by the inverse of the cumulative sum. Then draws uniformly in longitude and in the cosine of
-// latitude.
+// Finds the texel by inverting the cumulative sum. Then draws uniformly in longitude and in the cosine of latitude.
 glm::dvec3 LightSampler::direction(unsigned index) const {
   const double u = fraction(index, 0.8191725133961645) * total();
   const auto found = std::upper_bound(cumulative_.begin(), cumulative_.end(), u);

@@ -15,7 +15,7 @@ class LightSampler {
   /// Samples the sum of (1 - share) times the map of `a` and `share` times the map of `b`. Both maps must have the same
   /// size.
   LightSampler(const LightSampler& a, const LightSampler& b, double share);
-  /// Returns direction `index` of a low-discrepancy sequence: a unit vector in the environment's frame.
+  /// Returns direction `index` of a low-discrepancy sequence, as a unit vector in the frame of the environment.
   glm::dvec3 direction(unsigned index) const;
   double total() const { return cumulative_.back(); }  // integral of the luminance over the sphere
 

@@ -13,7 +13,7 @@ namespace multum {
 namespace {
 
 // Returns a map whose texels are means of the source, weighted by the lobe and by solid angle. The division by the sum
-// of weights leaves a constant map unchanged. Ignores texels farther away than four standard deviations.
+// of the weights leaves a constant map unchanged. Texels farther away than four standard deviations are ignored.
 EnvironmentMap convolve(const EnvironmentMap& source, double kappa, int width, int height) {
   EnvironmentMap result{width, height, std::vector<glm::vec3>(static_cast<std::size_t>(width * height))};
   const double reach = std::min(4.0 / std::sqrt(kappa), std::numbers::pi);
@@ -60,13 +60,13 @@ EnvironmentMap convolve(const EnvironmentMap& source, double kappa, int width, i
 
 }  // namespace
 
-// Makes each level from the previous level. Mean cosines multiply, so the lobe of a step has the quotient of two mean
-// cosines.
+// Makes each level from the previous level. Mean cosines multiply, so the mean cosine of the lobe of a step is the
+// quotient of two mean cosines.
 PrefilteredLevels prefilter(const EnvironmentMap& map) {
   const double texel = std::numbers::pi / map.height;
   PrefilteredLevels result{{map}, {texel * texel / 12.0}};  // level 0 has the spread of a box, because a texel is a box
   for (int k = 1; (map.height >> k) >= 4; ++k) {
-    const int width = map.width >> k, height = map.height >> k;  // sizes as in OpenGL
+    const int width = map.width >> k, height = map.height >> k;  // sizes are rounded as in OpenGL
     const double deviation = 2.0 * std::numbers::pi / height;
     const double spread = vmf_spread(1.0 / (deviation * deviation));
     const double step = 1.0 - (1.0 - spread) / (1.0 - result.spreads.back());

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// An environment convolved with vMF lobes, one per mip level. A lobe of any spread is interpolated from two levels.
+// An environment convolved with vMF lobes, one lobe per mip level. A lobe of any spread is interpolated from two
+// levels.
 #pragma once
 
 #include <vector>
@@ -13,8 +14,8 @@ struct PrefilteredLevels {
   std::vector<double> spreads;         // 1 - A(kappa) of each level, increasing
 };
 
-/// Convolves level by level. The standard deviation of a level's lobe is two of its texels, so that bilinear filtering
-/// is smooth.
+/// Convolves level by level. The standard deviation of the lobe of a level is two of its texels, so that bilinear
+/// filtering is smooth.
 PrefilteredLevels prefilter(const EnvironmentMap& map);
 
 }  // namespace multum

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Tabulates the light that a lobe of normals reflects under uniform light (the "split sum" of Karis 2013, with the lobe
-// as one more dimension). Each sample draws a normal n ~ vMF(mu, d) from the lobe and a facet h ~ vMF(n, term), and
-// computes l = reflect(v, h). The weight of a sample is 4 (v.h) F(v.h) V max(n.l, 0).
+// as one more dimension). For each sample, a normal n ~ vMF(mu, d) is drawn from the lobe, and a facet h ~ vMF(n, term)
+// is drawn around it. Then l = reflect(v, h). The weight of a sample is 4 (v.h) F(v.h) V max(n.l, 0).
 #pragma once
 
 #include <vector>
@@ -21,7 +21,7 @@ struct ReflectionEntry {
   double fresnel;     // mean of (1 - v.h)^5 over cosine-weighted light, for the factor 1 - F of the diffuse part
 };
 
-/// Returns one table per term of vmf_terms(brdf). The entries of a table are [spread][cosine], row by row.
+/// Returns one table for each term of vmf_terms(brdf). The entries of a table are [spread][cosine], row by row.
 std::vector<std::vector<ReflectionEntry>> reflection_tables(const Brdf& brdf);
 
 }  // namespace multum

@@ -10,7 +10,7 @@
 namespace multum {
 namespace {
 
-// Returns whether positions, normals and uv set 0 stay as the core format defines them if an extension is used.
+// Returns whether positions, normals and uv set 0 have the same meaning as in the core format if an extension is used.
 bool leaves_geometry_alone(const std::string& extension) {
   for (const char* prefix : {"KHR_materials_", "KHR_lights_", "KHR_texture_basisu", "KHR_xmp", "EXT_texture_webp"})
     if (extension.compare(0, std::strlen(prefix), prefix) == 0) return true;
@@ -41,8 +41,8 @@ void check_gltf_file(const std::string& path) {
   if (required == json.end() || !required->is_array()) return;
   for (const auto& name : *required)
     if (name.is_string() && !leaves_geometry_alone(name.get<std::string>()))
-      refuse_file(
-          path, "requires the glTF extension " + name.get<std::string>() + ", which cannot be read; export without it");
+      refuse_file(path, "requires the glTF extension " + name.get<std::string>() +
+                            ", which cannot be read; export the model without it");
 }
 
 }  // namespace multum

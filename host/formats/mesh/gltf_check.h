@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Checks what a glTF file requires before assimp reads it. assimp ignores required extensions that it does not know,
-// and returns an empty or wrong mesh.
+// Checks the requirements of a glTF file before assimp reads it. assimp ignores required extensions that it does not
+// know, and returns an empty or wrong mesh.
 #pragma once
 
 #include <string>

@@ -54,7 +54,7 @@ std::string decoded_uri(const std::string& path, const std::string& uri) {
     if (is_code) i += 2;
   }
   if (name.find('\0') != std::string::npos)
-    refuse_file(path, "names " + uri + ", which holds NUL (%00); expected the name of a file in its folder");
+    refuse_file(path, "names " + uri + ", which contains a NUL (%00); expected the name of a file in its folder");
   // A model from another person must not be able to include files of this machine.
   const std::filesystem::path relative = std::filesystem::path(name).lexically_normal();
   if (relative.is_absolute() || *relative.begin() == "..")
@@ -68,8 +68,8 @@ std::uint32_t little_endian(const std::string& bytes, std::size_t at) {
   return value;
 }
 
-// Splits a GLB file. The header of a GLB has 12 bytes ("glTF", version, length). Chunks of (length, type, data) follow:
-// JSON, then optional bytes.
+// Splits a GLB file. The header of a GLB has 12 bytes ("glTF", version, length). Chunks of (length, type, data) follow.
+// The first chunk is JSON, and the optional second chunk holds bytes.
 void split_glb(const std::string& bytes, const std::string& path, std::string& json, std::string& binary) {
   constexpr std::uint32_t kJsonChunk = 0x4E4F534A;
   if (bytes.size() < 20 || bytes.compare(0, 4, "glTF") != 0)
@@ -109,9 +109,9 @@ bool decode_data_uri(const std::string& uri, const std::string& path, std::strin
   if (!uri.starts_with("data:")) return false;
   const std::size_t comma = uri.find(',');
   if (comma == std::string::npos || uri.substr(0, comma).find(";base64") == std::string::npos)
-    refuse_file(path, "holds a data URI that is not base64");
+    refuse_file(path, "contains a data URI that is not base64");
   std::optional<std::string> decoded = decode_base64(uri.substr(comma + 1));
-  if (!decoded) refuse_file(path, "holds a data URI that is not base64");
+  if (!decoded) refuse_file(path, "contains a data URI that is not base64");
   bytes = std::move(*decoded);
   return true;
 }
@@ -152,7 +152,7 @@ std::string buffer_view_bytes(const GltfDocument& document, std::size_t view) {
                                   ? uri_bytes(document.path, from.at("uri").get<std::string>(), offset + length)
                                   : document.binary;
     if (offset > bytes.size() || length > bytes.size() - offset)
-      refuse_file(document.path, what + " goes beyond its buffer");
+      refuse_file(document.path, what + " extends beyond its buffer");
     return bytes.substr(offset, length);
   } catch (const Error& error) {
     if (std::string_view(error.what()).starts_with(document.path)) throw;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads the JSON and bytes of a glTF or GLB file that assimp does not return.
+// Reads the JSON and the bytes of a glTF or GLB file that assimp does not return.
 #pragma once
 
 #include <cstdint>
@@ -17,7 +17,7 @@ struct GltfDocument {
 
 bool is_gltf_name(const std::string& path);  // *.gltf, *.glb
 
-/// Limit of file sizes. A GLB stores its length in 32 bits, and the buffers of a .gltf get the same limit.
+/// The limit of file sizes. A GLB stores its length in 32 bits, and the buffers of a .gltf have the same limit.
 constexpr std::uint64_t kModelBytesMax = (std::uint64_t{1} << 32) - 1;
 
 /// Reads a whole model file. Throws Error(kInput), which names the file, if it is unreadable, not a regular file, or
@@ -28,15 +28,16 @@ std::string read_model_file(const std::string& path);
 /// or has an index beyond its array.
 GltfDocument read_gltf_document(const std::string& path);
 
-/// Returns the bytes of a buffer view, from the GLB, from a file next to it, or from a data URI. Throws Error(kInput).
+/// Returns the bytes of a buffer view. They are in the GLB, in a file next to it, or in a data URI. Throws
+/// Error(kInput).
 std::string buffer_view_bytes(const GltfDocument& document, std::size_t view);
 
 /// Decodes a base64 data URI. Returns false for other URIs. Throws Error(kInput) for a damaged base64 data URI.
 bool decode_data_uri(const std::string& uri, const std::string& path, std::string& bytes);
 
-/// Resolves a relative URI in the file `path` to a path in that file's folder or below, and decodes %20 and the like.
-/// Throws Error(kInput) for an empty URI, other schemes, NUL, a place outside the folder (also if a link leads there),
-/// or an existing file that is not regular.
+/// Resolves a relative URI in the file `path` to a path in the folder of that file or below, and decodes %20 and the
+/// like. Throws Error(kInput) for an empty URI, other schemes, NUL, a place outside the folder (also if a link leads
+/// there), or an existing file that is not regular.
 std::string uri_path(const std::string& path, const std::string& uri);
 
 /// Returns the first bytes, at most `byte_max`, of a data URI or of the file at uri_path(). The file is opened only

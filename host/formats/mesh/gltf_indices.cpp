@@ -15,7 +15,7 @@
 namespace multum {
 namespace {
 
-// A place with indices ("*" stands for each element or member), and the array that they refer to.
+// A place that has indices ("*" stands for each element or member), and the array to which they refer.
 struct IndexRule {
   std::string_view place, target;
 };
@@ -116,7 +116,7 @@ class IndexCheck {
     }
   }
 
-  // Checks a material's textures, written as "...Texture": {"index": 1}, in the core format and in any extension.
+  // Checks the textures of a material, written as "...Texture": {"index": 1}, in the core format and in any extension.
   void textures_of(const Json& value, const std::string& place) const {
     if (!value.is_object()) return;
     for (const auto& [key, child] : value.items()) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads the part of a glTF file's materials that shading with a normal map needs (glTF 2.0, section 3.9): factors,
-// normal textures, base colour textures, and images, which may be embedded.
+// Reads the part of the materials of a glTF file that shading with a normal map needs (glTF 2.0, section 3.9). This
+// part consists of factors, normal textures, base colour textures, and images, which may be embedded.
 #pragma once
 
 #include <optional>
@@ -19,7 +19,7 @@ struct GltfTexture {
 };
 
 struct GltfMaterial {
-  std::string name;  // unique name: "material 2" for a missing name, "steel (2)" for a repeated one
+  std::string name;  // unique name; a missing name becomes "material 2", and a repeated one "steel (2)"
   glm::vec4 base_colour{1.0f};
   float metallic = 1.0f;
   float roughness = 1.0f;
@@ -42,14 +42,15 @@ struct GltfMaterials {
   std::vector<GltfImage> images;
 };
 
-/// Reads the materials. Throws Error(kInput), which names the file and the fault: not glTF or GLB, damaged, a missing
-/// texture, an effective texture transform (KHR_texture_transform), or an image format that cannot be read.
+/// Reads the materials. Throws Error(kInput), which names the file and the fault. The faults are a file that is damaged
+/// or is not glTF or GLB, a missing texture, a texture transform that has an effect (KHR_texture_transform), and an
+/// image format that cannot be read.
 GltfMaterials read_gltf_materials(const std::string& path);
 
 /// Turns a name into a safe file name: "Hull, front" becomes "Hull__front".
 std::string safe_file_name(const std::string& name);
 
-/// Returns the path of the image: its own file, or `folder`/NAME.EXTENSION, which this call writes. Throws
+/// Returns the path of the image. An embedded image is first written to `folder`/NAME.EXTENSION. Throws
 /// Error(kEnvironment).
 std::string extract_image(const GltfImage& image, const std::string& folder);
 

@@ -19,7 +19,7 @@ struct MeshPart {
   std::uint32_t first_index = 0, index_count = 0;
 };
 
-/// All vertices of a file's meshes in one list, in world space.
+/// All vertices of the meshes of a file in one list, in world space.
 struct TriangleMesh {
   std::vector<glm::vec3> positions;
   std::vector<glm::vec3> normals;      // unit vectors
@@ -30,11 +30,11 @@ struct TriangleMesh {
   std::vector<MeshPart> parts;         // ranges of triangles by material, in the order of the indices
 };
 
-/// Reads OBJ, glTF, GLB and other formats of assimp. Applies node transforms, and makes missing normals and tangents.
-/// Tangents follow MikkTSpace's convention (tangent_space.h). `uv_set` 0 is TEXCOORD_0; if the file has tangents, they
-/// belong to the texture coordinates of its normal maps. Throws Error(kInput), which names the file and the fault: no
-/// texture coordinates, indices out of range, coordinates that are not finite, or a required extension that cannot be
-/// read.
+/// Reads OBJ, glTF, GLB and other formats that assimp supports. Applies node transforms, and makes missing normals and
+/// tangents. Tangents follow MikkTSpace's convention (tangent_space.h). `uv_set` 0 is TEXCOORD_0. If the file has
+/// tangents, they belong to the texture coordinates of its normal maps. Throws Error(kInput), which names the file and
+/// the fault. The faults are missing texture coordinates, indices out of range, coordinates that are not finite, and a
+/// required extension that cannot be read.
 TriangleMesh read_mesh(const std::string& path, int uv_set = 0);
 
 /// Makes the square from (-size/2, 0, 0) to (size/2, size, 0), with normal +Z and uv 0..1.

@@ -16,7 +16,7 @@ namespace {
 template <typename Meshes>
 constexpr bool is_whole = std::is_same_v<std::remove_const_t<Meshes>, TriangleMesh>;
 
-// Visits the arrays in the order of messages and memory.
+// Visits the arrays in the order in which they are in messages and in memory.
 template <typename Meshes, typename Action>
 void for_each_array(Meshes& meshes, const Action& action) {
   if constexpr (is_whole<Meshes>) {
@@ -154,7 +154,8 @@ void take_arrays(const AskedFile& file, const std::byte* memory, Meshes& meshes)
     memory += bytes_of(array);
   });
   if (!are_sound(meshes))
-    refuse_file(file.path, "damaged: decoding gave no valid mesh, expected a file readable by " + file.library);
+    refuse_file(file.path,
+                "damaged: decoding did not return a valid mesh, expected a file that can be read by " + file.library);
 }
 
 template TriangleMesh parse_mesh_answer(const AskedFile&, MessageReader&);

@@ -29,12 +29,12 @@ Meshes parse_mesh_answer(const AskedFile& file, MessageReader& in);
 template <typename Meshes>
 std::size_t array_bytes(const Meshes& meshes);
 
-/// Copies the arrays from memory. Throws Error(kInput), which names the file, if the values are not a valid mesh,
-/// because later code computes with them.
+/// Copies the arrays from memory. Throws Error(kInput), which names the file, if the values are not a valid mesh. Later
+/// code computes with these values.
 template <typename Meshes>
 void take_arrays(const AskedFile& file, const std::byte* memory, Meshes& meshes);
 
-/// Does the work of the child: answers a request to open a file, and copies arrays to memory that the other process
+/// Does the work of the child. It answers a request to open a file, and copies arrays to memory that the other process
 /// reads.
 template <typename Meshes>
 std::string open_mesh_answer(const Meshes& meshes);

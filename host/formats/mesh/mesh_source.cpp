@@ -31,7 +31,7 @@ std::uint64_t file_bytes(const std::string& path) {
   return error ? 0 : size;
 }
 
-// Ignores faults of the file, because the file's reader reports them.
+// Ignores faults of the file, because its reader reports them.
 std::uint64_t buffer_bytes(const std::string& path) {
   std::uint64_t bytes = 0;
   try {

@@ -6,7 +6,7 @@
 
 namespace multum {
 
-/// Sets the child for the whole process. Without this call, DecodingChild's defaults apply.
+/// Sets the child for the whole process. Without this call, the defaults of DecodingChild apply.
 void set_mesh_child(DecodingChild child);
 
 }  // namespace multum

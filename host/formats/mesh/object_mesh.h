@@ -21,13 +21,13 @@ struct ObjectMesh {
   glm::dmat4 object_to_world{1.0};     // transform from the file; the identity for OBJ
 };
 
-/// Returns the object's transform. The transform comes from `moved` if `moved` has the object's name, and from the file
-/// otherwise.
+/// Returns the transform of the object. If `moved` has the name of the object, the transform comes from `moved`.
+/// Otherwise it comes from the file.
 const glm::dmat4& object_place(const ObjectMesh& mesh, const std::map<std::string, glm::dmat4>& moved);
 
-/// Reads every object with triangles, in the file's order. All meshes of one node are one object. `uv_set` 0 is
-/// TEXCOORD_0. Throws Error(kInput), which names the file, the object and the fault: no texture coordinates of that
-/// set, indices out of range, values that are not finite, or two objects with the same name.
+/// Reads every object that has triangles, in the order of the file. All meshes of one node are one object. `uv_set` 0
+/// is TEXCOORD_0. Throws Error(kInput), which names the file, the object and the fault. The faults are missing texture
+/// coordinates of that set, indices out of range, values that are not finite, and two objects with the same name.
 std::vector<ObjectMesh> read_object_meshes(const std::string& path, int uv_set);
 
 }  // namespace multum

@@ -51,7 +51,7 @@ std::vector<Index> weld(const TriangleCorners& corners) {
 struct Face {
   glm::dvec3 tangent{0.0};  // unit vector; 0 if u does not change
   bool is_mirrored = false;
-  bool has_area = true;  // true if the area in space is not 0; other triangles are ignored
+  bool has_area = true;  // true if the area in space is not 0; triangles without an area are ignored
 };
 
 Face face_of(const TriangleCorners& corners, std::size_t first) {
@@ -85,7 +85,7 @@ class Groups {
 
 bool is_directed(const Face& face) { return face.has_area && face.tangent != glm::dvec3(0.0); }
 
-// Joins corners of triangles that share an edge and its orientation. Corners are joined at both ends of the edge.
+// Joins the corners of triangles that share an edge and its orientation, at both ends of the edge.
 Groups join_at_edges(const std::vector<Index>& vertices, const std::vector<Face>& faces) {
   const auto next = [](std::size_t corner) { return corner % 3 == 2 ? corner - 2 : corner + 1; };
   Groups groups(vertices.size());
@@ -111,7 +111,8 @@ glm::dvec3 across(const glm::dvec3& v, const glm::dvec3& normal) {
   return size > 1e-20 ? flat / size : glm::dvec3(0.0);
 }
 
-// Returns the angle between a triangle's two edges at a corner, projected to the plane across the corner's normal.
+// Returns the angle between the two edges of a triangle at a corner, projected to the plane perpendicular to the
+// corner's normal.
 double angle_at(const TriangleCorners& corners, std::size_t corner) {
   const std::size_t first = corner - corner % 3;
   const glm::dvec3 at(corners.positions[corner]), normal(corners.normals[corner]);

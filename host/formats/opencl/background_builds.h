@@ -19,12 +19,12 @@ namespace multum {
 
 class BackgroundBuilds {
  public:
-  /// Returns a program's binary, built in the thread's context. The context is null at first. Later builds in the same
-  /// thread reuse the context of the first build.
+  /// Returns the binary of a program that was built in the thread's context. The context is null at first. Later builds
+  /// in the same thread reuse the context of the first build.
   using Build = std::function<std::string(cl::Context& context)>;
 
   BackgroundBuilds() = default;
-  /// Waits for running builds, and drops waiting builds.
+  /// Waits for builds that are running, and drops builds that are waiting.
   ~BackgroundBuilds();
   BackgroundBuilds(const BackgroundBuilds&) = delete;
   BackgroundBuilds& operator=(const BackgroundBuilds&) = delete;
@@ -32,8 +32,8 @@ class BackgroundBuilds {
   bool has(const std::string& key) const { return results_.count(key) != 0; }
   /// Queues a build. At most one build per core runs at a time.
   void add(const std::string& key, Build build);
-  /// Waits for the build added as `key`, and forgets it. Returns nothing if there was no such build. Rethrows the
-  /// build's exception.
+  /// Waits for the build that was added as `key`, and forgets it. Returns nothing if there was no such build. If the
+  /// build threw an exception, rethrows it.
   std::optional<std::string> take(const std::string& key);
 
  private:

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// Makes all options for the OpenCL compiler. No option relaxes mathematics: on PoCL, -cl-fast-relaxed-math and
-// -cl-finite-math-only delete the kernels' guards without making kernels faster.
+// Makes all options for the OpenCL compiler. No option relaxes mathematics. On PoCL, -cl-fast-relaxed-math and
+// -cl-finite-math-only delete the guards in the kernels without making the kernels faster.
 #pragma once
 
 #include <string>
 
 namespace multum {
 
-/// Choices of structure that are compiled into a kernel.
+/// Structural choices that are compiled into a kernel.
 struct KernelVariant {
   int lobes = 4;          // 1 to 8
   int vector_width = 1;   // 1 for scalars, one work-item per texel (GPUs); 16 for float16 (CPUs)

@@ -9,7 +9,7 @@ namespace multum {
 /// Returns, for example, "CL_OUT_OF_RESOURCES (-5)".
 std::string cl_error_name(int status);
 
-/// Throws Error(kEnvironment) "WHAT: CL_..." unless status is CL_SUCCESS.
+/// Throws Error(kEnvironment) with the message "WHAT: CL_..." unless status is CL_SUCCESS.
 void check_cl(int status, const std::string& what);
 
 }  // namespace multum

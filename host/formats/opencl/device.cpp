@@ -208,7 +208,7 @@ std::shared_ptr<cl::Buffer> create_memory(const DeviceState& state, cl_mem_flags
                                           void* host, const std::string& what) {
   if (byte_count > state.info.buffer_bytes_max)
     throw Error(ErrorCode::kEnvironment,
-                fmt::format("{}: needs a buffer of {} MiB, but the device {} allows at most {} MiB", what,
+                fmt::format("{}: needs a buffer of {} MiB, but the device {} allows at most {} MiB per buffer", what,
                             byte_count >> 20, state.info.name, state.info.buffer_bytes_max >> 20));
   cl_int status = CL_SUCCESS;
   cl::Buffer memory(state.context, flags, std::max<std::size_t>(byte_count, 1), host, &status);

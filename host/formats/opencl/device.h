@@ -29,7 +29,7 @@ struct DeviceInfo {
   std::string driver;
   std::string version;  // version of OpenCL, with the driver's additions
   bool is_cpu;
-  bool shares_memory;      // true if memory is shared with the host, so that fewer copies save no time
+  bool shares_memory;      // true if memory is shared with the host; avoiding copies then saves no time
   bool rounds_when_asked;  // true if divisions and roots are rounded as IEEE requires only in programs built with an
                            // option
   bool has_atomic_longs;   // true if the device has cl_khr_int64_base_atomics
@@ -40,7 +40,7 @@ struct DeviceInfo {
   std::uint64_t buffer_bytes_max;
 };
 
-/// Counts of copies between host and device since the device was opened; all are 0 if host and device share memory.
+/// Counts of the copies between host and device since the device was opened. All are 0 if host and device share memory.
 struct TransferCounts {
   std::uint64_t uploads = 0, upload_bytes = 0;
   std::uint64_t downloads = 0, download_bytes = 0;
@@ -51,7 +51,7 @@ struct TransferCounts {
 /// Returns every device of every platform. The list may be empty.
 std::vector<DeviceInfo> list_devices();
 
-/// Chooses the device that a selector names, as Device::open() does. Returns nullopt if it names none.
+/// Chooses the device that a selector names, like Device::open(). Returns nullopt if it does not name a device.
 std::optional<std::size_t> choose_device(const std::vector<DeviceInfo>& devices, const std::string& selector);
 
 class DeviceState;
@@ -81,7 +81,8 @@ struct BufferMove {
   std::size_t to;  // first byte of the target
 };
 
-/// A kernel of one program variant. Arguments are buffers or plain structs and numbers, in the kernel's order.
+/// A kernel of one program variant. Arguments are buffers, plain structs or numbers, in the order of the kernel's
+/// parameters.
 class Kernel {
  public:
   struct WorkSize {
@@ -120,7 +121,7 @@ struct ProgramChoice {
   KernelVariant variant;
 };
 
-/// A device and how to use it.
+/// A device and the way to use it.
 struct DeviceChoice {
   std::string selector;         // as for Device::open()
   bool as_accelerator = false;  // true to divide work as for a GPU, on any device; results keep the same bytes
@@ -129,51 +130,52 @@ struct DeviceChoice {
 
 class Device {
  public:
-  /// Opens a device. `selector` is empty, a number of `multum devices`, or part of a device's or platform's name. If it
-  /// is empty, opens the first GPU, or the first CPU if there is none. "4090" counts as part of a name if no device has
-  /// this number. If none matches, throws Error(kEnvironment), which lists the devices.
+  /// Opens a device. `selector` is empty, a number from `multum devices`, or a part of the name of a device or
+  /// platform. If it is empty, opens the first GPU, or the first CPU if there is no GPU. "4090" counts as part of a
+  /// name if no device has this number. If no device matches, throws Error(kEnvironment), which lists the devices.
   static Device open(const std::string& selector);
   static Device open(const DeviceChoice& choice);
   /// Opens the device when it is first used, and throws at that time like open(). A driver needs 80 MiB and tens of
-  /// milliseconds, and a program that rejects its input needs no device.
+  /// milliseconds, but a program that rejects its input needs no device.
   static Device when_needed(const DeviceChoice& choice);
   bool is_open() const { return state_ != nullptr; }
 
   const DeviceInfo& info() const;
-  /// Division of work for the device (host/formats/opencl/launch_shape.h); set_shape() replaces it in tests.
+  /// The division of work for the device (host/formats/opencl/launch_shape.h). Tests replace it with set_shape().
   const LaunchShape& shape() const;
   void set_shape(const LaunchShape& shape);
 
   /// Throws Error(kEnvironment) if the size exceeds the device's limit for buffers.
   DeviceBuffer make_buffer(std::size_t byte_count, const std::string& what);
-  /// Uses the caller's memory without a copy on CPUs; copies on other devices. `data` must outlive the buffer and stay
-  /// unchanged.
+  /// On CPUs, uses the caller's memory without a copy. On other devices, copies it. `data` must outlive the buffer and
+  /// stay unchanged.
   DeviceBuffer wrap_buffer(const void* data, std::size_t byte_count, const std::string& what);
-  /// Copies to or from the beginning of the buffer, after earlier launches.
+  /// Copies to or from the beginning of the buffer, after earlier launches have finished.
   void write(DeviceBuffer& buffer, const void* data, std::size_t byte_count);
   void read(const DeviceBuffer& buffer, void* data, std::size_t byte_count);
   /// Writes without waiting, so `data` must stay unchanged until the queue has finished.
   void queue_write(DeviceBuffer& buffer, const void* data, std::size_t byte_count);
-  /// Waits for earlier launches, then calls `body` with pointers to the ranges' bytes, without a copy on CPUs.
+  /// Waits for earlier launches, then calls `body` with pointers to the bytes of the ranges. On CPUs, nothing is
+  /// copied.
   using Bytes = std::vector<unsigned char*>;
   using WithBytes = std::function<void(const Bytes& bytes)>;
   void read_ranges(const std::vector<BufferRange>& ranges, const WithBytes& body);
-  /// Maps the ranges for writing; later launches see the bytes that `body` writes. Bytes that `body` does not write are
-  /// undefined afterwards. A `body` must call neither read_ranges() nor write_ranges().
+  /// Maps the ranges for writing. Later launches see the bytes that `body` writes. Bytes that `body` does not write are
+  /// undefined afterwards. `body` must not call read_ranges() or write_ranges().
   void write_ranges(const std::vector<BufferRange>& ranges, const WithBytes& body);
   /// Moves bytes to a lower place in the same buffer. Source and target of one move may overlap, but two moves may not.
   void move_down(const std::vector<BufferMove>& moves);
   void fill_zero(DeviceBuffer& buffer);
 
-  /// Starts to build these programs in parallel, in this order, except for cached ones. kernel() waits for the program
-  /// that it needs. Does nothing without a cache folder (program_cache.h).
+  /// Starts to build these programs in parallel, in this order, except for those that are cached. kernel() waits for
+  /// the program that it needs. Does nothing without a cache folder (program_cache.h).
   void prepare(const std::vector<ProgramChoice>& programs);
-  /// Returns a kernel of kernels/FILE.cl. The kernel's program is built with the variant's options or loaded from the
+  /// Returns a kernel of kernels/FILE.cl. Its program is built with the options of the variant, or loaded from the
   /// program cache.
   Kernel kernel(const std::string& file, const std::string& kernel_name, const KernelVariant& variant);
 
-  /// Edits the sources of programs that are built from now on. An empty list ends the edits. Existing kernels stay
-  /// unchanged. Edits show what a guard prevents (host/lab/selftest). Edits are never used for a bake.
+  /// Edits the sources of programs that are built from now on. An empty list removes the edits. Existing kernels stay
+  /// unchanged. Edits show what a guard prevents (host/lab/selftest). They are never used for a bake.
   void edit_kernels(std::vector<SourceEdit> edits);
   bool kernels_are_edited() const;
 
@@ -182,27 +184,27 @@ class Device {
   /// Sends queued launches to the device.
   void flush();
 
-  /// Number of launches by kernel name, and number of programs built or loaded from the cache, since the device was
-  /// opened. host/formats/opencl/device_counts.h counts them for one job.
+  /// Return the number of launches by kernel name, and the number of programs built or loaded from the cache, since the
+  /// device was opened. host/formats/opencl/device_counts.h counts them for one job.
   const std::map<std::string, std::uint64_t>& launch_counts() const;
   std::uint64_t launch_total() const;
   int program_count() const;
-  /// Number of programs that kernel() had to build while its caller waited, because they were neither cached nor
-  /// prepared.
+  /// Returns the number of programs that kernel() had to build while its caller waited, because they were neither
+  /// cached nor prepared.
   int unprepared_count() const;
   /// Counts the same programs by kernels/FILE.cl.
   std::map<std::string, int> build_counts() const;
   const TransferCounts& transfers() const;
-  /// Largest number of bytes in live buffers since the device was opened or restart_buffer_peak() was called. Ignores
-  /// buffers that use the host's memory.
+  /// The largest number of bytes in live buffers since the device was opened or restart_buffer_peak() was called.
+  /// Buffers that use the host's memory are ignored.
   std::uint64_t buffer_bytes_peak() const;
   void restart_buffer_peak();
 
   /// Turns the timing of launches on or off.
   void time_launches(bool on);
-  /// Returns seconds on the device by kernel name, for timed launches. Waits for all launches.
+  /// Returns the seconds on the device by kernel name, for timed launches. Waits for all launches.
   std::map<std::string, double> launch_seconds();
-  /// Returns the sum over all timed launches; 0 if timing is off.
+  /// Returns the sum over all timed launches, or 0 if timing is off.
   double timed_seconds();
 
  private:

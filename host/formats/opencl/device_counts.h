@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Counts the work of a device for one job. A process uses one device for many jobs, and Device counts from the moment
-// the device is opened.
+// Counts the work of a device for one job. A process uses one device for many jobs, but Device counts from the moment
+// when the device is opened.
 #pragma once
 
 #include <cstdint>
@@ -13,14 +13,14 @@ namespace multum {
 
 class DeviceCounts {
  public:
-  /// Starts to count; does not open the device.
+  /// Starts to count. Does not open the device.
   explicit DeviceCounts(Device& device);
 
   /// Returns launch counts by kernel, without counts of 0.
   std::map<std::string, std::uint64_t> launches() const;
   /// Returns programs built or loaded from the cache, by kernels/FILE.cl.
   std::map<std::string, int> builds() const;
-  /// Returns seconds on the device by kernel, for timed launches. Waits for all launches.
+  /// Returns the seconds on the device by kernel, for timed launches. Waits for all launches.
   std::map<std::string, double> launch_seconds() const;
   TransferCounts transfers() const;
 

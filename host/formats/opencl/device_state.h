@@ -16,12 +16,12 @@
 
 namespace multum {
 
-/// Host memory from which the device copies data while the host continues.
+/// A part of the host's memory from which the device copies data while the host continues.
 struct StagingBuffer {
   cl::Buffer memory;
   unsigned char* bytes = nullptr;
   std::size_t size = 0;
-  cl::Event copied;  // event after which it can be overwritten; null if it already can
+  cl::Event copied;  // event after which the buffer can be overwritten; null if it already can
 };
 
 /// Byte counts of buffers, which may outlive the device's state.
@@ -70,7 +70,7 @@ class DeviceState {
 /// Returns the staging buffers to the queue that mapped them.
 void release_staging(DeviceState& state);
 
-/// Waits for all launches, and adds up their times. If it throws, no times are kept.
+/// Waits for all launches, and adds up their times. If this fails, no times are kept.
 void collect_times(DeviceState& state);
 
 /// Returns the key of kernels/FILE.cl, with its current edits, in state.programs.

@@ -22,7 +22,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// A folder that is removed by the process that made it, not by a child of fork().
+// A folder that is removed by the process that made it, but not by a child that fork() made.
 class PrivateFolder {
  public:
   explicit PrivateFolder(const std::string& above) : path_(above + "/multum-cache-XXXXXX"), owner_(::getpid()) {
@@ -41,8 +41,8 @@ class PrivateFolder {
   const pid_t owner_;
 };
 
-// Returns why no folder can be made inside `folder`, or an empty text if one can. Tries to make a folder, because
-// permissions do not tell this (root, a read-only or full disk).
+// Returns why no folder can be made inside `folder`, or an empty text if one can be made. Tries to make a folder,
+// because permissions do not show this (root, a read-only or full disk).
 std::string why_not_writable(const std::string& folder) {
   std::error_code error;
   fs::create_directories(folder, error);
@@ -74,8 +74,8 @@ class KernelCaches {
   const std::string& pocl_failure() const { return pocl_failure_; }
 
  private:
-  // Replaces a folder that cannot be written by a private one. Returns the reason if that fails, otherwise an empty
-  // string.
+  // Replaces a folder that cannot be written by a private one. Returns the reason if that fails. Otherwise returns an
+  // empty string.
   std::string replace(std::string& folder, const char* variable, const char* name) {
     if (folder.empty()) return "";
     const std::string why = why_not_writable(folder);
@@ -88,7 +88,7 @@ class KernelCaches {
       fs::create_directory(folder);
       if (!prefer_environment(variable, folder, true) && &folder == &folders_.pocl)
         return fmt::format("{}: {}. Set {} to a writable folder", place, said, variable);
-      log_warning(place, fmt::format("{}; they are compiled again into a private folder, which is deleted when this "
+      log_warning(place, fmt::format("{}, so they are compiled again into a private folder, which is deleted when this "
                                      "program ends. Set {} to a writable folder",
                                      said, variable));
       return "";

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Arguments and launches. Every failure names the kernel and OpenCL's error code.
+// Sets arguments and launches kernels. Every failure message names the kernel and OpenCL's error code.
 #include <algorithm>
 #include <utility>
 
@@ -22,9 +22,9 @@ void Kernel::set_bytes(int index, const void* bytes, std::size_t byte_count) {
 
 void Kernel::enqueue(const WorkSize& size) {
   if (size.global == 0) return;
-  // Local sizes are explicit, because PoCL compiles a kernel once per size, and leaves a thread idle when it chooses
-  // the size itself. A team needs a local size that equals its number of work-items, so LaunchShape allows teams only
-  // on devices whose work-groups can be that large.
+  // Local sizes are set explicitly, because PoCL compiles a kernel once per size, and leaves a thread idle when it
+  // chooses the size itself. A team needs a local size that equals its number of work-items. Therefore LaunchShape
+  // allows teams only on devices whose work-groups can be that large.
   const std::size_t wanted = size.local != 0 ? size.local : device_->shape.local_size;
   const std::size_t local = std::min(wanted, static_cast<std::size_t>(std::max(1, device_->info.work_group_max)));
   const std::size_t global = (size.global + local - 1) / local * local;
@@ -34,7 +34,7 @@ void Kernel::enqueue(const WorkSize& size) {
            "kernel " + name_);
   ++device_->launch_counts[name_];
   if (!device_->times_launches) return;
-  constexpr std::size_t kTimedMax = 4096;  // limited, because unread events need memory in the driver
+  constexpr std::size_t kTimedMax = 4096;  // limited because events that have not been read need memory in the driver
   device_->timed.emplace_back(name_, std::move(event));
   if (device_->timed.size() >= kTimedMax) collect_times(*device_);
 }

@@ -27,15 +27,15 @@ namespace multum {
 struct LaunchShape {
   int vector_width;                   // vector width of the kernels' fast variant
   std::size_t local_size;             // default local size of launches
-  std::size_t team_texels_max;        // largest number of texels that teams fit at once; 0 for no teams
-  int pack_parts;                     // number of work-items that arrange the samples of one group of texels
+  std::size_t team_texels_max;        // largest number of texels that teams fit at once; 0 if teams are not used
+  int pack_parts;                     // number of work-items that arrange the samples of a group of texels
   bool atomic_cells;                  // true if all chunks of a texel share one table of cells
   int strip_texels;                   // texels per work-item in the pyramid's kernels (texture inference)
   std::size_t strip_local_size;       // local size of the pyramid's kernels
   std::size_t staging_bytes;          // number of bytes of one copy; 0 if nothing is copied
-  std::uint64_t window_bytes_max;     // limit for rows fitted at once; 0 if --memory is the limit
-  std::uint64_t window_bytes_useful;  // rows fitted at once need no more bytes than this to be fast; if 0, the cache
-                                      // size decides (host/bakes/movmf/bake_plan.h)
+  std::uint64_t window_bytes_max;     // limit on the bytes of rows that are fitted at once; 0 if --memory is the limit
+  std::uint64_t window_bytes_useful;  // bytes of rows fitted at once that suffice for full speed; if 0, the cache size
+                                      // decides (host/bakes/movmf/bake_plan.h)
 
   bool has_teams() const { return team_texels_max > 0; }
   /// Returns whether teams fit this many texels at once, with at most `sample_capacity` samples each.

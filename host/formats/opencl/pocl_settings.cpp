@@ -9,7 +9,7 @@
 namespace multum {
 namespace {
 
-// The first name is for PoCL before 4.0, the second for 4.0 and later.
+// The first name is for PoCL before 4.0, and the second name is for 4.0 and later.
 constexpr const char* kThreadVariables[] = {"POCL_MAX_PTHREAD_COUNT", "POCL_CPU_MAX_CU_COUNT"};
 
 bool processor_has_avx512() {
@@ -48,7 +48,7 @@ bool pocl_loops_may_abort(const std::string& platform_version, bool has_avx512) 
 void ask_pocl_for_safe_loops(const std::string& platform_version) {
   if (pocl_loops_may_abort(platform_version, processor_has_avx512()))
     require_environment("POCL_WORK_GROUP_METHOD", "cbs",
-                        "PoCL with LLVM 18 ends the process while it compiles loops for this processor");
+                        "PoCL with LLVM 18 terminates the process while compiling loops for this processor");
 }
 
 }  // namespace multum

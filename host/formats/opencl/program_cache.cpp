@@ -24,7 +24,8 @@ namespace {
 
 std::string g_cache_folder;
 
-// Binaries end with the SHA-256 of the preceding bytes, so that a driver never gets a file cut short by a full disk.
+// Binaries end with the SHA-256 of the preceding bytes, so that a driver never gets a file that a full disk has
+// truncated.
 constexpr std::size_t kDigestSize = 64;
 
 // Builds a program in the state's context, or in another context of its device.
@@ -42,7 +43,7 @@ cl::Program build_from_source(const DeviceState& state, const cl::Context& conte
                           cl_error_name(status), program.getBuildInfo<CL_PROGRAM_BUILD_LOG>(state.device)));
 }
 
-// Returns nothing if there is no binary, or if the driver rejects it as damaged or foreign.
+// Returns nothing if there is no binary, or if the driver rejects the binary as damaged or foreign.
 std::optional<cl::Program> build_from_binary(const DeviceState& state, const std::string& bytes,
                                              const std::string& options) {
   if (bytes.empty()) return std::nullopt;
@@ -61,7 +62,7 @@ std::string binary_of(const cl::Program& program) {
   return binaries.empty() ? "" : std::string(binaries[0].begin(), binaries[0].end());
 }
 
-// Returns an empty string if no binary is usable.
+// Returns an empty string if there is no usable binary.
 std::string read_binary(const std::string& path) {
   std::string bytes;
   try {
@@ -75,7 +76,7 @@ std::string read_binary(const std::string& path) {
   const std::string digest = bytes.substr(bytes.size() - kDigestSize);
   bytes.resize(bytes.size() - kDigestSize);
   if (hash_text(bytes) == digest) return bytes;
-  log_verbose("program cache: " + path + " is damaged; building it again");
+  log_verbose("program cache: " + path + " is damaged, so it is built again");
   return {};
 }
 
@@ -115,7 +116,7 @@ Source source_of(const DeviceState& state, const std::string& file, const std::s
 void tell_of_building(DeviceState& state) {
   if (state.told_of_building) return;
   state.told_of_building = true;
-  log_info("compiling kernels for " + state.info.name + "; later runs load them from " + g_cache_folder);
+  log_info("compiling kernels for " + state.info.name + "; later runs read them from " + g_cache_folder);
 }
 
 std::string build_binary(const DeviceState& state, const cl::Context& context, const std::string& file,
@@ -172,7 +173,7 @@ cl::Program load_program(DeviceState& state, const std::string& file, const std:
     ++state.unprepared_count;
     log_verbose("program cache: " + file + " is being built while its caller waits");
     tell_of_building(state);
-    // Loads even a new program from its binary, so that the first run behaves like later runs.
+    // Loads even a new program from its binary, so that the first run behaves in the same way as later runs.
     const std::string bytes = build_binary(state, state.context, file, source, options);
     if (const auto program = build_from_binary(state, bytes, options)) return *program;
   }

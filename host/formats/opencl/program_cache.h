@@ -7,10 +7,11 @@
 
 namespace multum {
 
-/// Sets the folder for binaries. An empty name, the default, turns the cache off. Programs set it once at start.
+/// Sets the folder for binaries. An empty name, which is the default, turns the cache off. Programs call this once at
+/// start.
 void set_program_cache_folder(const std::string& folder);
 
-/// Returns the SHA-256 of all kernels' sources. Programs with other sources can give other results.
+/// Returns the SHA-256 of the sources of all kernels. Programs with other sources can give other results.
 const std::string& kernel_sources_hash();
 
 }  // namespace multum

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Copies between host and device. A CPU's buffers are mapped without a copy. For other devices, bytes pass through two
-// buffers of pinned memory, from which the device copies independently. The host fills one buffer while the other is
-// copied.
+// Copies between host and device. The buffers of a CPU are mapped without a copy. For other devices, bytes pass through
+// two buffers of pinned memory, from which the device copies independently. The host fills one buffer while the other
+// is copied.
 #include <algorithm>
 #include <cstring>
 #include <utility>
@@ -14,7 +14,7 @@
 namespace multum {
 namespace {
 
-// A CPU's memory is the host's memory.
+// The memory of a CPU is the host's memory.
 bool is_mapped(const DeviceState& state) { return state.shape.staging_bytes == 0; }
 
 std::size_t total_of(const std::vector<BufferRange>& ranges) {
@@ -60,9 +60,9 @@ Device::Bytes places_in(unsigned char* bytes, const std::vector<BufferRange>& ra
   return places;
 }
 
-// Maps ranges of CPUs' buffers for the host during the object's lifetime. Ignores empty ranges. Ranges are mapped
-// together, so the host waits only once for earlier launches; later launches wait in the queue. After writing, call
-// unmap(): if unmapping fails, the device may not see the bytes.
+// Maps ranges of CPU buffers for the host while the object exists. Ignores empty ranges. All ranges are mapped
+// together, so the host waits only once for earlier launches. Later launches wait in the queue. After writing, call
+// unmap(). If unmapping fails, the device may not see the bytes.
 class MappedRanges {
  public:
   explicit MappedRanges(const DeviceState& state) : queue_(state.queue) {}
@@ -187,7 +187,7 @@ void Device::move_down(const std::vector<BufferMove>& moves) {
       std::memmove(bytes[i], bytes[i] + (moves[i].from.begin - moves[i].to), moves[i].from.count);
     return mapped.unmap();
   }
-  // Copies one piece after another. Each piece is too short to overlap its target.
+  // Copies one piece after another. Each piece is so short that it does not overlap its target.
   for (const auto& [from, to] : moves) {
     const cl::Buffer& memory = *from.buffer->memory_;
     const std::size_t distance = from.begin - to;

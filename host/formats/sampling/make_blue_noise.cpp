@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// make_blue_noise FILE writes the texture of blue_noise.h as C++. The build runs this program.
+// make_blue_noise FILE writes the texture of blue_noise.h as C++ source code. The build runs this program.
 #include <cstdio>
 #include <fstream>
 

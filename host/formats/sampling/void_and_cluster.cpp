@@ -74,7 +74,7 @@ std::vector<int> void_and_cluster(int side, std::uint32_t seed) {
     pattern.set(texel, true);
     ++first_count;
   }
-  // Moves points from clusters to voids until one returns to its place.
+  // Moves points from clusters to voids until a point returns to its place.
   for (std::size_t step = 0; step < count; ++step) {
     const std::size_t cluster = pattern.tightest_cluster();
     pattern.set(cluster, false);

@@ -8,8 +8,8 @@
 
 namespace multum {
 
-/// Returns the ranks 0 to side^2 - 1, each once, row by row, of a mask that repeats in both directions. For every n,
-/// the n lowest ranks are evenly spread. `side` is 8 to 256. Each seed gives a different mask.
+/// Returns a mask that repeats in both directions. It holds the ranks 0 to side^2 - 1, each once, row by row. For every
+/// n, the n lowest ranks are evenly spread. `side` is 8 to 256. Each seed gives a different mask.
 std::vector<int> void_and_cluster(int side, std::uint32_t seed);
 
 }  // namespace multum

@@ -52,7 +52,7 @@ Texel armour_texel(double x, double y) {
 }
 
 Texel ring_texel(double x, double y, double quarter_size) {
-  const double centre = quarter_size / 2.0 + 3.3;  // off the grid, so that no two quadrants of the rings are equal
+  const double centre = quarter_size / 2.0 + 3.3;  // off the grid, so that all quadrants of the rings differ
   const double dx = x - centre;
   const double dy = y - centre;
   const double radius = std::sqrt(dx * dx + dy * dy) + 1e-3;
@@ -82,14 +82,14 @@ std::uint16_t rounded_16_bit(double value) {
   return static_cast<std::uint16_t>(std::clamp(std::nearbyint(value * 65535.0), 0.0, 65535.0));
 }
 
-// Returns the normal of a slope in 16 bits.
+// Returns the normal that belongs to a slope, in 16 bits.
 std::array<std::uint16_t, 3> normal_code(const Texel& texel) {
   const double z = 1.0 / std::sqrt(1.0 + texel.slope_x * texel.slope_x + texel.slope_y * texel.slope_y);
   return {rounded_16_bit(texel.slope_x * z * 0.5 + 0.5), rounded_16_bit(texel.slope_y * z * 0.5 + 0.5),
           rounded_16_bit(z * 0.5 + 0.5)};
 }
 
-// Decodes a normal like a reader of the PNG.
+// Decodes a normal in the same way as a reader of the PNG.
 std::array<float, 3> unit_normal(const std::array<std::uint16_t, 3>& code) {
   std::array<double, 3> n;
   for (std::size_t c = 0; c < 3; ++c) n[c] = code[c] / 65535.0 * 2.0 - 1.0;
@@ -97,7 +97,8 @@ std::array<float, 3> unit_normal(const std::array<std::uint16_t, 3>& code) {
   return {static_cast<float>(n[0] / length), static_cast<float>(n[1] / length), static_cast<float>(n[2] / length)};
 }
 
-// Makes rows of the map: the PNG's codes of the normals, and linear colours. Each has three values per texel.
+// Makes rows of the map. A row has the codes of the normals in the PNG, and linear colours. Each has three values per
+// texel.
 struct FourQuarterRows {
   std::vector<std::uint16_t> normal_codes;
   std::vector<float> colours;

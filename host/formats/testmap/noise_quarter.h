@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// The noise quarter of the four-quarter map, row by row: white noise filtered by a Gaussian of 0.8 texels, periodic.
-// Slopes are central differences. The slopes are scaled to an rms of 0.45, then multiplied by a factor that grows from
-// 0.4 at the left to 1.6 at the right. SplitMix64 and Box-Muller are implemented here, so that a seed gives the same
-// map with every standard library. Only the last bits of log, sin and cos can differ. Rounding to 16 bits hides these
-// differences, except when a value is close to the midpoint of two codes.
+// Makes the noise quarter of the four-quarter map row by row. It is periodic white noise, filtered by a Gaussian of 0.8
+// texels. Slopes are central differences. They are scaled to an rms of 0.45, then multiplied by a factor that grows
+// from 0.4 at the left to 1.6 at the right. SplitMix64 and Box-Muller are implemented here, so that a seed gives the
+// same map with every standard library. Only the last bits of log, sin and cos can differ. Rounding to 16 bits hides
+// these differences, except when a value is close to the midpoint of two codes.
 #pragma once
 
 #include <cstdint>
@@ -22,7 +22,7 @@ struct NoiseSlopes {
 
 class NoiseQuarter {
  public:
-  /// Computes the whole quarter once, to get its rms.
+  /// Computes the whole quarter once, in order to get its rms.
   NoiseQuarter(int size, std::uint64_t seed);
   NoiseQuarter(const NoiseQuarter&) = delete;
   NoiseQuarter& operator=(const NoiseQuarter&) = delete;
@@ -33,7 +33,7 @@ class NoiseQuarter {
  private:
   using Row = std::vector<double>;
 
-  // The most recently used rows; rows beyond the border wrap around.
+  // The most recently used rows. Rows beyond the border wrap around.
   class RecentRows {
    public:
     RecentRows(int height, std::size_t kept_count, std::function<Row(int row)> make)

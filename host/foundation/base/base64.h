@@ -9,7 +9,7 @@ namespace multum {
 
 std::string encode_base64(const std::string& bytes);
 
-/// Decodes up to the first '='; returns nullopt if any character before it is not one of the 64 digits.
+/// Decodes the characters before the first '='. Returns nullopt if any of them is not one of the 64 digits of Base64.
 std::optional<std::string> decode_base64(const std::string& text);
 
 }  // namespace multum

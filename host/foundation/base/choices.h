@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Gives names to the values of a setting; command lines and files use the same names.
+// Gives names to the values of a setting. Command lines and files use the same names.
 #pragma once
 
 #include <initializer_list>
@@ -10,8 +10,8 @@
 
 namespace multum {
 
-/// Pairs of names and values, in the order in which help shows them. Tables use these lists when a program starts, so a
-/// list must not need its own initialization: make it a constant at namespace scope.
+/// Pairs of names and values, in the order in which help texts show them. Tables use these lists when a program starts,
+/// so a list must not need initialization at run time. It must be a constant at namespace scope.
 template <typename Value>
 using Choices = std::initializer_list<std::pair<const char*, Value>>;
 

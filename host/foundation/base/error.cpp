@@ -17,7 +17,7 @@
 namespace multum {
 namespace {
 
-// Rewrites "/proc/PID/fd/N/rows" as "/maps/.multum-partial-a.exr/rows" while N is open.
+// Rewrites "/proc/PID/fd/N/rows" as "/maps/.multum-partial-a.exr/rows" while descriptor N is open.
 std::string with_names(std::string message) {
   const std::string own = "/proc/" + std::to_string(::getpid()) + "/fd/";
   for (std::size_t at = message.find(own); at != std::string::npos; at = message.find(own, at + 1)) {
@@ -46,10 +46,10 @@ int exit_code(ErrorCode code) {
 }
 
 int run_guarded(const char* program, int (*body)(int, char**), int argc, char** argv) {
-  // SIGXFSZ would end the program in the middle of its work. If the program ignores SIGXFSZ, a write beyond the file
-  // size limit (ulimit -f) fails with EFBIG, as a write to a full disk fails with ENOSPC. Other programs that this
-  // program starts get the default action back (spawn_process()). If such a program belongs to this project, it then
-  // runs this line itself.
+  // By default, SIGXFSZ ends the program in the middle of its work. If the program ignores SIGXFSZ, a write beyond the
+  // file size limit (ulimit -f) fails with EFBIG, just as a write to a full disk fails with ENOSPC. Other programs that
+  // this program starts get the default action back (spawn_process()). If such a program belongs to this project, it
+  // ignores the signal itself when it runs this line.
   std::signal(SIGXFSZ, SIG_IGN);
   begin_whole_lines();
   try {

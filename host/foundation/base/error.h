@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // The three kinds of errors, which are handled in different ways (docs/contributing/ARCHITECTURE.md, "Errors"):
-//   programmer error      MULTUM_CHECK / MULTUM_DCHECK stop the program;
-//   bad input or machine  throw Error{code, message}: which file, what was found, what was expected;
-//   numerical trouble     is clamped by a documented rule and counted in the report, never thrown.
+//   programmer error      MULTUM_CHECK and MULTUM_DCHECK stop the program;
+//   bad input or machine  the code throws Error{code, message}, which says which file, what was found, what was
+//   expected;
+//   numerical trouble     a documented rule clamps the value, and the report counts it; nothing is thrown.
 #pragma once
 
 #include <exception>
@@ -20,8 +21,8 @@ enum class ErrorCode {
 
 class Error : public std::runtime_error {
  public:
-  /// In the message, a path through a descriptor of this process (such as the path of a working folder) is replaced by
-  /// the name of the open file.
+  /// If the message contains a path through a descriptor of this process (such as the path of a working folder), the
+  /// path is replaced by the name of the open file.
   Error(ErrorCode code, const std::string& message);
   ErrorCode code() const { return code_; }
 
@@ -29,7 +30,7 @@ class Error : public std::runtime_error {
   ErrorCode code_;
 };
 
-/// Thrown at the next tile boundary after a Progress callback asked to stop. No partial file remains.
+/// Thrown at the next tile boundary after a Progress callback asked to stop. No partial file remains on the disk.
 class Cancelled : public std::exception {
  public:
   const char* what() const noexcept override { return "cancelled"; }
@@ -43,19 +44,20 @@ int exit_code(ErrorCode code);
 /// Exceptions are caught only here, in the daemon's jobs and at the C boundary.
 int run_guarded(const char* program, int (*body)(int, char**), int argc, char** argv);
 
-/// Throws Error{kInput}: "PATH: WHAT".
+/// Throws Error{kInput} with the message "PATH: WHAT".
 [[noreturn]] void refuse_file(const std::string& path, const std::string& what);
 
-/// Throws Error{kEnvironment}: "SUBJECT: WHAT: " and the meaning of errno. The subject is a path or another object of
-/// the failed call.
+/// Throws Error{kEnvironment} with the message "SUBJECT: WHAT: " and the meaning of errno. The subject is a path or
+/// another object that the failed call used.
 [[noreturn]] void fail_by_errno(const std::string& subject, const std::string& what);
 
-/// Implemented in host/foundation/base/process_rules.
+/// This function is implemented in host/foundation/base/process_rules.
 [[noreturn]] void check_failed(const char* condition, const char* file, int line);
 
 }  // namespace multum
 
-/// Stops the program if `condition` is false, also in release builds. Only for programming errors, never for bad input.
+/// Stops the program if `condition` is false, also in release builds. Use it only for programming errors, never for bad
+/// input.
 #define MULTUM_CHECK(condition) \
   ((condition) ? static_cast<void>(0) : ::multum::check_failed(#condition, __FILE__, __LINE__))
 

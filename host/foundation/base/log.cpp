@@ -11,7 +11,7 @@ namespace {
 
 LogLevel g_level = LogLevel::kNormal;
 
-// A listener chooses among all lines; the log level limits only lines without a listener.
+// If there is a listener, it receives all lines. The log level only limits lines that have no listener.
 void log_line(LogKind kind, const std::string& line, bool is_shown) {
   if (LogListener* const listener = log_receivers().listener) listener->hear(kind, line);
   else if (is_shown) show_log_line(kind == LogKind::kWarning ? "warning: " + line : line);

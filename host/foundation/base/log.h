@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writes messages for the user to stderr; results go to stdout, so that the two can be piped separately.
+// Writes messages for the user to stderr. Results go to stdout, so users can pipe the two separately.
 #pragma once
 
 #include <string>
@@ -11,11 +11,12 @@ enum class LogLevel { kQuiet, kNormal, kVerbose };
 void set_log_level(LogLevel level);
 LogLevel log_level();
 
-/// Reports a possible problem with `subject`, after which the work continues. `subject` is a file, or the library that
-/// reported the problem. Unless quiet, shows "warning: SUBJECT: MESSAGE", so that users know which of many files is
-/// meant.
+/// Warns about a possible problem with `subject`. The work continues. `subject` is a file, or the library that reported
+/// the problem. Unless the log is quiet, shows "warning: SUBJECT: MESSAGE", so that users know which of many files the
+/// warning is about.
 void log_warning(const std::string& subject, const std::string& message);
-/// Like log_warning(), for a text that begins with its subject: a text from HeldWarnings or from a report.
+/// Works like log_warning() for a text that begins with its subject. Such texts come from HeldWarnings or from a
+/// report.
 void log_named_warning(const std::string& warning);
 /// Logs findings and decisions. These messages are shown unless the log is quiet.
 void log_info(const std::string& message);

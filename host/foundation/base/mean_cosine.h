@@ -7,7 +7,7 @@
 
 namespace multum {
 
-/// Returns kappa for a mean cosine r, at most `kappa_max`: Banerjee's approximation and two Newton steps.
+/// Returns kappa for a mean cosine r, at most `kappa_max`. Uses Banerjee's approximation and two Newton steps.
 inline double kappa_of_mean_cosine(double r, double kappa_max) {
   r = std::min(r, 1.0 - 1e-9);
   if (r > 0.9) return std::min(1.0 / (1.0 - r), kappa_max);

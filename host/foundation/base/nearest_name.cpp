@@ -8,7 +8,7 @@
 namespace multum {
 namespace {
 
-// The Levenshtein distance: the smallest number of letters to insert, remove or replace.
+// Returns the Levenshtein distance: the smallest number of letters that must be inserted, removed or replaced.
 std::size_t edit_distance(const std::string& a, const std::string& b) {
   std::vector<std::size_t> row(b.size() + 1);
   std::iota(row.begin(), row.end(), std::size_t{0});

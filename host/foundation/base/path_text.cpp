@@ -8,7 +8,7 @@
 namespace multum {
 namespace {
 
-// In UTF-8, U+EF80 to U+EFBF are EE BE 80 to EE BE BF, and U+EFC0 to U+EFFF are EE BF 80 to EE BF BF.
+// In UTF-8, the characters U+EF80 to U+EFBF are EE BE 80 to EE BE BF, and U+EFC0 to U+EFFF are EE BF 80 to EE BF BF.
 constexpr std::size_t kEscapeBytes = 3;
 
 bool is_escape(std::string_view character) {
@@ -27,14 +27,14 @@ char escaped_byte(std::string_view escape) {
   return static_cast<char>((escape[1] == '\xbe' ? 0x80 : 0xc0) | low);
 }
 
-// Returns the character at `at`. If there is none, returns one byte, with `is_character` false.
+// Returns the character at `at`. If no valid character begins there, returns one byte, with `is_character` false.
 std::string_view next_piece(std::string_view text, std::size_t at, bool& is_character) {
   const std::size_t length = character_length(text, at);
   is_character = length > 0;
   return text.substr(at, std::max<std::size_t>(length, 1));
 }
 
-// Escapes all bytes except for characters for which `stays` returns true.
+// Escapes all bytes, except for the characters for which `stays` returns true.
 template <typename Stays>
 std::string escaped(std::string_view bytes, const Stays& stays) {
   std::string text;

@@ -58,9 +58,10 @@ int steady_seconds() {
   return static_cast<int>(now.tv_sec);
 }
 
-// The first signal tells the program to stop. A later signal ends a program that does not react, but only after a
-// delay. Some senders (timeout of coreutils, agents of farms) signal a process and then its group, and on an overloaded
-// machine, seconds can pass between these two signals. The delay is shorter for a user who presses Ctrl-C again.
+// The first signal asks the program to stop. A later signal ends a program that does not react, but only after a delay.
+// The delay is needed because some senders (timeout of coreutils, agents of farms) signal a process and then its group.
+// On an overloaded machine, seconds can pass between these two signals. The delay is shorter for a user who presses
+// Ctrl-C again.
 void on_interrupt(int signal) {
   if (g_interrupted == 0) {
     g_interrupted_at = steady_seconds();
@@ -77,9 +78,9 @@ bool is_interrupted() { return g_interrupted != 0; }
 
 namespace {
 
-// LLVM, which OpenCL's driver loads, replaces these handlers with its own. The first signal removes LLVM's handlers
-// again (SA_RESETHAND), so a second signal at the same moment would end the program. Therefore the handlers are
-// restored regularly.
+// The OpenCL driver loads LLVM, which replaces these handlers with its own. The first signal removes LLVM's handlers
+// again (SA_RESETHAND), so a second signal at the same moment would end the program. Therefore this program restores
+// its handlers regularly.
 void keep_interrupt_handlers() {
   for (const int signal : {SIGINT, SIGTERM}) {
     struct sigaction action = {};
@@ -121,7 +122,7 @@ class TerminalBar {
     }
     shown_ = false;
   }
-  // Estimates the remaining time from the pace so far. Returns nothing for short work and at the beginning.
+  // Estimates the remaining time from the average speed so far. Returns nothing for short work and at the beginning.
   std::string time_left(double fraction, std::chrono::steady_clock::time_point now) const {
     const double spent = std::chrono::duration<double>(now - start_).count();
     if (spent < 5.0 || fraction < 0.02 || fraction >= 1.0) return "";

@@ -22,14 +22,15 @@ class Progress {
 
   explicit Progress(Callback callback) : callback_(std::move(callback)) {}
 
-  /// Declares the amount of work. The outermost long call calls this function once. If several calls follow each other,
-  /// each starts at 0.
+  /// Declares the amount of work. Only the outermost long call calls this function, and only once. If several long
+  /// calls follow each other, the count starts at 0 for each of them.
   void start(std::uint64_t units_total);
   /// Names the next stage. Throws Cancelled if the callback returns false.
   void stage(const std::string& name);
   /// Counts finished units. Throws Cancelled if the callback returns false.
   void advance(std::uint64_t units);
-  /// Counts the remaining work as done. Never throws Cancelled, because a finished result cannot be cancelled.
+  /// Counts the remaining work as done. This function never throws Cancelled, because a finished result cannot be
+  /// cancelled.
   void finish();
 
  private:
@@ -38,7 +39,7 @@ class Progress {
   ProgressEvent event_{"", 0, 0};
 };
 
-// The functions above for an optional Progress. They do nothing if the pointer is null.
+// Call the functions above for an optional Progress. They do nothing if the pointer is null.
 inline void progress_start(Progress* p, std::uint64_t units) {
   if (p != nullptr) p->start(units);
 }
@@ -52,8 +53,8 @@ inline void progress_finish(Progress* p) {
   if (p != nullptr) p->finish();
 }
 
-/// Returns a Progress for a part of a longer call. The longer call counts its own units, so the result only passes
-/// cancellation on. `progress` must outlive it.
+/// Returns a Progress for one part of a longer call. The longer call counts its own units, so the returned object only
+/// passes cancellation on. `progress` must outlive the returned object.
 inline Progress cancel_only(Progress* progress) {
   return Progress([progress](const ProgressEvent&) {
     progress_advance(progress, 0);
@@ -61,7 +62,7 @@ inline Progress cancel_only(Progress* progress) {
   });
 }
 
-/// Shows a bar on stderr if it is a terminal. Ctrl-C and SIGTERM cancel.
+/// Shows a progress bar on stderr if stderr is a terminal. Ctrl-C and SIGTERM cancel the work.
 std::unique_ptr<Progress> make_terminal_progress(bool show_bar);
 
 }  // namespace multum

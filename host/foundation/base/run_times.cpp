@@ -27,7 +27,7 @@ RunClock::RunClock(DeviceSeconds device_seconds)
       processor_before_(processor_seconds()) {}
 
 RunTime RunClock::time() const {
-  // Reads the device's time first, because this call waits until the device has finished its work.
+  // Reads the time of the device first, because this call waits until the device has finished its work.
   const double device = device_seconds_ ? device_seconds_() - device_before_ : 0.0;
   return {processor_seconds() - processor_before_, stopwatch_.seconds(), device};
 }

@@ -16,7 +16,7 @@
 namespace multum {
 namespace {
 
-// A record needs some hundred bytes per sample of each texture. A larger file cannot be a record, and is not read.
+// A record needs a few hundred bytes per sample of each texture. A much larger file cannot be a record and is not read.
 constexpr std::int64_t kBytesMax = std::int64_t{256} << 20;
 
 [[noreturn]] void refuse(const ShareName& share, const std::string& found) {
@@ -25,7 +25,7 @@ constexpr std::int64_t kBytesMax = std::int64_t{256} << 20;
 
 std::string text_of(const ShareName& share) {
   std::error_code ignored;
-  if (!std::filesystem::exists(share.path(), ignored)) refuse(share, "is not there");
+  if (!std::filesystem::exists(share.path(), ignored)) refuse(share, "is missing");
   try {
     ByteFile file(share.path());
     if (file.size() > kBytesMax)
@@ -70,7 +70,7 @@ nlohmann::json read_share_record(const ShareName& share, const std::string& key)
       refuse(share,
              fmt::format("says {} {}, expected {}", name, json.value(name, nlohmann::json()).dump(), value.dump()));
   if (json.value("key", nlohmann::json()) != key)
-    refuse(share, "was made with other inputs, other settings or another version");
+    refuse(share, "was made with different inputs, different settings or a different version");
   if (!json.contains("content") || !json["content"].is_object()) refuse(share, "has no content");
   return json["content"];
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lists the files that a share of a scene or of an inference made, in the record OUTPUT/shards/3-of-8.shard. A merge
-// reads the records of all shares; a share that runs again reads its own record.
+// Lists the files that one share of a scene or of an inference made. The list is stored in the record
+// OUTPUT/shards/3-of-8.shard. A merge reads the records of all shares. A share that runs again reads its own record.
 //
 //   {"multumShare": 1, "kind": "scene", "share": 3, "of": 8, "key": "...", "content": {...}}
 //   SHA-256 of the first line, without its line end
@@ -12,7 +12,7 @@
 namespace multum {
 
 struct ShareName {
-  std::string folder;  // folder of the output
+  std::string folder;  // the output folder
   std::string kind;    // "scene" or "inference"
   int index = 1, count = 1;
 
@@ -26,7 +26,7 @@ struct ShareName {
 void write_share_record(const ShareName& share, const std::string& key, const nlohmann::json& content);
 
 /// Reads a record. If the record is missing or damaged, or belongs to another share or key, throws Error(kEnvironment).
-/// The message names the file, the fault, and the option with which the share is made again.
+/// The message names the file, the fault, and the option that makes the share again.
 nlohmann::json read_share_record(const ShareName& share, const std::string& key);
 
 }  // namespace multum

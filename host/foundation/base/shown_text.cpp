@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Accepts UTF-8 as in RFC 3629, section 4: no overlong forms, no surrogates, nothing beyond U+10FFFF. A decoder that
-// accepts other forms could find a control character where this decoder finds none.
+// Accepts UTF-8 as defined in RFC 3629, section 4: no overlong forms, no surrogates, and nothing beyond U+10FFFF. A
+// terminal that accepts other forms could find a control character where this decoder finds none.
 #include "host/foundation/base/shown_text.h"
 
 #include <unistd.h>
@@ -20,7 +20,7 @@ constexpr char kHexDigits[] = "0123456789abcdef";
 
 std::uint32_t byte_at(std::string_view text, std::size_t i) { return static_cast<unsigned char>(text[i]); }
 
-// Returns the length of a character according to its first byte; 0 if it is not a first byte.
+// Returns the length of a character, given its first byte. Returns 0 if the byte is not a first byte.
 std::size_t announced_length(std::uint32_t first) {
   if (first < 0x80) return 1;
   if (first >= 0xc2 && first <= 0xdf) return 2;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Converts counts to sizes, because a product of counts can exceed the range of int.
+// Converts counts to sizes. Sizes are used because a product of counts can exceed the range of int.
 #pragma once
 
 #include <cstddef>

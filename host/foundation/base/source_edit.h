@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Edits the text of kernels and shaders, so that a test can run without the guard that it covers. The test then shows
-// the effect of the missing guard (host/lab/selftest, tests/gl).
+// Edits the text of kernels and shaders so that a test can run them without the guard that it covers. The test then
+// shows what happens without the guard (host/lab/selftest, tests/gl).
 #pragma once
 
 #include <string>
@@ -15,8 +15,8 @@ struct SourceEdit {
   std::string replacement;  // replaces every occurrence
 };
 
-/// Returns `source`, the text of `file`, with the edits for this file. If the text of an edit does not occur, the
-/// source was changed without the test. In this case, throws std::logic_error, which names the file.
+/// Returns `source`, the text of `file`, with the edits for this file applied. Throws std::logic_error, which names the
+/// file, if the text of an edit does not occur. In that case, the source was changed without the test.
 std::string edited_source(std::string_view source, const std::string& file, const std::vector<SourceEdit>& edits);
 
 }  // namespace multum

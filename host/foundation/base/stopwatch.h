@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Measures seconds of wall time, and of processor time.
+// Measures wall time and processor time in seconds.
 #pragma once
 
 #include <chrono>
@@ -7,7 +7,7 @@
 
 namespace multum {
 
-/// Measures from its construction or its last lap.
+/// Measures the time since its construction or its last lap.
 class Stopwatch {
  public:
   double seconds() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }
@@ -24,7 +24,7 @@ class Stopwatch {
   Clock::time_point start_ = Clock::now();
 };
 
-/// Measures the processor time of the calling thread from its construction on; other programs do not affect it.
+/// Measures the processor time of the calling thread since construction. Other programs do not affect this time.
 class ThreadStopwatch {
  public:
   double seconds() const { return now() - start_; }

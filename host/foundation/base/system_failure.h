@@ -8,18 +8,18 @@
 
 namespace multum {
 
-/// Returns the meaning of `number`, a value of errno. If a limit of this process explains the error, adds the limit,
-/// its value and the option of the shell's ulimit that sets it: "File too large; files may have 1048576 bytes (ulimit
-/// -f)".
+/// Returns the meaning of `number`, a value of errno. If a limit of this process explains the error, the text also
+/// gives the limit, its value and the option of the shell's ulimit command that sets it: "File too large; files may
+/// have 1048576 bytes (ulimit -f)".
 std::string errno_text(int number);
 
-/// Returns the error code for a value of errno. The code is kUsage for a name that is too long for the file system,
-/// because another attempt cannot help; otherwise kEnvironment.
+/// Returns the error code for a value of errno. If a name is too long for the file system, the code is kUsage, because
+/// another attempt cannot help. Otherwise, the code is kEnvironment.
 ErrorCode errno_code(int number);
 
-/// Called in a catch block: returns the exception as an Error, for loops that continue with the next file. Returns an
-/// Error unchanged; turns exhausted memory and system failures (std::bad_alloc, std::system_error) into an Error
-/// about `subject`. Rethrows all other exceptions, so that Cancelled and faults of the program end the loop.
+/// Called in a catch block: returns the exception as an Error, for loops that continue with the next file. An Error is
+/// returned unchanged. Exhausted memory and system failures (std::bad_alloc, std::system_error) become an Error about
+/// `subject`. All other exceptions are rethrown, so that Cancelled and faults of the program end the loop.
 Error caught_error(const std::string& subject);
 
 }  // namespace multum

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Compiles loops once for every width of vector registers. The program uses the widest registers of the machine. All
-// widths give the same bits, because such a loop computes each element independently, and no multiplication is
+// widths give the same bits, for two reasons: such a loop computes each element independently, and no multiplication is
 // contracted with an addition (-ffp-contract=off, for every target).
 #pragma once
 
@@ -17,8 +17,8 @@
 
 namespace multum {
 
-/// Doubles that begin at a cache line. The widest registers have the size of one line, and access across two lines is
-/// slow.
+/// An array of doubles that begins at a cache line. The widest registers have the size of one line, and an access that
+/// crosses two lines is slow.
 class AlignedRow {
  public:
   explicit AlignedRow(std::size_t count = 0) : lines_((count + 7) / 8) {}

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Workaround "ISA-L leaves vector registers in use": ISA-L 2.30's AVX functions return without VZEROUPPER. Afterwards,
-// every SSE instruction of the thread waits, because it preserves the unneeded upper halves of the registers. Rounding
-// after a checksum took twice as long. Call this function after such functions.
+// Workaround "ISA-L leaves vector registers in use": the AVX functions of ISA-L 2.30 return without VZEROUPPER.
+// Afterwards, every SSE instruction of the thread waits, because it preserves the unneeded upper halves of the
+// registers. As a result, rounding took twice as long after a checksum. Call this function after each call of such a
+// function.
 #pragma once
 
 namespace multum {

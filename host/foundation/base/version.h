@@ -6,7 +6,7 @@
 
 namespace multum {
 
-/// The name of this program in files that it writes, "multum 0.1.0".
+/// The name of this program in the files that it writes, "multum 0.1.0".
 const std::string& software_version();
 
 }  // namespace multum

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Divides a list of work among several processes. A process finds its work from the number of its share, so the
+// Divides a list of work among several processes. Each process derives its work from the number of its share, so the
 // processes do not communicate.
 #pragma once
 
@@ -9,8 +9,8 @@
 
 namespace multum {
 
-/// The shares from number `first` to number `last`, of `count` shares; numbers start at 1. Pieces are assigned to
-/// shares in turn, so that neighbouring pieces, which often have the same size, belong to different shares.
+/// The shares from number `first` to number `last`, out of `count` shares. Numbers start at 1. Pieces are assigned to
+/// shares in turn, so neighbouring pieces, which often have the same size, belong to different shares.
 struct WorkShard {
   int first = 1, last = 1, count = 1;
 
@@ -25,13 +25,13 @@ struct WorkShard {
 /// Parses "3/8", or "3-5/8" for shares 3, 4 and 5. Throws Error(kUsage), which names `option`.
 WorkShard parse_work_shard(const std::string& option, const std::string& text);
 
-/// Largest number of shares in one merge.
+/// The largest number of shares in one merge.
 inline constexpr int kMergedSharesMax = 4096;
 
 /// Like parse_work_shard(), for shares that a merge combines. Also throws Error(kUsage) for more than kMergedSharesMax.
 WorkShard parse_merged_shard(const std::string& option, const std::string& text);
 
-/// Returns the file of a share of one map, next to its output: OUTPUT.shard-3-of-8.
+/// Returns the file that a share of one map writes next to the output: OUTPUT.shard-3-of-8.
 std::string share_file(const std::string& output, int index, int count);
 
 /// Returns the pieces of these shares, in order.

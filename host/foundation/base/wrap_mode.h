@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Wrap modes define the values beyond an image's border. Wrap modes have the same names as in maketx.
+// Wrap modes define the values beyond the border of an image. They have the same names as in maketx.
 #pragma once
 
 #include <optional>

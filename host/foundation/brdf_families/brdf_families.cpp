@@ -12,7 +12,7 @@ using Text = std::string_view;
 
 double width_itself(float width) { return static_cast<double>(width); }
 
-// Computes glTF's alpha, in float as in shaders.
+// Computes the alpha of glTF in single precision, as shaders do.
 double alpha_of(float roughness) { return static_cast<double>(roughness * roughness); }
 
 constexpr BrdfMember kRoughness = {BrdfField::kRoughness, "roughness", "ROUGHNESS", 0.05, 1.0};
@@ -28,7 +28,7 @@ double blinn_phong_density(float width, double e) {
   return e < 1.0 ? (s + 1.0) / (2.0 * std::numbers::pi) * std::exp(s * std::log1p(-e)) : 0.0;
 }
 
-// f is a vMF of kappa 1 / (2 sigma^2). In this form of Torrance-Sparrow, F = V = 1, and k_s includes Fresnel and
+// f is a vMF lobe with kappa 1 / (2 sigma^2). In this form of Torrance-Sparrow, F = V = 1, and k_s includes Fresnel and
 // shadowing.
 constexpr BrdfMember kTorranceSparrowMembers[] = {kSigma};
 constexpr Text kTorranceSparrowFlags[] = {"MULTUM_TORRANCE_SPARROW"},
@@ -44,7 +44,7 @@ double torrance_sparrow_density(float width, double e) {
   return kappa / (2.0 * std::numbers::pi * -std::expm1(-2.0 * kappa)) * std::exp(-kappa * e);
 }
 
-// Cook and Torrance 1982. f is the same as for Torrance-Sparrow, and V is the shadowing of V-shaped grooves.
+// Cook and Torrance 1982. f is the same as for Torrance-Sparrow, and V is the shadowing by V-shaped grooves.
 constexpr BrdfMember kCookTorranceMembers[] = {kSigma, kF0};
 constexpr Text kCookTorranceFlags[] = {"MULTUM_TORRANCE_SPARROW", "MULTUM_COOK_TORRANCE", "MULTUM_VISIBILITY"},
                kCookTorranceFiles[] = {"torrance_sparrow.glsl", "cook_torrance.glsl"};
@@ -66,8 +66,8 @@ double smith_visibility(float width, double n_l, double n_v, double, double) {
 }
 
 // Sheen of cloth: Estevez and Kulla 2017, "Production Friendly Microfacet Sheen BRDF", with alpha = roughness^2. V is
-// the one of Ashikhmin and Premoze 2007, which KHR_materials_sheen, Filament and three.js also use. f is 0 at the
-// normal.
+// the visibility term of Ashikhmin and Premoze 2007, which KHR_materials_sheen, Filament and three.js also use. f is 0
+// at the normal.
 constexpr BrdfMember kCharlieMembers[] = {kRoughness};
 constexpr Text kCharlieFlags[] = {"MULTUM_CHARLIE", "MULTUM_VISIBILITY"}, kCharlieFiles[] = {"charlie.glsl"};
 

@@ -17,8 +17,8 @@ std::string both(const std::string& name, std::string_view own) {
 
 }  // namespace
 
-// Without '<', neither "</script" nor "<!--" can end or change the element. Because non-ASCII characters are escaped,
-// U+2028 cannot end a line.
+// Without '<', the text cannot contain "</script" or "<!--", which could end or change the element. Because non-ASCII
+// characters are escaped, U+2028 cannot end a line.
 std::string script_json(const nlohmann::ordered_json& data) {
   std::string html;
   for (const char c : json_text(data, -1, true))
@@ -32,7 +32,7 @@ std::string html_page(const PageTemplate& page, const nlohmann::ordered_json& da
                                                     {"body", std::string(page.body)},
                                                     {"data", script_json(data)},
                                                     {"script", both("page.js", page.script)}};
-  // "{{style}}" and so on are replaced only in the frame, because parts may hold braces.
+  // Placeholders such as "{{style}}" are replaced only in the frame, because the parts may contain braces.
   const std::string_view frame = html_templates().at("page.html");
   std::string html;
   std::size_t at = 0;

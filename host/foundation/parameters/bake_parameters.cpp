@@ -14,7 +14,7 @@ using Kind = ParameterKind;
 using Rows = std::vector<Parameter>;
 
 constexpr unsigned kJob = kOnCommandLine | kInManifest | kInService;
-constexpr double kLeastMemory = 288.0 * (1 << 20);  // 280 MiB for the program and 8 MiB for a window (bake_job.cpp)
+constexpr double kLeastMemory = 288.0 * (1 << 20);  // 280 MiB for the program, and 8 MiB for a window (bake_job.cpp)
 
 void add(Rows& rows, Rows more, const char* group) {
   for (Parameter& row : more) {
@@ -28,7 +28,7 @@ Rows source_rows() {
       {.name = "bumpformat",
        .kind = Kind::kChoice,
        .help = "set the kind of map; auto detects it from statistics; packed16 to mapbox are heights whose bytes are "
-               "in red, green and blue",
+               "stored in red, green and blue",
        .default_text = "auto",
        .choices = choice_names(kBumpFormats),
        .hashed_as = "bump_format",
@@ -56,7 +56,8 @@ Rows source_rows() {
       z_range_parameter(kEverywhere),
       {.name = "height_scale",
        .kind = Kind::kNumber,
-       .help = "set the height for a value difference of 1 in a height field; a negative number turns dents into bumps",
+       .help = "set the height difference between the values 0 and 1 of a height field; a negative number turns dents "
+               "into bumps",
        .low = -kUnbounded,
        .high = kUnbounded,
        .zero_excluded = true,
@@ -65,13 +66,13 @@ Rows source_rows() {
        .hashed_as = "height_scale",
        .surfaces = kEverywhere},
       {.name = "dequantize",
-       .help = "replace 8-bit heights by the smoothest heights that round to them, so terraces become slopes; steps of "
-               "two or more codes stay",
+       .help = "replace 8-bit heights with the smoothest heights that round to them, which turns terraces into slopes;"
+               " steps of two or more codes are kept",
        .hashed_as = "dequantize",
        .surfaces = kEverywhere},
       {.name = "normal_scale",
        .kind = Kind::kNumber,
-       .help = "multiply x and y of a normal map by this, like normalTexture.scale in glTF",
+       .help = "multiply the x and y components of normals by this number, like normalTexture.scale in glTF",
        .low = -kUnbounded,
        .high = kUnbounded,
        .default_text = "1",
@@ -79,21 +80,21 @@ Rows source_rows() {
        .surfaces = kEverywhere},
       {.name = "fixnan",
        .kind = Kind::kChoice,
-       .help = "repair NaN and infinite texels: none (refuse the file), black (flat normal) or box3 (mean of "
-               "the 3 x 3 neighbours)",
+       .help = "repair NaN and infinite texels: none (reject the file), black (use a flat normal) or box3 (use the "
+               "mean of the 3 x 3 neighbours)",
        .default_text = "box3",
        .choices = choice_names(kFixNans),
        .hashed_as = "fixnan",
        .surfaces = kEverywhere},
       {.name = "repair_max",
        .kind = Kind::kNumber,
-       .help = "refuse a file if a larger share of its texels needs repair",
+       .help = "reject a file if a larger share of its texels needs repair",
        .low = 0.0,
        .high = 1.0,
        .default_text = "0.01",
        .surfaces = kEverywhere},
       {.name = "checknan",
-       .help = "refuse a file with a NaN or infinite texel, and name the first one",
+       .help = "reject a file that contains a NaN or infinite texel, and name the first such texel",
        .surfaces = kEverywhere}};
   for (Parameter& row : wrap_parameters(true, "periodic", kEverywhere)) rows.push_back(std::move(row));
   return rows;
@@ -102,7 +103,7 @@ Rows source_rows() {
 Rows material_rows() {
   return {{.name = "albedo",
            .kind = Kind::kFile,
-           .help = "bake colours from this map of the same size, per lobe or averaged",
+           .help = "bake the colours of this map of the same size, per lobe or averaged",
            .hashed_as = "albedo",
            .surfaces = kEverywhere},
           {.name = "roughness",
@@ -114,15 +115,15 @@ Rows material_rows() {
            .surfaces = kEverywhere},
           {.name = "gloss",
            .kind = Kind::kFile,
-           .help = "bake this gloss map in place of --roughness; roughness = 1 - gloss",
+           .help = "bake this gloss map instead of a roughness map; roughness = 1 - gloss",
            .unit = "FILE[:CHANNEL]",
            .hashed_as = "roughness",
            .excludes = {"roughness"},
            .surfaces = kEverywhere},
           {.name = "weights",
            .kind = Kind::kFile,
-           .help = "bake blend weights of 1 to 4 basis BRDFs, per lobe or averaged, from a map of the same size with "
-                   "one channel (0 to 1) per BRDF",
+           .help = "bake blend weights of 1 to 4 basis BRDFs, per lobe or averaged; the map has the same size and one "
+                   "channel (0 to 1) per BRDF",
            .hashed_as = "weights",
            .surfaces = kEverywhere}};
 }
@@ -130,8 +131,8 @@ Rows material_rows() {
 Rows representation_rows() {
   return {{.name = "ndf",
            .kind = Kind::kChoice,
-           .help = "store normals as vmf (lobes, Han 2007; most accurate), moments (slopes and their squares, "
-                   "LEAN), gmm (planar Gaussians, Tan 2005) or sh (spherical harmonics)",
+           .help = "store normals as vmf (lobes, Han 2007, most accurate), moments (slopes and their squares, LEAN), "
+                   "gmm (planar Gaussians, Tan 2005) or sh (spherical harmonics)",
            .default_text = "vmf",
            .choices = choice_names(kRepresentations),
            .hashed_as = "representation",
@@ -149,12 +150,12 @@ Rows representation_rows() {
 }
 
 Rows storage_rows() {
-  Parameter surface = surface_parameter("; level 0 is then the normal map (--first-level 1)", kJob);
+  Parameter surface = surface_parameter("; interpolated implies --first-level 1", kJob);
   surface.hashed_as = "surface";
   Rows rows = {std::move(surface),
                {.name = "first_level",
                 .kind = Kind::kInteger,
-                .help = "store this level and coarser ones; renderers take finer levels from the normal map",
+                .help = "store only this level and coarser levels; renderers read finer levels from the normal map",
                 .low = 0,
                 .high = 15,  // the coarsest level of a map with 32768 texels per side
                 .default_text = "0",
@@ -162,8 +163,8 @@ Rows storage_rows() {
                 .surfaces = kJob},
                {.name = "data_format",
                 .kind = Kind::kChoice,
-                .help = "set the storage precision; half, the default for moments and sh, is inaccurate for lobes with "
-                        "kappa above 1000",
+                .help = "set the storage precision; half, the default for moments and sh, is inaccurate for lobes with"
+                        " kappa above 1000",
                 .default_text = "snorm16",
                 .choices = choice_names(kStorageEncodings),
                 .hashed_as = "encoding",
@@ -186,8 +187,8 @@ Rows fit_rows() {
        .chosen_by_target = true,
        .surfaces = kJob},
       {.name = "reference",
-       .help = "fit every normal at every level with 30 iterations and no early stop; this slow fit is the reference "
-               "for the defaults",
+       .help = "fit every normal at every level with 30 iterations and no early stop; the default settings are "
+               "compared with this slow fit",
        .hashed_as = "settled_change",
        .chosen_by_target = true,
        .surfaces = kJob},
@@ -202,7 +203,7 @@ Rows fit_rows() {
        .surfaces = kJob},
       {.name = "passes",
        .kind = Kind::kInteger,
-       .help = "pass over each level this many times; later passes align its lobes better",
+       .help = "fit each level this many times; later passes align its lobes better",
        .low = 1,
        .high = 8,
        .default_text = "2",
@@ -211,7 +212,7 @@ Rows fit_rows() {
        .surfaces = kJob},
       {.name = "refit_iterations",
        .kind = Kind::kInteger,
-       .help = "run at most this many EM iterations per texel in each later pass",
+       .help = "run at most this many EM iterations per texel in each pass after the first",
        .low = 1,
        .high = 1000,
        .default_text = "6",
@@ -219,45 +220,48 @@ Rows fit_rows() {
        .chosen_by_target = true,
        .surfaces = kJob},
       {.name = "refine",
-       .help = "refine the lobes of each texel after EM for better highlights: more accurate but slower; only for vmf "
-               "with binned normals",
+       .help = "refine the lobes of each texel after EM, which makes highlights more accurate but is slower; only for "
+               "vmf with binned normals",
        .hashed_as = "refined",
        .chosen_by_target = true,
        .surfaces = kJob},
       {.name = "order",
        .kind = Kind::kChoice,
-       .help = "fit texels in parallel in four groups without neighbours (colour), or row by row as in the paper "
-               "(scanline)",
+       .help = "fit texels in four groups without neighbours, each in parallel (colour), or row by row as in the paper"
+               " (scanline)",
        .default_text = "colour",
        .choices = choice_names(kFitOrders),
        .hashed_as = "order",
        .surfaces = kJob},
       {.name = "coarse_normals",
        .kind = Kind::kChoice,
-       .help = "fit coarse texels to one normal per bin of similar normals (binned, faster) or to all normals (all)",
+       .help = "fit coarse texels either to one normal per bin of similar normals (binned, faster) or to all normals "
+               "(all)",
        .default_text = "binned",
        .choices = choice_names(kCoarseNormals),
        .hashed_as = "coarse_normals",
        .surfaces = kJob},
       {.name = "no_start_search",
-       .help = "choose the start of the coarsest level without test fits on a small proxy map; saves half a second",
+       .help = "choose the starting values of the coarsest level without test fits on a small proxy map, which saves "
+               "half a second",
        .hashed_as = "rehearse_start",
        .chosen_by_target = true,
        .surfaces = kJob},
       {.name = "farthest_start",
-       .help = "start from the normals that are farthest apart (Hochbaum and Shmoys), as in Han et al. 2007; for "
-               "comparison, because the fit is usually worse",
+       .help = "start from the normals that are farthest apart (Hochbaum and Shmoys), as in Han et al. 2007; only for "
+               "comparisons, because the fit is usually worse",
        .hashed_as = "farthest_start",
        .surfaces = kJob},
       {.name = "unaligned",
-       .help = "fit every texel independently for comparison; texture filters then mix lobes that do not match",
+       .help = "fit every texel independently; only for comparisons, because texture filters then mix lobes that do "
+               "not match",
        .hashed_as = "aligned_start",
        .chosen_by_target = true,
        .surfaces = kJob},
       {.name = "align",
        .kind = Kind::kNumber,
-       .help = "set the weight of the prior that aligns lobes with the lobes of the parent texel and of neighbouring "
-               "texels; 0 turns the prior off",
+       .help = "set the weight of the prior that aligns lobes with those of the parent and neighbouring texels; 0 "
+               "turns the prior off",
        .low = 0,
        .high = 10,
        .default_text = "0.1",
@@ -265,7 +269,7 @@ Rows fit_rows() {
        .surfaces = kJob},
       {.name = "kappa_cap",
        .kind = Kind::kNumber,
-       .help = "limit the kappa of lobes during EM on rough texels; smooth texels get sharper lobes",
+       .help = "limit the kappa of lobes on rough texels during EM; smooth texels get sharper lobes",
        .low = 1,
        .high = 1e5,
        .default_text = "500",
@@ -288,8 +292,8 @@ Rows fit_rows() {
        .hashed_as = "iterations_top"},
       {.name = "convergence_tolerance",
        .kind = Kind::kNumber,
-       .help = "relative change of kappa, weight and direction below which a texel has converged; with 0, no texel "
-               "converges",
+       .help = "largest fraction by which kappa, weight and direction of a converged texel may change; with 0, no "
+               "texel converges",
        .low = 0,
        .high = 0.1,
        .default_text = "0.01",
@@ -322,15 +326,16 @@ Rows fit_rows() {
 Rows target_rows() {
   return {{.name = "target_error",
            .kind = Kind::kNumber,
-           .help = "choose the cheapest settings within this relative L1 error of pixels (0.1 means 10 %); if none "
-                   "reach it, write nothing and exit with code 5",
+           .help = "choose the cheapest settings whose relative L1 error of pixels is at most this (0.1 means 10 %); "
+                   "if there are none, write nothing and exit with code 5",
            .high = 2,
            .low_excluded = true,
            .excludes = {"budget_ms"},
            .surfaces = kJob},
           {.name = "budget_ms",
            .kind = Kind::kNumber,
-           .help = "choose the most accurate settings whose bake (reading, fitting, writing) takes at most this time",
+           .help = "choose the most accurate settings whose bake, including reading and writing, takes at most this "
+                   "time",
            .high = kUnbounded,
            .low_excluded = true,
            .unit = "ms",
@@ -338,12 +343,12 @@ Rows target_rows() {
            .surfaces = kJob},
           {.name = "brdf",
            .kind = Kind::kBrdf,
-           .help = "measure the error for a target with this BRDF: " + brdf_forms("") +
+           .help = "use this BRDF to measure the error that a target limits: " + brdf_forms("") +
                    " or, except in jobs, the file of a measured BRDF",
            .default_text = "blinn-phong:100",
            .surfaces = kJob},
           {.name = "best_effort",
-           .help = "bake with the best settings found even if they miss the target; the exit code stays 5",
+           .help = "if no settings reach the target, bake with the best settings found; the exit code is still 5",
            .surfaces = kJob},
           {.name = "error_max",
            .kind = Kind::kNumber,
@@ -356,38 +361,40 @@ Rows target_rows() {
 Rows run_rows() {
   return {
       memory_parameter(
-          "use at most this much resident memory; larger maps are baked in bands of rows, with the same result",
+          "limit the resident memory to this size; larger maps are baked in bands of rows, with the same result",
           kLeastMemory, "as much as is useful, at most a quarter of the memory of the machine",
           kOnCommandLine | kInService),
       device_parameter(kOnCommandLine | kInService),
-      {.name = "no_measure", .help = "skip measuring the error of the output", .surfaces = kOnCommandLine | kInService},
+      {.name = "no_measure", .help = "do not measure the error of the output", .surfaces = kOnCommandLine | kInService},
       {.name = "report",
        .kind = Kind::kText,
-       .help = "write times, counts and errors as JSON; for several maps, to a folder or to a name with <UDIM>",
+       .help = "write times, counts and errors to this file as JSON; for several maps, give a folder or a name with "
+               "<UDIM>",
        .unit = "FILE",
        .surfaces = kOnCommandLine},
       {.name = "scalar",
-       .help = "run the kernels as on a GPU (scalar, with teams of work-items and copies); the result is the same, but "
-               "CPUs are slower",
+       .help = "run the kernels as on a GPU (scalar, with teams of work-items and copies); the result is the same, but"
+               " a CPU is slower",
        .surfaces = kOnCommandLine},
       {.name = "scratch",
        .kind = Kind::kText,
-       .help = "store data that does not fit in memory in this folder",
+       .help = "write data that does not fit in memory to files in this folder",
        .unit = "FOLDER",
        .default_text = "the folder of the output",
        .surfaces = kOnCommandLine},
       {.name = "resume", .help = "resume an interrupted bake of the same output", .surfaces = kOnCommandLine},
       {.name = "region",
        .kind = Kind::kText,
-       .help = "fit only this edited part again and keep the rest of --onto; auto finds the changed part",
+       .help = "fit only this edited part again, and copy the other texels from the file of --onto; auto finds the "
+               "edited part",
        .unit = "X,Y,W,H|auto",
        .surfaces = kOnCommandLine},
       {.name = "onto",
        .kind = Kind::kFile,
-       .help = "start from this file, which was baked before the edit; the output may be the same file",
+       .help = "update this file, which was baked before the edit; the output can have the same name",
        .surfaces = kOnCommandLine},
       {.name = "force",
-       .help = "bake even if the output was baked from the same file with the same settings",
+       .help = "bake again even if the source and the settings have not changed",
        .surfaces = kOnCommandLine},
       {.name = "runstats", .help = "print times, launches and numerical events", .surfaces = kOnCommandLine}};
 }
@@ -400,7 +407,7 @@ const ParameterTable& bake_parameters() {
         "input", "normal map or height field (PNG, TIFF, EXR, JPEG or WebP, up to 32768 texels per side)",
         kInManifest | kInService)};
     add(rows, material_rows(), kMaterialGroup);
-    // The order in help texts is: representation, fit, storage.
+    // Help texts show the groups in this order: representation, fit, storage.
     add(rows, representation_rows(), kStorageGroup);
     add(rows, fit_rows(), kFitGroup);
     add(rows, storage_rows(), kStorageGroup);
@@ -414,10 +421,11 @@ const ParameterTable& bake_parameters() {
 
 const ParameterTable& scene_parameters() {
   static const ParameterTable table(
-      "scene", {input_parameter("scene", "scene.toml with maps, materials, objects, lights and camera", kInService),
-                memory_parameter("stay within this resident memory", kLeastMemory,
-                                 "as much as is useful, at most a quarter of the memory of the machine", kInService),
-                device_parameter(kInService)});
+      "scene",
+      {input_parameter("scene", "scene.toml, which lists maps, materials, objects, lights and the camera", kInService),
+       memory_parameter("limit the resident memory to this size", kLeastMemory,
+                        "as much as is useful, at most a quarter of the memory of the machine", kInService),
+       device_parameter(kInService)});
   return table;
 }
 

@@ -16,7 +16,7 @@ inline constexpr const char kRunGroup[] = "Running the bake";
 
 const ParameterTable& bake_parameters();
 
-/// The parameters of jobs of type scene. Parameters of the maps are in scene.toml: they are the rows of
+/// The parameters of jobs of type scene. The parameters of the maps are in scene.toml. They are the rows of
 /// bake_parameters() with kInScene.
 const ParameterTable& scene_parameters();
 

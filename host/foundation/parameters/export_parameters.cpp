@@ -27,42 +27,42 @@ Parameter channel_parameter(const char* name, const char* help) {
 
 Rows export_rows() {
   Parameter roughness = channel_parameter("roughness",
-                                          "read the perceptual roughness of the surface (0 to 1) from this map of the "
-                                          "same size: from its only channel, or from green");
+                                          "read the perceptual roughness of the surface (0 to 1) from the only "
+                                          "channel, or else the green channel, of this map of the same size");
   Parameter gloss =
       channel_parameter("gloss", "read the gloss of the surface from this map of the same size; roughness = 1 - gloss");
   roughness.excludes = {"gloss", "base_roughness"};
   gloss.excludes = {"roughness", "base_roughness"};
   Parameter occlusion = channel_parameter(
-      "occlusion", "also average this occlusion map of the same size: its only channel, or its red channel");
+      "occlusion", "also average the only channel, or else the red channel, of this occlusion map of the same size");
   Parameter metalness = channel_parameter(
-      "metalness", "also average this metalness map of the same size: its only channel, or its blue channel");
+      "metalness", "also average the only channel, or else the blue channel, of this metalness map of the same size");
   occlusion.excludes = metalness.excludes = {"roughness_alone"};
   Parameter roughness_alone = {.name = "roughness_alone",
                                .help =
-                                   "write roughness as its own texture instead of orm (occlusion, "
-                                   "roughness, metalness); one channel in KTX2 and DDS",
+                                   "write roughness as its own texture instead of orm (occlusion, roughness, "
+                                   "metalness); the texture has one channel in KTX2 and DDS",
                                .group = kStorageGroup,
                                .excludes = {"occlusion", "metalness"},
                                .surfaces = kExportJob};
   Parameter smoothness = {.name = "smoothness",
                           .help =
-                              "for Unity, write smoothness (1 - roughness) in the texture mask instead of orm; with "
-                              "--roughness-alone, in the texture smoothness",
+                              "for Unity, write smoothness (1 - roughness) to the texture mask instead of orm; with "
+                              "--roughness-alone, to the texture smoothness",
                           .group = kStorageGroup,
                           .surfaces = kExportJob};
   Parameter write_green = {.name = "write_green",
                            .kind = Kind::kChoice,
                            .help =
                                "write normals and directions of anisotropy with green up (OpenGL, glTF, Unity, Godot, "
-                               "Blender) or down (DirectX, Unreal); --green applies to reading",
+                               "Blender) or down (DirectX, Unreal); --green sets the direction in the input",
                            .default_text = "up",
                            .choices = choice_names(kGreenAxes),
                            .group = kStorageGroup,
                            .surfaces = kExportJob};
   return {{.name = "lobes",
-           .help = "write the lobes of a baked file as a texture for GPUs, NAME.ktx2; only --texels, --zstd, "
-                   "--device, --force and --report may be added",
+           .help = "write the lobes of a baked file as a texture for GPUs, NAME.ktx2; can be combined only with "
+                   "--texels, --zstd, --device, --force and --report",
            .group = kStorageGroup,
            .surfaces = kOnCommandLine},
           {.name = "base_roughness",
@@ -80,29 +80,29 @@ Rows export_rows() {
           std::move(metalness),
           lobe_anisotropy_parameter(kExportJob),
           fast_lobe_parameter(kExportJob),
-          surface_parameter("; applies from level 1 on", kExportJob),
-          form_parameter("for each level the form that is more accurate in pictures of a plane and a sphere",
-                         "one-lobe", kExportJob),
+          surface_parameter("; level 0 does not change", kExportJob),
+          form_parameter("for each level the form with the lower error in pictures of a plane and a sphere", "one-lobe",
+                         kExportJob),
           engine_parameter(kExportJob),
           {.name = "format",
            .kind = Kind::kChoice,
-           .help = "choose the files: png (8 bits, a file per level), exr (half floats, a file per level), ktx2 or "
-                   "dds (a file per texture with all levels)",
+           .help = "set the file format: png (8 bits, one file per level), exr (half floats, one file per level), or "
+                   "ktx2 or dds (one file per texture, with all levels)",
            .default_text = "from the name of the output, else png",
            .choices = choice_names(kMaterialFormats),
            .group = kStorageGroup,
            .surfaces = kExportJob},
           {.name = "texels",
            .kind = Kind::kChoice,
-           .help = "store texels of KTX2 and DDS as rgba8, rgba16f (half floats), rg8, bc (compressed blocks) or "
-                   "uastc (Basis Universal, only KTX2)",
+           .help = "set the texel format of KTX2 and DDS: rgba8, rgba16f (half floats), rg8, bc (compressed blocks) or"
+                   " uastc (Basis Universal, only KTX2)",
            .default_text = "rgba16f for exr, bc for lobes, else rgba8",
            .choices = choice_names(kMaterialTexels),
            .group = kStorageGroup,
            .surfaces = kExportJob},
           {.name = "zstd",
            .kind = Kind::kInteger,
-           .help = "compress KTX2 levels without loss by Zstandard at this level (default: no compression)",
+           .help = "compress KTX2 files without loss by Zstandard at this compression level (default: no compression)",
            .low = 1,
            .high = 19,
            .group = kStorageGroup,
@@ -116,15 +116,15 @@ Rows export_rows() {
 
 Rows export_run_rows() {
   Rows rows = {
-      memory_parameter("use this much memory for buffers and maps; larger maps use a scratch file", 1.0, "256M",
+      memory_parameter("use at most this much memory for buffers and maps; larger maps use a scratch file", 1.0, "256M",
                        kOnCommandLine | kInService),
       device_parameter(kOnCommandLine | kInService),
       {.name = "no_measure",
-       .help = "skip measuring the error of the output",
+       .help = "do not measure the error of the output",
        .excludes = {"optimum", "beside"},
        .surfaces = kOnCommandLine},
       {.name = "optimum",
-       .help = "also find the lowest error that any single lobe can have; takes seconds per map",
+       .help = "also find the lowest error that any single lobe can have, which takes seconds per map",
        .excludes = {"no_measure"},
        .surfaces = kOnCommandLine},
       {.name = "beside",
@@ -148,19 +148,17 @@ Rows export_run_rows() {
        .surfaces = kOnCommandLine},
       {.name = "page",
        .kind = Kind::kText,
-       .help = "compare the export with engine rules and baked lobes on a page: tables, pictures from three distances, "
-               "and videos (if ffmpeg is installed)",
+       .help = "compare the export with engine rules and baked lobes on a page with tables, pictures from three "
+               "distances, and videos (if ffmpeg is installed)",
        .unit = "FILE.html",
        .surfaces = kOnCommandLine},
       {.name = "force",
-       .help = "export unchanged maps of a manifest again; without a manifest, files are always written again",
+       .help = "also export unchanged maps of a manifest; without a manifest, files are always written again",
        .surfaces = kOnCommandLine},
-      {.name = "resume",
-       .help = "keep fitted rows, and continue an interrupted export of the same map with the same settings",
-       .surfaces = kOnCommandLine},
+      {.name = "resume", .help = "store fitted rows, and continue an interrupted export", .surfaces = kOnCommandLine},
       {.name = "scratch",
        .kind = Kind::kText,
-       .help = "store data that does not fit in memory in this folder",
+       .help = "write data that does not fit in memory to files in this folder",
        .unit = "FOLDER",
        .default_text = "the output",
        .surfaces = kOnCommandLine}};

@@ -19,19 +19,20 @@ std::vector<Parameter> gltf_rows() {
   anisotropy.excludes = {"lobes"};
   return {{.name = "format",
            .kind = Kind::kChoice,
-           .help = "store new textures as uastc (KHR_texture_basisu), rgba8 (KTX2, not allowed by this extension) or "
-                   "png (only level 0); auto chooses for each texture",
+           .help = "store new textures as uastc (KHR_texture_basisu), rgba8 (KTX2, which this extension does not "
+                   "allow), png (only level 0) or the best format for each texture (auto)",
            .default_text = "auto",
            .choices = choice_names(kGltfTextureFormats),
            .group = kStorageGroup,
            .surfaces = kOnCommandLine},
           {.name = "png_fallback",
-           .help = "also store level 0 of each new texture as a plain image for loaders without "
-                   "KHR_texture_basisu, which is then not required",
+           .help = "also store level 0 of each new texture as a plain image, so that loaders need no "
+                   "KHR_texture_basisu",
            .group = kStorageGroup,
            .surfaces = kOnCommandLine},
-          form_parameter("the cheapest textures, new or old, within 0.2 points of the lowest error in pictures", "auto",
-                         kOnCommandLine),
+          form_parameter(
+              "the cheapest textures, new or old, whose error in pictures is within 0.2 points of the lowest error",
+              "auto", kOnCommandLine),
           engine_parameter(kOnCommandLine),
           uastc_effort_parameter(kOnCommandLine),
           encoder_parameter(kOnCommandLine),
@@ -43,8 +44,8 @@ std::vector<Parameter> gltf_rows() {
            .surfaces = kOnCommandLine},
           {.name = "lobe_texels",
            .kind = Kind::kChoice,
-           .help = "store lobes as bc (blocks of BC5), rgba8 (twice the bytes of bc) or rgba16f (four times the"
-                   " bytes of bc); only with --lobes",
+           .help = "set the texel format of lobes: bc (BC5 blocks), rgba8 (twice the bytes of bc) or rgba16f (four "
+                   "times the bytes of bc); only with --lobes",
            .default_text = "rgba8 with --format rgba8, else bc if it adds less than 0.3 points of error",
            .choices = choice_names(kLobeTexels),
            .group = kStorageGroup,
@@ -53,12 +54,12 @@ std::vector<Parameter> gltf_rows() {
           std::move(z_range),
           std::move(anisotropy),
           fast_lobe_parameter(kOnCommandLine),
-          surface_parameter("; applies from level 1 on", kOnCommandLine)};
+          surface_parameter("; level 0 does not change", kOnCommandLine)};
 }
 
 std::vector<Parameter> gltf_run_rows() {
   std::vector<Parameter> rows = {
-      memory_parameter("use this much memory for buffers and maps; larger maps use a scratch file", 1.0, "256M",
+      memory_parameter("use at most this much memory for buffers and maps; larger maps use a scratch file", 1.0, "256M",
                        kOnCommandLine),
       device_parameter(kOnCommandLine),
       {.name = "report",

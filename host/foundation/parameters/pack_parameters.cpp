@@ -15,8 +15,8 @@ std::vector<Parameter> target_parameters() {
   std::vector<Parameter> rows = {
       {.name = "ratio",
        .kind = ParameterKind::kNumber,
-       .help = "make the file at least this many times smaller than raw 24-bit frames (default: 384, or less if a "
-               "ratio of 384 would add an error of more than 3 times the error of the inferred textures)",
+       .help = "make the file at least this many times smaller than uncompressed 24-bit frames (default: 384, or less "
+               "if a ratio of 384 would add an error of more than 3 times the error of the inferred textures)",
        .low = 1,
        .high = 1e6,
        .surfaces = kPackJob},
@@ -35,7 +35,7 @@ std::vector<Parameter> target_parameters() {
        .surfaces = kPackJob},
       {.name = "lambda",
        .kind = ParameterKind::kNumber,
-       .help = "set lambda, the increase of the squared error that is accepted to save one bit",
+       .help = "set lambda, the increase in squared error that is accepted in exchange for saving one bit",
        .low = 1e-4,
        .high = 1e9,
        .surfaces = kPackJob}};
@@ -53,15 +53,15 @@ const ParameterTable& pack_parameters() {
     for (Parameter& row : target_parameters()) rows.push_back(std::move(row));
     rows.push_back({.name = "block",
                     .kind = ParameterKind::kInteger,
-                    .help = "put at most this many samples along a parameter into a chunk",
+                    .help = "put at most this many samples along each parameter into a chunk",
                     .low = 1,
                     .high = 64,
                     .default_text = "8",
                     .surfaces = kPackJob});
     rows.push_back({.name = "stagger",
                     .kind = ParameterKind::kChoice,
-                    .help = "begin chunks of different objects at different samples, so that a path needs fewer"
-                            " new chunks at once; needs more samples than --block",
+                    .help = "start the chunks of different objects at different samples, so that a path needs fewer "
+                            "new chunks at once; the field must have more samples than --block",
                     .default_text = "no",
                     .choices = {"no", "yes"},
                     .surfaces = kPackJob});
@@ -75,27 +75,29 @@ const ParameterTable& pack_parameters() {
                     .surfaces = kPackJob});
     rows.push_back({.name = "pyramid",
                     .kind = ParameterKind::kChoice,
-                    .help = "code chunks by the best of several pyramids and learnt bases (adaptive), the search of "
-                            "the paper (greedy), levels of 1, 2, 4 ... samples (plain), or single samples (none)",
+                    .help = "set how chunks are coded: by the best of several pyramids and learnt bases (adaptive), by"
+                            " the search of the paper (greedy), by levels of 1, 2, 4 ... samples (plain), or sample by"
+                            " sample (none)",
                     .default_text = "adaptive",
                     .choices = choice_names(kPyramidChoices),
                     .surfaces = kPackJob});
     rows.push_back({.name = "coder",
                     .kind = ParameterKind::kChoice,
-                    .help = "code images by block cosines (dct), embedded wavelets (wavelet), or the better one"
-                            " per chunk (auto)",
+                    .help = "code images by block cosines (dct), embedded wavelets (wavelet), or the better method for"
+                            " each chunk (auto)",
                     .default_text = "auto",
                     .choices = {"auto", "dct", "wavelet"},
                     .surfaces = kPackJob});
     rows.push_back({.name = "loop",
                     .kind = ParameterKind::kChoice,
-                    .help = "let finer images correct the coding errors of coarser ones (closed), or not, as in"
-                            " the paper (open)",
+                    .help = "let finer images correct the coding errors of coarser images (closed), or do not correct "
+                            "these errors, as in the paper (open)",
                     .default_text = "closed",
                     .choices = {"closed", "open"},
                     .surfaces = kPackJob});
     rows.push_back(
-        memory_parameter("stay within this resident memory; less memory is slower, but does not change the result",
+        memory_parameter("limit the resident memory to this size; less memory makes packing slower, with the same "
+                         "result",
                          kLeastPackMemory, "a quarter of the memory of the machine", kPackJob));
     rows.push_back(
         {.name = "resume", .help = "continue an interrupted packing to the same output", .surfaces = kOnCommandLine});

@@ -7,7 +7,7 @@
 
 namespace multum {
 
-/// ndf: representation of the normals under a texel (host/formats/asset/representation.h).
+/// ndf: the representation of the normals that a texel covers (host/formats/asset/representation.h).
 enum class Representation {
   kMovmf,    // mixtures of von Mises-Fisher lobes (host/formats/asset/lobes/movmf_mipmap.h)
   kGmm,      // mixtures of planar Gaussians, stored in the same mipmap type (host/formats/asset/lobes/gmm_quantize.h)
@@ -19,7 +19,7 @@ inline constexpr Choices<Representation> kRepresentations = {{"vmf", Representat
                                                              {"gmm", Representation::kGmm},
                                                              {"sh", Representation::kSh}};
 
-/// data_format: rounding of stored channel values; docs/reference/file_format.md states the loss of each.
+/// data_format: the rounding of stored channel values. docs/reference/file_format.md states the loss of each format.
 enum class StorageEncoding {
   kSnorm16,  // multiples of 1/32767 in a float channel: RGBA16_SNORM on the GPU
   kHalf,     // 16-bit floats: RGBA16F on the GPU
@@ -32,16 +32,16 @@ enum class FitOrder { kColour, kScanline };
 inline constexpr Choices<FitOrder> kFitOrders = {{"colour", FitOrder::kColour}, {"scanline", FitOrder::kScanline}};
 
 /// coarse_normals: the samples that EM uses for a texel that covers more than kSamplesUnchunkedMax normals. kBinned
-/// uses bins of normals with similar directions (movmf_binning.cl). kAll uses all normals; every level is then as slow
-/// as the finest.
+/// uses bins of normals with similar directions (movmf_binning.cl). kAll uses all normals, which makes every level as
+/// slow as the finest.
 enum class CoarseNormals { kBinned, kAll };
 inline constexpr Choices<CoarseNormals> kCoarseNormals = {{"binned", CoarseNormals::kBinned},
                                                           {"all", CoarseNormals::kAll}};
-/// Names in hashed settings. "condensed" stands for kBinned, so that the hashes of old files stay the same.
+/// The names in hashed settings. "condensed" stands for kBinned, so that the hashes of old files stay the same.
 inline constexpr Choices<CoarseNormals> kHashedCoarseNormals = {{"condensed", CoarseNormals::kBinned},
                                                                 {"all", CoarseNormals::kAll}};
 
-/// bumpformat: the kinds of maketx --bumpformat, and heights whose bytes are spread over several channels
+/// bumpformat: the formats of maketx --bumpformat, and heights whose bytes are spread over several channels
 /// (HeightCoding).
 enum class BumpFormat { kAuto, kHeight, kNormal, kPacked16, kPacked24, kTerrarium, kMapbox };
 inline constexpr Choices<BumpFormat> kBumpFormats = {
@@ -49,38 +49,40 @@ inline constexpr Choices<BumpFormat> kBumpFormats = {
     {"packed16", BumpFormat::kPacked16}, {"packed24", BumpFormat::kPacked24}, {"terrarium", BumpFormat::kTerrarium},
     {"mapbox", BumpFormat::kMapbox}};
 
-/// green and write_green: up (OpenGL), down (DirectX).
+/// green and write_green: the direction of green, which is up (OpenGL) or down (DirectX).
 enum class GreenAxis { kUp, kDown };
 inline constexpr Choices<GreenAxis> kGreenAxes = {{"up", GreenAxis::kUp}, {"down", GreenAxis::kDown}};
 
-/// z_range: how z is read from blue, which is in 0..1. Signed: z = 2 * blue - 1, like x and y. Positive: z = blue.
+/// z_range: how z is computed from the blue channel, which is in 0..1. For signed, z = 2 * blue - 1, like x and y. For
+/// positive, z = blue.
 enum class ZRange { kSigned, kPositive };
 inline constexpr Choices<ZRange> kZRanges = {{"signed", ZRange::kSigned}, {"positive", ZRange::kPositive}};
 
-/// fixnan, like maketx --fixnan: reject the file, use a flat normal, or use the mean of the 3 x 3 neighbours.
+/// fixnan: as in maketx --fixnan, reject the file, use a flat normal, or use the mean of the 3 x 3 neighbours.
 enum class FixNan { kNone, kBlack, kBox3 };
 inline constexpr Choices<FixNan> kFixNans = {
     {"none", FixNan::kNone}, {"black", FixNan::kBlack}, {"box3", FixNan::kBox3}};
 
-/// surface: the normals between texel centres. Each texel is a facet with one normal, or normals are interpolated as in
-/// renderers (host/formats/image/surface_points.h).
+/// surface: the normals between texel centres. Either each texel is a facet with one normal, or normals are
+/// interpolated as in renderers (host/formats/image/surface_points.h).
 enum class MapSurface { kTexels, kInterpolated };
 inline constexpr Choices<MapSurface> kMapSurfaces = {{"texels", MapSurface::kTexels},
                                                      {"interpolated", MapSurface::kInterpolated}};
 
-/// colours of `multum mip`: the meaning of the numbers in an image.
+/// colours of `multum mip`: the meaning of the values in an image.
 enum class ColourEncoding {
-  kAuto,    // as for albedo maps: integers are sRGB unless the file says otherwise, floats are linear
+  kAuto,    // as for albedo maps: integers are sRGB unless the file says otherwise, and floats are linear
   kSrgb,    // sRGB, whatever the file says
   kLinear,  // linear, whatever the file says
-  kData,    // not colours, so values may be negative; integers become 0..1; NaN and infinite values are rejected
+  kData,    // values that are not colours and may be negative; integers become 0..1; NaN and infinite values are
+            // rejected
 };
 inline constexpr Choices<ColourEncoding> kColourEncodings = {{"auto", ColourEncoding::kAuto},
                                                              {"srgb", ColourEncoding::kSrgb},
                                                              {"linear", ColourEncoding::kLinear},
                                                              {"data", ColourEncoding::kData}};
 
-/// format of exports: the file format.
+/// format of exports: the file format that is written.
 enum class MaterialFormat { kPng, kExr, kKtx2, kDds };
 inline constexpr Choices<MaterialFormat> kMaterialFormats = {{"png", MaterialFormat::kPng},
                                                              {"exr", MaterialFormat::kExr},
@@ -90,8 +92,8 @@ inline constexpr Choices<MaterialFormat> kMaterialFormats = {{"png", MaterialFor
 /// texels of exports: the storage format of texels.
 enum class MaterialTexels {
   kRgba8,    // normals and directions as 0.5 + 0.5 n
-  kRgba16f,  // unencoded
-  kRg8,      // like kRgba8, but only x and y of normals: the shader rebuilds z
+  kRgba16f,  // values that are not encoded
+  kRg8,      // like kRgba8, but with only x and y of normals, from which the shader computes z
   kBlocks,   // compressed: x and y of normals in BC5, a roughness texture in BC4, other textures in BC7
   kUastc,    // blocks of Basis Universal, only in KTX2 files
 };
@@ -112,7 +114,7 @@ inline constexpr Choices<LobeTexels> kLobeTexels = {
 
 /// format of `multum gltf`: the image format of new textures.
 enum class GltfTextureFormat {
-  kAuto,   // kUastc if its error is small; otherwise kRgba8 with a PNG for loaders without KHR_texture_basisu
+  kAuto,   // kUastc if its error is small; otherwise kRgba8, with a PNG for loaders that lack KHR_texture_basisu
   kUastc,  // KHR_texture_basisu
   kRgba8,  // uncompressed KTX2, without KHR_texture_basisu (host/delivery/export/engine_support.h lists the loaders
            // that reject it)
@@ -132,18 +134,18 @@ enum class MaterialForm {
 inline constexpr Choices<MaterialForm> kMaterialForms = {
     {"auto", MaterialForm::kAuto}, {"averages", MaterialForm::kAverages}, {"one-lobe", MaterialForm::kOneLobe}};
 
-/// for: the engine whose pictures are imitated when `form` is auto (host/delivery/forms/engine_filter.h).
+/// for: the engine whose pictures the choice imitates when `form` is auto (host/delivery/forms/engine_filter.h).
 enum class Engine { kThree, kBabylon, kPlayCanvas, kFilament, kGodot, kUnity, kUnreal };
 inline constexpr Choices<Engine> kEngines = {{"three", Engine::kThree},           {"babylon", Engine::kBabylon},
                                              {"playcanvas", Engine::kPlayCanvas}, {"filament", Engine::kFilament},
                                              {"godot", Engine::kGodot},           {"unity", Engine::kUnity},
                                              {"unreal", Engine::kUnreal}};
 
-/// pyramid of `multum pack`: the images of a chunk.
+/// pyramid of `multum pack`: how the samples of a chunk are divided into images.
 enum class PyramidChoice {
   kAdaptive,  // the best of several pyramids and learnt bases
-  kGreedy,    // the search of the paper, with only the first of the tried coders
-  kPlain,     // the pyramid of plain_levels
+  kGreedy,    // the search described in the paper, with only the first of the available coders
+  kPlain,     // the pyramid that plain_levels specifies
   kNone,      // every sample is a separate image
 };
 inline constexpr Choices<PyramidChoice> kPyramidChoices = {{"adaptive", PyramidChoice::kAdaptive},

@@ -12,10 +12,10 @@ namespace multum {
 /// Returns the tables of all commands, in the order of docs/reference/commands.md.
 const std::vector<const ParameterTable*>& parameter_tables();
 
-/// Returns the table of a command or job type; null if it has none.
+/// Returns the table of a command or job type, or null if there is no table.
 const ParameterTable* find_parameter_table(const std::string& command);
 
-/// Describes the legal values and the default of a parameter: "an integer from 1 to 8, default 4".
+/// Describes the legal values and the default of a parameter, as in "an integer from 1 to 8, default 4".
 std::string values_text(const Parameter& parameter);
 
 }  // namespace multum

@@ -12,7 +12,7 @@
 
 namespace multum {
 
-/// Legal values for the parameters of a table; a parameter is unset if no value was given.
+/// Holds legal values for the parameters of a table. A parameter is unset if no value was given.
 class ParameterValues {
  public:
   /// The table must outlive the values.
@@ -20,17 +20,18 @@ class ParameterValues {
 
   const ParameterTable& table() const { return *table_; }
   bool has(const std::string& name) const { return values_.contains(table_->at(name).name); }
-  /// Returns whether the parameter has a value; a flag that is false does not count.
+  /// Returns whether the parameter has a value. A flag with the value false does not count.
   bool is_given(const std::string& name) const;
 
-  /// Sets a value. Throws Error(kUsage) for an illegal value: "--lobes is 9, expected an integer from 1 to 8".
+  /// Sets a value. Throws Error(kUsage) for an illegal value, such as "--lobes is 9, expected an integer from 1 to 8".
   void set(const std::string& name, ParameterValue value);
   void set(const std::string& name, bool value) { set(name, ParameterValue(value)); }
   void set(const std::string& name, int value) { set(name, ParameterValue(std::int64_t{value})); }
   void set(const std::string& name, const char* value) { set(name, ParameterValue(std::string(value))); }
   void erase(const std::string& name) { values_.erase(table_->at(name).name); }
 
-  /// Return a value of a known type; the parameter must have this kind. Return nullopt for an unset parameter.
+  /// Return a value of a known type. The parameter must be of the corresponding kind. Return nullopt for an unset
+  /// parameter.
   bool flag(const std::string& name) const;  // false if unset
   std::optional<int> integer(const std::string& name) const;
   std::optional<std::int64_t> bytes(const std::string& name) const;
@@ -40,7 +41,7 @@ class ParameterValues {
   std::optional<Value> choice(const std::string& name, const Choices<Value>& choices) const;
 
   /// Returns the values as options, in the order of the table: "--ndf vmf --lobes 3". Uses only the given `groups`, or
-  /// all groups if none is given.
+  /// all groups if `groups` is empty.
   std::string options_text(const std::vector<std::string>& groups = {}) const;
 
  private:
@@ -49,7 +50,7 @@ class ParameterValues {
   std::map<std::string, ParameterValue> values_;
 };
 
-/// Throws Error(kUsage) if two given parameters exclude each other: "--gloss excludes --roughness, found both".
+/// Throws Error(kUsage) if two given parameters exclude each other, as in "--gloss excludes --roughness, found both".
 void check_exclusions(const ParameterValues& values);
 
 template <typename Value>

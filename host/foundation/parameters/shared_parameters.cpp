@@ -41,15 +41,15 @@ Parameter memory_parameter(const std::string& help, double low, const std::strin
 Parameter lobe_anisotropy_parameter(unsigned surfaces) {
   return {.name = "anisotropy",
           .help =
-              "fit lobes that are longer than wide (KHR_materials_anisotropy); only for renderers that align tangents "
-              "with the normal of the map",
+              "fit elliptical lobes (KHR_materials_anisotropy), for renderers that align tangents with the mapped "
+              "normal",
           .group = kOneLobeGroup,
           .surfaces = surfaces};
 }
 
 Parameter fast_lobe_parameter(unsigned surfaces) {
   return {.name = "fast",
-          .help = "fit by a closed form instead of maximum likelihood; its error is a few per cent higher",
+          .help = "fit lobes by a closed formula instead of maximum likelihood; the error is a few per cent higher",
           .group = kOneLobeGroup,
           .surfaces = surfaces};
 }
@@ -67,7 +67,7 @@ Parameter z_range_parameter(unsigned surfaces) {
   return {.name = "z_range",
           .kind = ParameterKind::kChoice,
           .help =
-              "read blue as z from -1 to 1, like x and y (signed), or as z from 0 to 1, as some old tools "
+              "set the range of z in the blue channel: -1 to 1, as for x and y (signed), or 0 to 1, as some old tools "
               "write it (positive)",
           .default_text = "detected",
           .choices = choice_names(kZRanges),
@@ -80,8 +80,8 @@ Parameter surface_parameter(const std::string& more, unsigned surfaces) {
   return {.name = "surface",
           .kind = ParameterKind::kChoice,
           .help =
-              "treat a texel as a facet with one normal (texels), or interpolate between texels as renderers do up "
-              "close (interpolated, smoother)" +
+              "treat each texel as a facet with one normal (texels), or interpolate normals, as renderers do in near "
+              "views (interpolated, smoother)" +
               more,
           .default_text = "texels",
           .choices = choice_names(kMapSurfaces),
@@ -105,8 +105,8 @@ Parameter engine_parameter(unsigned surfaces) {
   return {.name = "for",
           .kind = ParameterKind::kChoice,
           .help =
-              "draw the pictures of --form auto like this engine: with its texture filter and the roughness that it "
-              "adds where normals change between pixels",
+              "draw the pictures of --form auto like this engine, with the engine's texture filter and the roughness "
+              "that the engine adds where normals change between pixels",
           .default_text = "three",
           .choices = choice_names(kEngines),
           .group = kStorageGroup,
@@ -116,7 +116,7 @@ Parameter engine_parameter(unsigned surfaces) {
 Parameter uastc_effort_parameter(unsigned surfaces) {
   return {.name = "uastc_effort",
           .kind = ParameterKind::kInteger,
-          .help = "set the effort of the UASTC encoder; a higher effort is slower and lowers the error",
+          .help = "set the effort of the UASTC encoder; a higher effort lowers the error but takes longer",
           .low = 0,
           .high = 3,
           .default_text = "1",
@@ -137,7 +137,7 @@ Parameter encoder_parameter(unsigned surfaces) {
 Parameter compression_parameter(unsigned surfaces) {
   return {.name = "compression",
           .kind = ParameterKind::kChoice,
-          .help = "compress the file without loss; zip:1 is the fastest zip, and zip:9 compresses best",
+          .help = "compress without loss; zip:1 is the fastest zip level, and zip:9 gives the smallest file",
           .unit = "none|rle|piz|zip[:1-9]|zips[:1-9]",
           .default_text = "zip:1",
           .choices = compressions(),
@@ -161,15 +161,15 @@ std::vector<Parameter> wrap_parameters(bool with_auto, const std::string& defaul
   for (const WrapMode mode : kWrapModes) modes.emplace_back(wrap_mode_name(mode));
   const Parameter both = {.name = "wrap",
                           .kind = ParameterKind::kChoice,
-                          .help = std::string("continue the map beyond its border in this way") +
-                                  (with_auto ? "; auto chooses periodic if the map tiles, else clamp" : ""),
+                          .help = std::string("set how the map continues beyond its border") +
+                                  (with_auto ? "; auto chooses periodic if the map tiles, and clamp otherwise" : ""),
                           .default_text = default_text,
                           .choices = modes,
                           .hashed_as = "wrap",
                           .surfaces = surfaces};
   Parameter s = both, t = both;
-  s.name = "swrap", s.help = "like --wrap, along s (x) only", s.default_text = "";
-  t.name = "twrap", t.help = "like --wrap, along t (y) only", t.default_text = "";
+  s.name = "swrap", s.help = "set the wrap mode only along s (x)", s.default_text = "";
+  t.name = "twrap", t.help = "set the wrap mode only along t (y)", t.default_text = "";
   return {both, s, t};
 }
 

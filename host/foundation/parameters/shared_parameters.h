@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-// Makes rows that several tables share.
+// Makes the rows that several parameter tables share.
 #pragma once
 
 #include "host/foundation/parameters/parameter.h"
 
 namespace multum {
 
-/// Makes `device`. In this file, `surfaces` lists the places where the parameter may be given.
+/// Makes `device`. In this file, `surfaces` lists the places where users may give the parameter.
 Parameter device_parameter(unsigned surfaces);
 /// Makes `memory`, with at least `low` bytes; `default_text` is a human-readable default.
 Parameter memory_parameter(const std::string& help, double low, const std::string& default_text, unsigned surfaces);
 Parameter compression_parameter(unsigned surfaces);
-/// Makes `surface`; `more` is appended to its help text.
+/// Makes `surface`, and appends `more` to its help text.
 Parameter surface_parameter(const std::string& more, unsigned surfaces);
 /// Makes `anisotropy` and `fast`, for commands that fit one lobe per texel.
 Parameter lobe_anisotropy_parameter(unsigned surfaces);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Encodes messages between processes of one machine as bytes. Numbers have the machine's format, and the length of a
-// text comes before it. A broken file can have corrupted the other process, so the reader checks every length.
+// Encodes messages between processes of one machine as bytes. Numbers have the machine's format, and each text follows
+// its length. A broken file may have corrupted the other process, so the reader checks every length.
 #pragma once
 
 #include <cstdint>
@@ -44,7 +44,7 @@ class MessageReader {
     return value;
   }
   std::string text() { return std::string(take(number<std::uint64_t>())); }
-  /// Reads the number of items, each of which has at least one byte.
+  /// Reads a number of items. Each of these items has at least one byte.
   std::size_t count() {
     const auto value = number<std::uint64_t>();
     if (value > bytes_.size()) throw std::out_of_range("a count beyond the end of the message");

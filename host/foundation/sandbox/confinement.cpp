@@ -26,7 +26,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Values from linux/landlock.h of later kernels; the header of Debian 12 lacks them.
+// Values from linux/landlock.h of later kernels. The header of Debian 12 lacks these values.
 constexpr std::uint64_t kTruncate = 1 << 14, kDeviceControl = 1 << 15;
 constexpr std::uint64_t kBindTcp = 1 << 0, kConnectTcp = 1 << 1;
 constexpr std::uint64_t kSignals = 1 << 1;
@@ -93,7 +93,7 @@ void add_caches(std::vector<std::string>& writable, const Variables& variable) {
   }
 }
 
-// A line of a file in /etc names the library of an OpenCL driver.
+// A line of a file in /etc that names the library of an OpenCL driver.
 void add_drivers(std::vector<std::string>& readable, const Variables& variable) {
   std::vector<std::string> lists;
   add_matching(lists, "/etc/OpenCL/vendors/*.icd");

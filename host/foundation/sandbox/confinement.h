@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Blocks a process from files that it does not need, with Linux's Landlock. The system then opens only allowed files,
-// whatever path, link or library the process and its children use. Newer kernels also block TCP (6.7), and signals to
-// processes that are not confined with the process (6.12). Landlock needs no privilege and cannot be undone.
+// no matter which path, link or library the process and its children use. Newer kernels also block TCP (6.7), and
+// signals to processes outside the confinement (6.12). Landlock needs no privilege and cannot be undone.
 #pragma once
 
 #include <functional>
@@ -15,22 +15,22 @@ struct Confinement {
   std::vector<std::string> readable, writable;
 };
 
-/// Returns an environment variable's value; "" if it is not set.
+/// Returns the value of an environment variable, or "" if it is not set.
 using Variables = std::function<std::string(const char* name)>;
 
-/// Returns a confinement that allows the parts of the machine that every program of this project needs: libraries,
-/// OpenCL and GL drivers and their caches, which are created if missing. The confinement allows only a few files of
-/// /etc, and neither homes of other users nor temporary folders.
+/// Returns a confinement that allows the parts of the machine that every program of this project needs. These are
+/// libraries, and OpenCL and GL drivers and their caches, which are created if missing. The confinement allows only a
+/// few files of /etc. It does not allow homes of other users or temporary folders.
 Confinement system_confinement(const Variables& variable);
 
-/// Returns the entry of `allowed` that contains `path`, which need not exist; "" if there is none. Follows links.
+/// Returns the entry of `allowed` that contains `path`, or "" if there is none. `path` need not exist. Follows links.
 std::string part_that_holds(const Confinement& allowed, const std::string& path);
 
 /// Returns whether the kernel can confine threads (Linux 5.13 and later, if enabled).
 bool can_confine();
 
-/// Confines this thread, and everything that it starts, to `allowed` from now on. Returns false if the kernel cannot.
-/// Throws Error(kEnvironment) if the kernel reports an error.
+/// Confines this thread, and everything that it starts, to `allowed` from now on. Returns false if the kernel cannot do
+/// this. Throws Error(kEnvironment) if the kernel reports an error.
 bool confine_this_thread(const Confinement& allowed);
 
 }  // namespace multum

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Turns libraries' exceptions about damaged files into an error that names the file. OpenEXR's own exceptions may pass
-// through OpenImageIO.
+// Converts the exceptions that libraries throw for damaged files to an error that names the file. OpenEXR's own
+// exceptions may pass through OpenImageIO.
 #pragma once
 
 #include <new>

@@ -18,7 +18,7 @@
 namespace multum {
 namespace {
 
-// Throws the error that an answer contains, or std::out_of_range if the answer is cut. Otherwise returns.
+// Throws the error that an answer contains, or std::out_of_range if the answer is cut. Returns if there is no error.
 void throw_refusal(const AskedFile& file, std::string_view answer) {
   MessageReader in(answer);
   const DecodingAnswer kind{in.number<std::uint8_t>()};
@@ -34,12 +34,12 @@ void throw_refusal(const AskedFile& file, std::string_view answer) {
                     file.memory_max, advice(" (<decode child:SECONDS,MEMORY> allows more, for files that you trust)")));
   if (kind == DecodingAnswer::kNoMemoryHere)
     throw Error(ErrorCode::kEnvironment,
-                fmt::format("{}: not enough memory to decode it: less than its limit of {} bytes is available; use a "
+                fmt::format("{}: not enough memory to decode it: less than its limit of {} bytes is available. Use a "
                             "machine, a container or limits (ulimit -v) that allow more: {}",
                             file.path, file.memory_max, errno_text(ENOMEM)));
 }
 
-// Returns the bytes that RLIMIT_DATA counts.
+// Returns the number of bytes that RLIMIT_DATA counts.
 std::uint64_t data_bytes() {
   std::FILE* const file = std::fopen("/proc/self/statm", "re");
   if (file == nullptr) return 0;
@@ -49,7 +49,7 @@ std::uint64_t data_bytes() {
   return found == 1 ? std::uint64_t{data} * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE)) : 0;
 }
 
-// Libraries report exhausted memory in their own words: "Insufficient memory", "Cannot allocate", "std::bad_alloc".
+// Libraries report exhausted memory in different words: "Insufficient memory", "Cannot allocate", "std::bad_alloc".
 bool speaks_of_memory(std::string text) {
   for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   return text.find("memory") != std::string::npos || text.find("alloc") != std::string::npos;
@@ -75,7 +75,7 @@ void refuse_as_answered(const AskedFile& file, std::string_view answer) {
 bool has_allowed_memory() {
   rlimit limit = {};
   if (::getrlimit(RLIMIT_DATA, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY) return true;
-  if (limit.rlim_cur == limit.rlim_max) return false;       // the parent could not allow the intended amount
+  if (limit.rlim_cur == limit.rlim_max) return false;       // the parent could not set the intended limit
   constexpr std::uint64_t kSlack = std::uint64_t{4} << 20;  // margin for the C library's own allocations
   const std::uint64_t taken = data_bytes() + kSlack;
   if (limit.rlim_cur <= taken) return true;

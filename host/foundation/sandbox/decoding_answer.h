@@ -30,11 +30,11 @@ struct AskedFile {
   std::uint64_t memory_max;
 };
 
-/// Throws the child's Error. Throws Error(kInput) if the file needs more memory than its limit, or if its decoding
-/// ended without a valid answer. Throws Error(kEnvironment) if this machine has less memory than the limit.
+/// Throws the child's Error. Throws Error(kInput) if the file needs more memory than its limit, or if the child ended
+/// without a valid answer. Throws Error(kEnvironment) if this machine has less memory than the limit.
 [[noreturn]] void refuse_as_answered(const AskedFile& file, std::string_view answer);
 
-/// Parses an answer with `read(MessageReader&)` if the request was done; otherwise throws Error like
+/// If the request was done, parses the answer with `read(MessageReader&)`. Otherwise throws Error like
 /// refuse_as_answered().
 template <typename Read>
 auto parse_answer(const AskedFile& file, std::string_view answer, const Read& read) {
@@ -50,11 +50,11 @@ auto parse_answer(const AskedFile& file, std::string_view answer, const Read& re
 }
 
 /// Returns whether the system would give this process all memory that its limit RLIMIT_DATA still allows. If so, a
-/// failed allocation exceeded the limit. If not, another limit was reached first: the address space, the machine's
-/// memory (on systems that do not overcommit), or an administrator's own RLIMIT_DATA.
+/// failed allocation exceeded that limit. If not, another limit was reached first. Other limits are the address space,
+/// the machine's memory (on systems that do not overcommit), or a lower RLIMIT_DATA that an administrator set.
 bool has_allowed_memory();
 
-/// Returns, in the child, the answer of `work`, or its Error as an answer. If memory is exhausted, has_allowed_memory()
+/// In the child, returns the answer of `work`, or its Error as an answer. If memory is exhausted, has_allowed_memory()
 /// decides which answer is returned.
 std::string answer_or_refusal(const std::function<std::string()>& work);
 

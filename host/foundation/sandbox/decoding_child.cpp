@@ -14,7 +14,7 @@
 namespace multum {
 namespace {
 
-// Keeps a child process for the next file.
+// Keeps a child process so that it can decode the next file.
 class IdleChildren {
  public:
   std::unique_ptr<HelperProcess> take(const std::string& program) {
@@ -78,7 +78,7 @@ std::string DecodedFile::answer(const std::string& request, const std::function<
     if (ended.lacked_memory())
       throw Error(ErrorCode::kEnvironment,
                   fmt::format("{}: decoding failed (the decoder {}), probably for lack of memory; expected {} bytes of "
-                              "memory: use a machine, a container or limits (ulimit -v) that allow this",
+                              "memory. Use a machine, a container or limits (ulimit -v) that allow this",
                               path_, ended.what(), limits_.memory_max));
     throw Error(
         ErrorCode::kInput,

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Decodes files in a child process (tools/multum_decode), because libraries crash on some files. The child returns
-// numbers in shared memory. A child that has read a whole file also reads the next file. A child that failed is
-// replaced, so the failure of one file never affects another file. Each kind of file sets its own limits:
-// host/formats/image/files/child_image_file.cpp, host/formats/mesh/mesh_source.cpp.
+// numbers in shared memory. A child that has read a whole file is used again for the next file. A child that failed is
+// replaced, so a failure for one file never affects another file. Each kind of file sets its own limits
+// (host/formats/image/files/child_image_file.cpp, host/formats/mesh/mesh_source.cpp).
 #pragma once
 
 #include <chrono>
@@ -16,11 +16,11 @@
 
 namespace multum {
 
-/// Returns multum-decode in the folder of the running program, or in PREFIX/libexec/multum for a program in PREFIX/bin.
-/// Both programs must be of the same build, so PATH is not searched.
+/// Returns the path of multum-decode, which is in the folder of the running program, or in PREFIX/libexec/multum for a
+/// program in PREFIX/bin. Both programs must be of the same build, so PATH is not searched.
 std::string decoder_beside_this_program();
 
-/// Base limits of a child for one request; larger files add to them.
+/// The basic limits of a child for one request. They are raised for larger files.
 struct DecodingChild {
   std::string program = decoder_beside_this_program();
   std::uint64_t memory_base = std::uint64_t{1} << 30;  // bytes
@@ -40,8 +40,8 @@ class DecodedFile {
   SharedMemory& memory() { return process_->memory(); }
   AskedFile asked() const { return {path_, library_, limits_.memory_max}; }
 
-  /// Returns the answer, parsed by `read(MessageReader&)`. If the child fails in any way, throws Error, which names the
-  /// file.
+  /// Returns the answer after parsing it with `read(MessageReader&)`. If the child fails in any way, throws Error,
+  /// which names the file.
   template <typename Read>
   auto ask(const std::string& request, const Read& read, const std::function<void()>& while_waiting = {}) {
     return parse_answer(asked(), answer(request, while_waiting), read);

@@ -50,8 +50,8 @@ int moved_away(int descriptor) {
   return moved;
 }
 
-// The child stays in this process's group, and ends with this process. If a terminal sends a signal to the group, only
-// this process handles it.
+// The child stays in the group of this process, and ends when this process ends. If a terminal sends a signal to the
+// group, only this process handles it.
 pid_t spawn_helper(const std::string& program, int socket, int memory, int last_words) {
   return spawn_process({program}, {.files = {{last_words, STDOUT_FILENO},
                                              {last_words, STDERR_FILENO},
@@ -92,7 +92,8 @@ bool is_thread_ready(const std::string& folder) {
   return name_end != std::string_view::npos && line.substr(name_end + 2).starts_with('R');
 }
 
-// Returns whether any thread is ready. The first thread may wait, because libraries decode in their own threads.
+// Returns whether any thread is ready to run. The first thread may be waiting, because libraries decode in other
+// threads.
 bool is_ready_to_run(pid_t pid) {
   std::error_code error;
   std::filesystem::directory_iterator threads(fmt::format("/proc/{}/task", pid), error), end;
@@ -102,7 +103,7 @@ bool is_ready_to_run(pid_t pid) {
 }
 
 // Returns whether inherited limits may leave a child less memory than HelperLimits allow. The child's libraries also
-// need address space: 360 MB were measured (OpenImageIO and assimp of Debian 12).
+// need address space, for which 360 MB were measured (OpenImageIO and assimp of Debian 12).
 bool may_lack_memory(std::uint64_t memory_max) {
   constexpr std::uint64_t kLibraries = std::uint64_t{1} << 29;
   rlimit space = {}, data = {};
@@ -116,8 +117,8 @@ std::string text_of(std::chrono::milliseconds time) {
   return time.count() % 1000 == 0 ? fmt::format("{} s", time.count() / 1000) : fmt::format("{} ms", time.count());
 }
 
-// Returns the most informative line that a program printed before its end. The line is about an exception or a
-// sanitizer, or is the last line if there is no such line.
+// Returns the most informative line that a program printed before it ended. This is a line about an exception or a
+// sanitizer, or the last line if there is no such line.
 std::string essence(std::string_view said) {
   constexpr std::size_t kLengthMax = 200;
   std::string_view last, chosen;
@@ -175,8 +176,8 @@ int HelperProcess::kill_and_wait() {
   return status;
 }
 
-// The child has closed its end of the socket. Usually the child is ending by itself, and its status tells the reason. A
-// child that does not end is killed.
+// The child has closed its end of the socket. Usually the child is exiting by itself, and its status tells the reason.
+// A child that does not exit is killed.
 int HelperProcess::wait_for_end() {
   constexpr int kTries = 200;
   int status = 0;
@@ -199,14 +200,14 @@ void HelperProcess::end(const std::string& why) {
 }
 
 void HelperProcess::reap() {
-  // Exit codes of a program that cannot be loaded (ld.so), and of a program that runs out of memory outside a request
-  // (run_guarded()).
+  // The exit codes of a program that cannot be loaded (ld.so), and of a program that runs out of memory outside a
+  // request (run_guarded()).
   constexpr int kNotLoaded = 127, kNoMemory = 4;
   const int status = wait_for_end();
   std::string how;
   bool lacked_memory = false;
   if (WIFSIGNALED(status) && WTERMSIG(status) == SIGXCPU) {
-    how = "used up its processor time and was terminated";
+    how = "exceeded its limit of processor time and was terminated";
   } else if (WIFSIGNALED(status)) {
     how = fmt::format("was terminated by signal {} ({})", WTERMSIG(status), ::sigdescr_np(WTERMSIG(status)));
     lacked_memory = WTERMSIG(status) == SIGKILL || may_lack_memory(memory_max_);
@@ -280,7 +281,7 @@ std::string HelperProcess::receive(const HelperLimits& limits, const std::functi
     if (received_.size() >= sizeof(size)) {
       std::memcpy(&size, received_.data(), sizeof(size));
       if (size > kAnswerMax) end(fmt::format("announced an answer of {} bytes", size));
-      if (received_.size() > sizeof(size) + size) end("sent more than its answer");
+      if (received_.size() > sizeof(size) + size) end("sent more bytes than it had announced");
       if (received_.size() == sizeof(size) + size) return received_.substr(sizeof(size));
     }
     pollfd waited = {socket_, POLLIN, 0};

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Runs work in a child process if the work may crash, as libraries do on some broken files. Requests and answers are
-// messages over a socket. Results are in shared memory. The child's memory and time are limited. A crash, missing
-// answers and excess memory of the child become exceptions in this process.
+// messages over a socket. Results are in shared memory. The child's memory and time are limited. If the child crashes,
+// does not answer or uses too much memory, this process gets an exception.
 //
 //   this process                        the child (host/foundation/sandbox/helper_service.h)
 //   ask("...")      -- socket, fd 3 -->  answer("...")
@@ -23,20 +23,20 @@
 namespace multum {
 
 /// Limits of one request. If the child needs more memory, its allocations fail or it is killed. If it needs more time,
-/// it is killed. Time in which it waits because other programs use the processors does not count. The processor time of
-/// all its threads is limited to time_max per core.
+/// it is killed. Time in which the child waits because other programs use the processors does not count. The processor
+/// time of all its threads together is limited to time_max per core.
 struct HelperLimits {
   std::uint64_t memory_max;  // writable bytes in total, without the shared memory
   std::chrono::milliseconds time_max;
 };
 
-/// Thrown if the child has ended; what() tells how: "was terminated by signal 11 (Segmentation fault)".
+/// Thrown if the child has ended. what() tells how it ended: "was terminated by signal 11 (Segmentation fault)".
 class HelperEnded : public std::runtime_error {
  public:
   HelperEnded(const std::string& how, bool lacked_memory) : std::runtime_error(how), lacked_memory_(lacked_memory) {}
-  /// Returns whether the machine, and not the request, is the likely cause. True if the child could not be loaded, or
-  /// if the system killed it (as when memory runs out). Also true if it died with less memory than HelperLimits allow,
-  /// because of a limit of this process (ulimit -v, -d).
+  /// Returns whether the machine, and not the request, is the likely cause. This is true if the child could not be
+  /// loaded, or if the system killed it (for example because memory ran out). It is also true if a limit of this
+  /// process (ulimit -v, -d) left the child less memory than HelperLimits allow.
   bool lacked_memory() const { return lacked_memory_; }
 
  private:
@@ -45,7 +45,7 @@ class HelperEnded : public std::runtime_error {
 
 class HelperProcess {
  public:
-  /// Starts the program; throws Error(kEnvironment) if it cannot be started. The child has only the files listed above,
+  /// Starts the program. Throws Error(kEnvironment) if it cannot be started. The child has only the files listed above,
   /// does not receive Ctrl-C, and ends when this process ends in any way.
   explicit HelperProcess(const std::string& program);
   ~HelperProcess();

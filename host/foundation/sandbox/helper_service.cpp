@@ -45,7 +45,7 @@ bool send(std::string_view bytes) {
   return true;
 }
 
-// Disables core files, and limits the output of libraries.
+// Disables core files, and limits the size of the output of libraries.
 void limit_files() {
   const rlimit none = {0, 0}, little = {1 << 20, 1 << 20};
   ::setrlimit(RLIMIT_CORE, &none);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Serves the parent of a helper process: the child's side of host/foundation/sandbox/helper_process.h.
+// Serves requests of the parent process. This is the child's side of host/foundation/sandbox/helper_process.h.
 #pragma once
 
 #include <functional>
@@ -13,8 +13,8 @@ namespace multum {
 inline constexpr int kHelperSocket = 3;
 inline constexpr int kHelperMemory = 4;
 
-/// Answers requests until the parent process has ended. Returns the exit code, which is 2 if there is no parent that
-/// sends requests, because a user started the program.
+/// Answers requests until the parent process has ended. Returns the exit code. The code is 2 if no parent process sends
+/// requests, because a user started the program.
 int serve_helper(const std::function<std::string(std::string_view request, SharedMemory& memory)>& answer);
 
 }  // namespace multum

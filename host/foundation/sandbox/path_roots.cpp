@@ -23,7 +23,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// glibc 2.36 has no openat2(). Names with links fail here, because links were resolved when the path was checked.
+// glibc 2.36 has no function openat2(). Names with links fail here, because links were resolved when the path was
+// checked.
 int open_below(int root, const std::string& relative, int flags) {
   open_how how{};
   how.flags = static_cast<std::uint64_t>(flags | O_CLOEXEC | O_NOFOLLOW);
@@ -35,8 +36,8 @@ bool is_below(const std::string& path, const std::string& folder) {
   return path.starts_with(folder) && path.size() > folder.size() && path[folder.size()] == '/';
 }
 
-// Resolves a name that does not exist: its existing beginning, and links whose targets are missing. Otherwise a link in
-// a root would reveal which files exist outside.
+// Resolves a name that does not exist: the part of it that exists, and links whose targets are missing. Otherwise a
+// link in a root would reveal which files exist outside the root.
 fs::path place_of(const fs::path& path) {
   constexpr int kLinksMax = 40;  // as many as the system allows
   fs::path place = "/", rest = path;
@@ -108,7 +109,7 @@ OpenFile PathRoots::open_beneath(const std::string& canonical, int flags) const 
   const std::string relative = canonical == root ? "." : canonical.substr(root.size() + 1);
   OpenFile file(open_below(descriptor, relative, flags));
   if (!file.is_open() && (errno == ELOOP || errno == EXDEV))
-    throw Error(ErrorCode::kUsage, fmt::format("{}: has become a link, or is reached through a link", canonical));
+    throw Error(ErrorCode::kUsage, fmt::format("{}: has become a link, or its path contains a link", canonical));
   if (!file.is_open() && (errno == ENOENT || errno == ENOTDIR))
     throw Error(ErrorCode::kUsage, fmt::format("{}: no longer exists", canonical));
   if (!file.is_open()) fail_by_errno(canonical, "cannot be opened");

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Confines reading and writing to files below some folders, whatever names and links are used, and even if a name
-// changes after its check. A file is opened only beneath its root's descriptor, by a name without links (openat2).
+// Confines reading and writing to files below certain folders. This works no matter which names and links are used, and
+// even if a name changes after its check. A file is opened only beneath its root's descriptor, by a name without links
+// (openat2).
 #pragma once
 
 #include <memory>
@@ -24,14 +25,14 @@ class PathRoots {
   /// Returns the file's path without links or dots. Throws Error(kUsage) if the path is not absolute, missing, not a
   /// file, or outside the roots. The message reveals nothing about files outside.
   std::string input(const std::string& path) const;
-  /// Like input(), except that the path is for a result. The path's folder must exist. The path itself may be a file, a
+  /// Works like input() for the path of a result. The folder of the path must exist. The path itself may be a file, a
   /// folder or missing, but not a link.
   std::string output(const std::string& path) const;
   bool is_inside(const std::string& canonical) const;
   const std::vector<std::string>& roots() const { return roots_; }
 
-  /// Opens a path returned by input() for reading. Throws Error(kUsage) if the path does not name a file below its root
-  /// any more, because the file was removed or replaced by a link, or the root is another folder.
+  /// Opens a path that input() returned, for reading. Throws Error(kUsage) if the path does not name a file below its
+  /// root any more, because the file was removed or replaced by a link, or because the root is now another folder.
   OpenFile open_input(const std::string& canonical) const;
   /// Opens the folder of a path returned by output(). Throws like open_input().
   OpenFile open_folder_of(const std::string& canonical) const;

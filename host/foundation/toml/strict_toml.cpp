@@ -18,7 +18,7 @@
 namespace multum {
 namespace {
 
-// Shortens the message, because it quotes names and texts of the file, which can have megabytes.
+// Shortens the message. It quotes names and texts of the file, which can be megabytes long.
 [[noreturn]] void refuse_at(const std::string& file, std::uint32_t line, std::string what) {
   constexpr std::size_t kBytesMax = 1000;
   if (what.size() > kBytesMax)
@@ -59,8 +59,8 @@ std::string read_text(const std::string& path, const std::string& expected, std:
   refuse_at(path, line, "holds the character NUL (\\u0000), which no string or key may contain");
 }
 
-// System functions end names at NUL, so two parts of a program would see two different names. TomlLimits bound the
-// recursion.
+// System functions end names at NUL, so two parts of a program would see two different names. TomlLimits limit the
+// depth of the recursion.
 void refuse_nul_in(const std::string& path, const toml::node& node) {
   if (const auto* text = node.as_string(); text != nullptr && text->get().find('\0') != std::string::npos)
     refuse_nul_at(path, line_of(node));

@@ -19,13 +19,13 @@
 
 namespace multum {
 
-/// Parses the file. Throws Error(kInput) if it cannot be read, exceeds a limit or is not TOML. `expected` is, for
-/// example, "a job as PAGE describes it". Never reads more bytes than the limit, even from a pipe or a device.
+/// Parses the file. Throws Error(kInput) if it cannot be read, exceeds a limit or is not TOML. For example, `expected`
+/// is "a job as PAGE describes it". Never reads more bytes than the limit, even from a pipe or a device.
 toml::table parse_toml(const std::string& path, const std::string& expected, const TomlLimits& limits = {});
 
 struct NumberRange {
   double low = 0.0, high = 0.0;
-  bool low_open = false, high_open = false;  // true if the end itself is outside the range
+  bool low_open = false, high_open = false;  // true if the limit itself is outside the range
   std::string text;                          // description, such as "a number above 0"
 };
 
@@ -33,12 +33,12 @@ inline const NumberRange kAboveZero = {0.0, std::numeric_limits<double>::infinit
 inline const NumberRange kFromZero = {0.0, std::numeric_limits<double>::infinity(), false, true,
                                       "a number of at least 0"};
 
-/// One table of a file; `file` and `table` outlive it.
+/// One table of a file. `file` and `table` must outlive it.
 class StrictTable {
  public:
-  /// Messages prefix keys with `name`: for "texture", they say "texture.wrap". `name` is empty for the top table. Keys
-  /// that are not in `keys` are rejected at once, and the message names the nearest known key. `whole` names the file's
-  /// contents.
+  /// In messages, `name` precedes the keys, so for "texture" they say "texture.wrap". `name` is empty for the top
+  /// table. Keys that are not in `keys` are rejected at once, and the message names the most similar known key. `whole`
+  /// names the contents of the file.
   StrictTable(const std::string& file, const toml::table& table, std::string name, const std::vector<std::string>& keys,
               std::string whole = "the job");
 
@@ -58,18 +58,18 @@ class StrictTable {
   template <typename List>
   auto choice(const std::string& key, const List& choices) const
       -> std::optional<typename List::value_type::second_type>;
-  /// Returns one number, or a list of at most `count_max` numbers; empty if the key is missing.
+  /// Returns one number, or a list of at most `count_max` numbers. Returns an empty list if the key is missing.
   std::vector<double> numbers(const std::string& key, const NumberRange& range, std::size_t count_max) const;
   std::vector<std::string> texts(const std::string& key, bool is_required) const;
   std::vector<int> integers(const std::string& key) const;
-  /// Reads four rows of four finite numbers: a matrix for column vectors.
+  /// Reads four rows of four finite numbers, which form a matrix for column vectors.
   glm::dmat4 matrix(const std::string& key) const;
   /// Returns the table of this key, or an empty table if the key is missing.
   const toml::table& table(const std::string& key) const;
   /// Returns the tables of [[key]]. At least one is required, unless the key may be missing.
   std::vector<const toml::table*> tables(const std::string& key, bool is_required = true) const;
 
-  /// Throws Error(kInput): "FILE:LINE: KEY is WHAT". For the table itself, `key` is empty.
+  /// Throws Error(kInput) with the message "FILE:LINE: KEY is WHAT". For the table itself, `key` is empty.
   [[noreturn]] void refuse(const std::string& key, const std::string& what) const;
 
  private:

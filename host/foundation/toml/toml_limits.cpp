@@ -78,7 +78,7 @@ class TomlScan {
     in_key_ = true;
   }
 
-  // Handles '.' and '=' of a key. In values, these characters have no meaning. Values that begin with one of them are
+  // Handles '.' and '=' in a key. In values, these characters have no meaning. Values that begin with one of them are
   // also handled here.
   void separate(char c) {
     ++at_;
@@ -179,7 +179,7 @@ class TomlScan {
   bool is_array_of_tables_ = false;
   std::size_t header_begin_ = 0;
   int header_parts_ = 0;
-  int depth_ = 0;  // parts of the header, plus parts of each open level's key, plus brackets
+  int depth_ = 0;  // parts of the header, plus parts of the key of each open level, plus brackets
   std::size_t items_ = 0, dots_ = 0;
   std::set<std::string_view> array_names_;
 };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Declares functions that list the cases of this folder, one function per family of kernels.
+// Declares one function per family of kernels. Each function lists the cases of its family in this folder.
 #pragma once
 
 #include <vector>

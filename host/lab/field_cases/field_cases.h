@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Registers the numerical cases of the kernels for fields: least squares and image transforms.
+// Registers the numerical cases of the kernels for fields, which compute least squares and image transforms.
 #pragma once
 
 namespace multum {

@@ -22,7 +22,7 @@ std::size_t mirrored_index(long i, long n) {
 
 // The analysis filters of the 9/7 pair (Antonini et al. 1992, table 2, h~ and g~). The code below multiplies the
 // low-pass filter by sqrt(2), and the high-pass filter by sqrt(1/2). Entry k contains the tap at distance k on both
-// sides. Both filters then have about unit length, like filters of orthonormal wavelets.
+// sides. As a result, both filters have a length near 1, like the filters of orthonormal wavelets.
 constexpr std::array<double, 5> kLow = {0.602949018236360, 0.266864118442875, -0.078223266528990, -0.016864118442875,
                                         0.026748757410810};
 constexpr std::array<double, 4> kHigh = {1.115087052457000, -0.591271763114250, -0.057543526228500, 0.091271763114250};

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests texture inference: the products and sums of conjugate gradient, the interpolation of the pyramid, and whole
-// solutions. The solved systems are singular, empty, weakly regularised or of high contrast (Hakura et al. 2000,
-// section 3.2). docs/contributing/ALGORITHMS.md lists the rows of the system.
+// Tests the parts of texture inference: the products and sums of the conjugate gradient method, the interpolation of
+// the pyramid, and whole solutions. The systems are singular, empty or weakly regularised, or have a high contrast
+// (Hakura et al. 2000, section 3.2). docs/contributing/ALGORITHMS.md lists the rows of the system.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -34,8 +34,8 @@ std::vector<Colour4> colours_of_great_contrast(std::size_t count, std::uint64_t 
   return list;
 }
 
-// Makes rows of 0 to 21 entries. The first and the last row are empty. Weights are denormal, or have a magnitude from
-// 1e-6 to 1.
+// Makes rows with 0 to 21 entries. The first and the last row are empty. Each weight is denormal, or has a magnitude
+// from 1e-6 to 1.
 SparseRows uneven_rows(std::uint32_t column_count) {
   SplitMix64 random(8);
   SparseRows rows;
@@ -147,7 +147,7 @@ void odd_pyramids(Device& device, WorstError& worst) {
   }
 }
 
-// Tests a texel count and a part count whose product exceeds 2^31.
+// Tests a number of texels and a number of parts whose product exceeds 2^31.
 void products_of_many_parts(Device& device, WorstError& worst) {
   constexpr std::size_t kTexels = 1 << 18, kParts = 1 << 14;
   const std::vector<Colour4> p = colours_of_great_contrast(kTexels, 11), q = colours_of_great_contrast(kTexels, 12);
@@ -169,7 +169,7 @@ void products_of_many_parts(Device& device, WorstError& worst) {
   for (std::size_t c = 0; c < 3; ++c) worst.add(found[c], exact[c], magnitude[c], fmt::format("colour {}", c));
 }
 
-// Tests more parts than texels. Parts without texels must return 0.
+// Tests a launch with more parts than texels. The result of a part without texels must be 0.
 void parts_without_texels(Device& device, WorstError& worst) {
   constexpr std::size_t kParts = 64;
   for (const std::size_t texels : {1u, 3u, 63u}) {
@@ -201,7 +201,8 @@ void parts_without_texels(Device& device, WorstError& worst) {
   }
 }
 
-// Tests steps of high contrast next to fixed texels (inverse and beta are 0), denormal numbers and signed zeros.
+// Tests steps of high contrast next to fixed texels, for which inverse and beta are 0. Also tests denormal numbers and
+// signed zeros.
 void steps_along_the_old_direction(Device& device, WorstError& worst) {
   for (const std::size_t texels : {1u, 7u, 1001u}) {
     const std::vector<Colour4> step = colours_of_great_contrast(texels, 16), p = colours_of_great_contrast(texels, 17),
@@ -236,8 +237,8 @@ InferenceSettings exact_settings(double pyramid_weight) {
   return settings;
 }
 
-// Compares the picture of the solution with the requested picture, for a random texture and start values far from the
-// solution. Texels that no pixel reads can have any finite value.
+// Compares the picture of the solution with the requested picture. The texture is random, and the starting values are
+// far from the solution. Texels that no pixel reads can have any finite value.
 void add_picture_errors(Device& device, const FilterMatrix& matrix, const std::vector<float>& weights,
                         const InferenceSettings& settings, const std::string& input, WorstError& worst) {
   SplitMix64 random(15);
@@ -266,8 +267,8 @@ void singular_systems(Device& device, WorstError& worst) {
   }
 }
 
-// Tests a very weak regularisation. Texels that no pixel reads then have a denormal diagonal entry, whose inverse is
-// infinite.
+// Tests a very weak regularisation, in which texels that no pixel reads have a denormal diagonal entry. The inverse of
+// such an entry is infinite.
 void denormal_diagonals(Device& device, WorstError& worst) {
   const FilterMatrix matrix = reference::random_matrix(32, 32, WrapMode::kClamp, 40, 3);
   for (const double weight : {1e-36, 1e-38, 1e-39, 1e-41, 1e-44})
@@ -333,15 +334,16 @@ void contrast_in_pixels(Device& device, WorstError& worst) {
 
 std::vector<NumericalCase> product_cases() {
   return {
-      {{"empty-and-uneven-rows", "filter_matrix_spmv", "a row without entries keeps the old value of the output",
-        "each sum begins at 0, and incomplete blocks of 8 entries are padded with entries that have weight 0", 1e-6,
-        "of the sum of magnitudes", "21 products are added in pairs, so each of them is rounded only a few times"},
+      {{"empty-and-uneven-rows", "filter_matrix_spmv", "for a row without entries, the output keeps its old value",
+        "each sum begins at 0, and incomplete blocks of 8 entries are padded with entries of weight 0", 1e-6,
+        "of the sum of magnitudes",
+        "the kernel adds 21 products in pairs, so each product is rounded only a few times"},
        empty_and_uneven_rows,
        {},
        {},
        {{"filter_matrix_spmv", "float4 sum = (float4)(0.0f);", "float4 sum = y[row];"}}},
       {{"constant-textures", "pyramid_residual",
-        "even if the texels a and b are equal, rounding changes (1 - t) a + t b, so a constant texture gets a slope",
+        "rounding changes (1 - t) a + t b even if the texels a and b are equal, so a constant texture gets a slope",
         "the kernel computes a + t (b - a), which is exact if a and b are equal", kNothingWrong, "relative error",
         "the result must be exactly 0"},
        constant_textures,
@@ -349,26 +351,27 @@ std::vector<NumericalCase> product_cases() {
          "#define mix(a, b, t) ((1.0f - (t)) * (a) + (t) * (b))\ntypedef struct MultumGather {"}}},
       {{"odd-pyramids-of-great-contrast", "pyramid_residual, pyramid_gradient",
         "weights of one quarter are correct only for sizes that are powers of two",
-        "tables give the weights of each column and each row", 2e-6, "absolute error of values up to 1",
-        "each result is a sum of up to 9 x 9 rounded products"},
+        "the kernel reads the weights of each column and each row from tables", 2e-6,
+        "absolute error of values up to 1", "each result is a sum of up to 9 x 9 rounded products"},
        odd_pyramids,
        {{"pyramidal_regularization", "gathered -= entries[v].weight * of_row;", "gathered -= 0.25f * of_row;"}}},
       {{"parts-beyond-2-to-31", "curvature_product",
-        "the product of the texel count and the part count overflows, so parts contain wrong texels or no texels",
+        "the product of texel count and part count overflows, so parts contain wrong texels or no texels",
         "integers have 64 bits", 1e-6, "of the sum of magnitudes",
-        "each part rounds only 16 additions, and the parts are added in double precision"},
+        "each part contains only 16 rounded additions, and the parts are added in double precision"},
        products_of_many_parts,
        {{"conjugate_gradient", "(((long)texel_count * part) / part_count)", "((texel_count * part) / part_count)"}}},
-      {{"parts-without-texels", "advance_residual", "a part without texels keeps the old value of the output",
-        "sums begin at 0", 1e-5, "relative error", "the residual r - 1000 q is rounded and then squared"},
+      {{"parts-without-texels", "advance_residual", "for a part without texels, the output keeps its old value",
+        "sums begin at 0", 1e-5, "relative error",
+        "the rounding error of the residual r - 1000 q grows when the residual is squared"},
        parts_without_texels,
        {},
        {},
        {{"conjugate_gradient", "float4 product = (float4)(0.0f), norm = (float4)(0.0f);",
          "float4 product = parts[part], norm = (float4)(0.0f);"}}},
       {{"steps-along-the-old-direction", "advance_direction",
-        "the step along the direction uses the direction of the next iteration by mistake",
-        "the old direction is read before it is overwritten", 2e-7, "of the sum of magnitudes",
+        "the step uses the direction of the next iteration instead of the current direction",
+        "the kernel reads the old direction before it overwrites this direction", 2e-7, "of the sum of magnitudes",
         "only two products and their sum are rounded"},
        steps_along_the_old_direction,
        {},
@@ -388,34 +391,34 @@ std::vector<NumericalCase> inference_cases() {
                        const std::vector<SourceEdit>& mutation) {
     cases.push_back({{name, "conjugate_gradient", without, guard, bound, unit, reason}, run, edits, {}, mutation});
   };
-  // The host computes the inverses, so this kernel edit replaces each inverse of 0 with infinity, as if the host had no
-  // guard.
+  // The host computes the inverses. This edit of the kernel therefore replaces each inverse of 0 by infinity, as if the
+  // host had no guard.
   const std::string infinite = "select(inverse_diagonal[i], (float4)(INFINITY), inverse_diagonal[i] == 0.0f)";
   add("singular-systems", "texels that no pixel reads have a diagonal entry of 0, whose inverse is infinite",
-      "the inverse is set to 0, so texels that no pixel reads keep their start values", 1e-2,
+      "the inverse is set to 0, so texels that no pixel reads keep their starting values", 1e-2,
       "absolute error of pixels", "the solver uses single precision and a gradient tolerance of 1e-6", singular_systems,
       {},
       {{"conjugate_gradient", "p[i] = inverse_diagonal[i] * r[i] + beta * direction;",
         "p[i] = " + infinite + " * r[i] + beta * direction;"}});
   add("denormal-diagonals", "the inverse of a denormal diagonal entry is infinite, and its product with 0 is NaN",
-      "diagonal entries below the smallest normal number count as 0", 1e-2, "absolute error of pixels",
+      "diagonal entries below the smallest normal number are treated as 0", 1e-2, "absolute error of pixels",
       "the solver uses single precision and a gradient tolerance of 1e-6", denormal_diagonals, {},
       {{"conjugate_gradient", "product += inverse_diagonal[i] * square;", "product += " + infinite + " * square;"}});
-  add("unseen-texels", "texels that no pixel reads keep their start values, or become infinite or NaN",
-      "pyramidal regularisation fills unseen texels from the coarser level", 2e-3, "absolute error",
+  add("unseen-texels", "texels that no pixel reads keep their starting values, or become infinite or NaN",
+      "pyramidal regularisation fills these texels from the coarser level", 2e-3, "absolute error",
       "the systems of the coarse levels have a condition number of about 1e3, which multiplies the solver's error",
       unseen_texels, {{"pyramidal_regularization", "sum[texel] += weight * gathered;", ""}}, {});
   add("regularisation-to-0",
-      "only the tiny regularisation determines the smallest eigenvalues, so steps become too long and leave the "
-      "allowed range",
-      "Newton steps stop when the gradient is small, and bounds limit the steps", 2e-3, "absolute error",
+      "the smallest eigenvalues depend only on the tiny regularisation, so steps become too long and leave the allowed "
+      "range",
+      "the solver stops when the gradient is small, and limits each step to the allowed range", 2e-3, "absolute error",
       "the systems of the coarse levels have a condition number of about 1e3, which multiplies the solver's error",
       vanishing_regularisation,
       {{"conjugate_gradient", "is_free[i] * (q[i] + diagonal[i] * p[i])", "(q[i] + diagonal[i] * p[i])"}}, {});
   add("contrast-of-1e6", "rounding errors of bright texels exceed the values of dark texels",
-      "partial sums are added in double precision, and values never leave their bounds", 1e-2,
-      "absolute error of values up to 1", "pixels with weight 1e-6 have an equally small effect on the result",
-      contrast_in_pixels, {},
+      "the solver adds partial sums in double precision and keeps values within their bounds", 1e-2,
+      "absolute error of values up to 1",
+      "a pixel with weight 1e-6 hardly affects the result, so its texels are less accurate", contrast_in_pixels, {},
       {{"conjugate_gradient", "step[i] += alpha * direction;", "step[i] += rint(32.0f * alpha * direction) / 32.0f;"}});
   return cases;
 }

@@ -19,16 +19,16 @@ struct InferenceProblem {
 /// Returns f(x).
 double objective(const InferenceProblem& problem, const std::vector<double>& texels);
 
-/// An entry of the matrix that interpolates level l + 1 bilinearly at the texels of level l: the fine texel, the coarse
-/// texel and the weight.
+/// One entry of the matrix that interpolates level l + 1 bilinearly at the texels of level l. The entry consists of the
+/// fine texel, the coarse texel and the weight.
 struct InterpolationEntry {
   int fine, coarse;
   double weight;
 };
 std::vector<InterpolationEntry> interpolation(const FilterMatrix& matrix);
 
-/// Makes a filter matrix of `rows` random trilinear footprints, as for a picture of `rows` pixels. Each footprint
-/// covers two levels.
+/// Makes a filter matrix with `rows` random trilinear footprints, like the matrix of a picture with `rows` pixels. Each
+/// footprint covers two levels.
 FilterMatrix random_matrix(int texture_width, int texture_height, WrapMode wrap, int rows, unsigned seed);
 
 }  // namespace multum::reference

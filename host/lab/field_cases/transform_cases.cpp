@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Tests the transforms of the animation codec (kernels/image_transform.cl). The inputs contain borders within blocks,
-// lines shorter than their filter, and colours that cancel. The cases also test that no memory after the last item is
-// written.
+// lines shorter than their filter, and colours that cancel. The cases also check that the kernels write no memory after
+// the last item.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -30,7 +30,8 @@ std::vector<float> random_list(std::size_t count, SplitMix64& random) {
 
 std::vector<double> as_doubles(const std::vector<float>& list) { return {list.begin(), list.end()}; }
 
-// Compares `found` with `exact`, relative to the largest value. The value after the results must still be kLeftAlone.
+// Compares `found` with `exact`. Errors are relative to the largest value, and the value after the results must still
+// be kLeftAlone.
 void add_all(const std::vector<float>& found, const std::vector<double>& exact, const std::string& input,
              WorstError& worst) {
   double most = 1e-30;
@@ -73,7 +74,7 @@ void colours_near_grey(Device& device, WorstError& worst) {
   add_all(downloaded<float>(device, planes), exact, "greys", worst);
 }
 
-// Tests images that end within their right and lower blocks, images of one texel, and steps of 1e6.
+// Tests images whose right and lower borders are inside blocks, images of one texel, and steps of 1e6.
 void blocks_beyond_borders(Device& device, WorstError& worst) {
   SplitMix64 random(62);
   for (const int side : {8, 16, 32})
@@ -82,7 +83,7 @@ void blocks_beyond_borders(Device& device, WorstError& worst) {
       std::vector<float> images = random_list(2 * texels, random);
       for (std::size_t i = texels; i < images.size(); ++i) images[i] = i % 5 < 2 ? 1e6f : -1e-6f;
       std::vector<float> read = images;
-      read.resize(images.size() + 64 * 64, 1e6f);  // blocks that ignore the border read these values
+      read.resize(images.size() + 64 * 64, 1e6f);  // a block that ignores the border reads these values
       std::vector<float> rows;
       for (int k = 0; k < side; ++k)
         for (int i = 0; i < side; ++i)
@@ -144,22 +145,24 @@ void lines_shorter_than_filters(Device& device, WorstError& worst) {
 std::vector<NumericalCase> transform_cases() {
   const std::string unit = "of the largest coefficient";
   return {
-      {{"colours-near-grey", "colour_planes", "each colour difference contains the rounding errors of three colours",
-        "the kernel uses fused multiply-add, and adds the smallest product first", 2e-7, "of the largest value",
-        "only three numbers are rounded, and none of them exceeds the largest value"},
+      {{"colours-near-grey", "colour_planes",
+        "each colour difference contains the rounding errors of three colour values",
+        "the kernel uses fused multiply-add instructions and adds the smallest product first", 2e-7,
+        "of the largest value", "only three numbers are rounded, and none of them exceeds the largest value"},
        colours_near_grey,
        {},
        {},
        {{"image_transform", "fma(axes[4 * p + 1], green,", "fma(axes[4 * p], green,"}}},
-      {{"blocks-beyond-borders", "dct_rows, dct_columns", "blocks at a border read texels of the next image",
-        "coordinates are clamped to the image", 5e-7, unit, "each of two sums adds up to 32 rounded products"},
+      {{"blocks-beyond-borders", "dct_rows, dct_columns",
+        "a block at the border of an image reads texels of the next image",
+        "the kernel clamps coordinates to the image", 5e-7, unit, "each of two sums adds up to 32 rounded products"},
        blocks_beyond_borders,
        {{"image_transform", "samples[x] = row[min(left + x, width - 1)];", "samples[x] = row[left + x];"},
         {"image_transform", "y = min(block / columns * side + item % side, height - 1);",
          "y = block / columns * side + item % side;"}}},
       {{"lines-shorter-than-filters", "wavelet_lift",
-        "in lines of fewer than five samples, mirrored indices are still outside the line",
-        "indices are first reduced modulo the period of the repeatedly mirrored line", 1e-6, unit,
+        "in a line of fewer than five samples, an index can still be outside the line after it was mirrored",
+        "the kernel first reduces each index modulo the period of the repeatedly mirrored line", 1e-6, unit,
         "each of the four lifting steps doubles the rounding error"},
        lines_shorter_than_filters,
        {{"image_transform", "i = i % period;", ""}}},

@@ -17,7 +17,7 @@ constexpr double kNone = std::numeric_limits<double>::infinity();
 
 double square(double x) { return x * x; }
 
-// The texels of a line, with `channels` values each.
+// The texels of a line. Each texel has `channels` values.
 struct LineTexels {
   int channels;
   std::vector<std::array<double, 3>> texels;
@@ -25,7 +25,7 @@ struct LineTexels {
 
 struct LineFormat {
   int bits;         // number of bits of a code
-  bool has_p;       // whether one more bit follows the code
+  bool has_p;       // whether one additional bit follows the code
   int p;            // value of this bit
   int index_count;  // number of indices: 4, 8 or 16
 };
@@ -63,8 +63,8 @@ double error_of(const LineTexels& line, const LineFormat& format, const Codes& c
   return sum;
 }
 
-// Starts with two of the texels as endpoints, and changes them at random. Then descends in steps that change one code,
-// or both codes of a channel.
+// Starts with two of the texels as endpoints, and changes the endpoints at random. Then descends in steps that change
+// one code, or both codes of one channel.
 double line_error(const LineTexels& line, const LineFormat& format, int start_count, std::mt19937& random) {
   if (line.texels.empty()) return 0.0;
   const int top = (1 << format.bits) - 1;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Generates docs/contributing/STABILITY.md, which lists every numerical case with the result without its guard, the
-// guard, the bound, and the worst error found.
+// Generates docs/contributing/STABILITY.md. For every numerical case, the page lists the failure without the guard, the
+// guard, the bound, and the worst error.
 #pragma once
 
 #include <string>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Computes the Charlie sheen in double, in the simplest form. The distribution is from Estevez and Kulla 2017, where
-// alpha is called r. The visibility V is from Ashikhmin and Premoze 2007.
+// Computes the Charlie sheen in double precision, in its simplest form. The distribution is from Estevez and Kulla
+// 2017, where alpha is called r. The visibility V is from Ashikhmin and Premoze 2007.
 #pragma once
 
 #include <cmath>

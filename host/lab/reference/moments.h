@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Computes moments of a texel by their definition, in double precision, and their shading by Toksvig's rule and by
-// LEAN, to test kernels/moments.cl, kernels/device/moment_shading.clh and moment_shading.glsl.
+// Computes the moments of a texel directly from their definition, in double precision, and shades them by Toksvig's
+// rule and by LEAN. Tests use this code to check kernels/moments.cl, kernels/device/moment_shading.clh and
+// moment_shading.glsl.
 #pragma once
 
 #include <glm/vec3.hpp>
@@ -18,7 +19,7 @@ struct TexelMoments {
   double variance_t() const { return tt - t * t; }
 };
 
-/// Returns the moments of texel (x, y) of a level of `width` x `height` texels. Every finest texel is weighted by its
+/// Returns the moments of texel (x, y) of a level of `width` x `height` texels. The weight of every finest texel is its
 /// area within the texel. `albedo` may be null.
 TexelMoments moments_of_texel(const NormalMap& map, const ColourMap* albedo, int width, int height, int x, int y);
 

@@ -75,7 +75,7 @@ std::vector<int> least_choice(const std::vector<SampleSums>& samples, const std:
       least = cost;
       best = lobes;
     }
-    // Computes the next assignment, by counting up in base lobe_count.
+    // Counts up by one in base lobe_count, which gives the next assignment.
     for (i = 0; i < samples.size() && ++lobes[i] == lobe_count; ++i) lobes[i] = 0;
   }
   return best;

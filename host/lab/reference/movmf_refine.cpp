@@ -34,8 +34,8 @@ struct Shown {
   double length, weight;
 };
 
-// The value of a vMF with mean cosine A, without the factor 1/(2 pi). At the cosine 1 - u, the value is the peak times
-// exp(-kappa u). The number u is called the gap.
+// Contains the value of a vMF with mean cosine A, without the factor 1/(2 pi). At the cosine 1 - u, the value is the
+// peak times exp(-kappa u). The number u is called the gap.
 struct Product {
   double kappa, value;     // kappa, and the value at the gap u
   double by_gap, by_mean;  // derivatives with respect to -u and to A
@@ -96,7 +96,7 @@ void add_shown(const std::vector<RefinedLobe>& lobes, double share, std::vector<
   for (const RefinedLobe& lobe : lobes) shown.push_back({lobe.mu, lobe.length(), share * lobe.amplitude});
 }
 
-// Returns the sum of squares, without the squares of the approximated samples, which are constant.
+// Returns the sum of squares, without the squares of the approximated samples, because these squares are constant.
 double squares_of(const std::vector<RefinedLobe>& lobes, const std::vector<Shown>& shown) {
   double energy = 0.0;
   for (std::size_t brdf = 0; brdf < MULTUM_REFINE_BRDFS; ++brdf) {
@@ -113,8 +113,8 @@ double squares_of(const std::vector<RefinedLobe>& lobes, const std::vector<Shown
   return energy;
 }
 
-// Returns half of the derivative of the sum of squares: the products of lobes with lobes, minus the products of lobes
-// with samples.
+// Returns half of the derivative of the sum of squares. This is the products of lobes with lobes, minus the products of
+// lobes with samples.
 Vector gradient_of(const std::vector<RefinedLobe>& lobes, const std::vector<Shown>& shown) {
   Vector gradient(4 * lobes.size(), 0.0);
   const auto add = [&](std::size_t j, std::size_t brdf, const glm::dvec3& other, double other_length, double factor) {
@@ -135,8 +135,8 @@ Vector gradient_of(const std::vector<RefinedLobe>& lobes, const std::vector<Show
   return gradient;
 }
 
-// Computes products of the derivatives of lobes j and k. The product of two lobes is V = exp(-u/v)/v, where v is
-// 1/kappa for the sum of their spreads.
+// Computes the products of the derivatives of lobes j and k. The product of two lobes is V = exp(-u/v)/v, where v is
+// the 1/kappa that belongs to the sum of their spreads.
 void add_block(const std::vector<RefinedLobe>& lobes, std::size_t j, std::size_t k, Matrix& matrix) {
   const RefinedLobe &one = lobes[j], &other = lobes[k];
   const double gap = j == k ? 0.0 : std::max(1.0 - glm::dot(one.mu, other.mu), 0.0);
@@ -184,7 +184,7 @@ std::array<glm::dvec4, 4> moment_rows(const RefinedLobe& lobe) {
           glm::dvec4(-lobe.amplitude * lobe.widening * lobe.mu, 0.0)};
 }
 
-// Mixes one half of each of two lobes. The fourth parameter of the result is its spread.
+// Mixes two lobes in equal parts. The fourth parameter of the result is its spread.
 RefinedLobe pooled(const RefinedLobe& one, const RefinedLobe& other) {
   const double amplitude = 0.5 * (one.amplitude + other.amplitude);
   const glm::dvec3 sum = 0.5 * (one.amplitude * one.length() * one.mu + other.amplitude * other.length() * other.mu);
@@ -193,8 +193,8 @@ RefinedLobe pooled(const RefinedLobe& one, const RefinedLobe& other) {
   return lobe;
 }
 
-// Returns the derivatives of the parameters of mixed lobes with respect to the parameters of the lobes, through (a r,
-// a).
+// Returns the derivatives of a mixed lobe's parameters with respect to the parameters of the original lobes. The chain
+// rule goes through (a r, a).
 Matrix by_lobes(const std::vector<RefinedLobe>& mixed, const std::vector<RefinedLobe>& lobes) {
   Matrix by(4 * lobes.size(), Vector(4 * lobes.size(), 0.0));
   for (std::size_t j = 0; j < lobes.size(); ++j) {
@@ -213,7 +213,7 @@ Matrix by_lobes(const std::vector<RefinedLobe>& mixed, const std::vector<Refined
   return by;
 }
 
-// The minimised function, half its gradient, and the matrix of a step.
+// Contains the value of the minimised function, half of its gradient, and the matrix of a step.
 struct System {
   double energy;
   Vector gradient;
@@ -240,7 +240,7 @@ void add_midway(const std::vector<RefinedLobe>& lobes, const std::vector<Refined
     }
 }
 
-// Raises the diagonal. Then adds the constraints that the sum of amplitudes and the mean normal are constant.
+// Increases the diagonal. Then adds the constraints that the sum of amplitudes and the mean normal do not change.
 void add_moments(const std::vector<RefinedLobe>& lobes, const glm::dvec3& mean, System& system) {
   std::vector<glm::dvec4> rows;
   glm::dvec4 off(-mean, -1.0);
@@ -258,7 +258,7 @@ void add_moments(const std::vector<RefinedLobe>& lobes, const glm::dvec3& mean, 
   }
 }
 
-// Solves matrix * x = right by elimination. The matrix is symmetric with a raised diagonal, so no pivot is 0.
+// Solves matrix * x = right by elimination. The matrix is symmetric and its diagonal was increased, so no pivot is 0.
 Vector solve(Matrix matrix, Vector right) {
   const std::size_t n = right.size();
   for (std::size_t k = 0; k < n; ++k)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Refines lobes in double, in the simplest form, as the reference of kernels/movmf_refine.cl. The kernel defines the
-// minimised function and the method. No bake uses this code.
+// Refines lobes in double precision, in the simplest form, as the reference for kernels/movmf_refine.cl. The kernel
+// defines the minimised function and the method. No bake uses this code.
 #pragma once
 
 #include <vector>
@@ -18,18 +18,18 @@ struct MeanLobe {
 struct RefinedTexel {
   std::vector<Sample> samples;
   std::vector<MeanLobe> lobes;                // results of EM
-  std::vector<std::vector<MeanLobe>> beside;  // lobes of up to four neighbouring texels, which have the same number of
+  std::vector<std::vector<MeanLobe>> beside;  // lobes of up to four neighbouring texels, each with the same number of
                                               // lobes
 };
 
-/// Refines the lobes of a texel in `steps` steps, and returns the refined lobes.
+/// Refines the lobes of a texel in `steps` iterations, and returns the refined lobes.
 std::vector<MeanLobe> refine(const RefinedTexel& texel, int steps);
 
 /// Returns the value of the minimised function for the given lobes of the texel, without its constant terms.
 double refined_energy(const RefinedTexel& texel, const std::vector<MeanLobe>& lobes);
 
-/// Returns the error by which refined lobes are compared with EM's lobes: the sum of the relative L1 errors of the
-/// highlights over the half vectors of kernels/shared/movmf_refine.h. The error is at least 0.
+/// Returns the error that is used to compare refined lobes with the lobes of EM. It is the sum of the relative L1
+/// errors of the highlights over the half vectors of kernels/shared/movmf_refine.h. The error is at least 0.
 double seen_error(const RefinedTexel& texel, const std::vector<MeanLobe>& lobes);
 
 }  // namespace multum::reference

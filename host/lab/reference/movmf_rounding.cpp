@@ -15,7 +15,8 @@ namespace {
 constexpr float kSnormSteps = 32767.0f;
 constexpr double kSpreadZero = 5e-7;
 
-// Returns the two grid neighbours of a value, one at or below the value in magnitude, and one at or above it.
+// Returns the two neighbours of a value on the grid. The magnitude of one neighbour is at most the magnitude of the
+// value, and the magnitude of the other neighbour is at least the magnitude of the value.
 struct Bracket {
   float inner;
   float outer;
@@ -53,15 +54,15 @@ glm::vec4 round_lobe(const glm::dvec3& r, float a, const BracketOf& bracket_of) 
   const Bracket x = bracket_of(target.x), y = bracket_of(target.y), z = bracket_of(target.z);
   const double wanted = single_direction ? amplitude : amplitude * length;
   const glm::dvec3 direction = length > 0.0 ? r / length : glm::dvec3(0.0);
-  glm::vec3 best(x.outer, y.outer, z.outer);  // never shorter than the target
+  glm::vec3 best(x.outer, y.outer, z.outer);  // this vector is never shorter than the target
   double best_cost = HUGE_VAL;
   for (unsigned corner = 0; corner < 8; ++corner) {
     const glm::vec3 candidate((corner & 1u) != 0 ? x.outer : x.inner, (corner & 2u) != 0 ? y.outer : y.inner,
                               (corner & 4u) != 0 ? z.outer : z.inner);
     const double projection = glm::dot(glm::dvec3(candidate), direction);
     if (single_direction && projection < wanted) continue;
-    // For single directions, minimises the rotation. For other lobes, minimises the error of the projection. In
-    // both cases, the rotation is at most one step.
+    // For single directions, minimises the rotation. For other lobes, minimises the error of the projection. In both
+    // cases, the lobe is rotated by at most one step.
     const double cost = single_direction ? glm::length(glm::dvec3(candidate) - target) : std::abs(projection - wanted);
     if (cost < best_cost) {
       best_cost = cost;
@@ -72,7 +73,7 @@ glm::vec4 round_lobe(const glm::dvec3& r, float a, const BracketOf& bracket_of) 
 }
 
 // Performs step 1 for snorm16: rounds the amplitudes to integers whose sum is 32767. The amplitudes with the largest
-// remainders are rounded up. If remainders are equal, the lobe with the lower number comes first.
+// remainders are rounded up. If two remainders are equal, the lobe with the lower index comes first.
 void round_amplitudes_snorm(std::array<float, kLobeCountMax>& a, int count) {
   double total = 0.0;
   for (int j = 0; j < count; ++j) total += static_cast<double>(a[static_cast<std::size_t>(j)]);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rounds a texel's lobes in the simplest form: tries every rounding, as docs/reference/file_format.md ("Rounding")
-// describes. This is the reference of host/formats/asset/lobes/movmf_quantize.cpp. No bake uses it.
+// Rounds a texel's lobes by trying every rounding, as docs/reference/file_format.md ("Rounding") describes. This code
+// is the reference for host/formats/asset/lobes/movmf_quantize.cpp. No bake uses it.
 #pragma once
 
 #include <vector>
@@ -11,7 +11,7 @@
 
 namespace multum::reference {
 
-/// Rounds the lobes of one texel, each given as a (r, 1). `encoding` is kSnorm16 or kHalf.
+/// Rounds the lobes of one texel. Each lobe is given as a (r, 1). `encoding` is kSnorm16 or kHalf.
 std::vector<glm::vec4> round_texel(const std::vector<glm::vec4>& lobes, StorageEncoding encoding);
 
 }  // namespace multum::reference

@@ -32,7 +32,7 @@ double least_error(double a, double b) {
 }
 
 std::string fault_of_guards(const std::vector<SourceEdit>& without) {
-  // Matches separate numbers, such as 4, but not the 4 of float4.
+  // Matches a number such as 4, but not the 4 in float4.
   const std::regex number("(^|[^A-Za-z0-9_.])(0x[0-9a-fA-F]+|[0-9]+\\.?[0-9]*(e[-+]?[0-9]+)?f?)");
   for (const SourceEdit& edit : without) {
     const auto blank = [&](const std::string& text) {

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Describes a numerical case: one hard input, or a family of hard inputs, of one kernel or shader function. A case
-// compares single precision with double precision and states a bound. docs/contributing/STABILITY.md is generated from
+// Describes a numerical case, which tests one kernel or shader function with one hard input or a family of hard inputs.
+// A case compares results in single precision with results in double precision, and states a bound.
+// docs/contributing/STABILITY.md is generated from
 // the cases.
 //
 // The cases cover the project's hard inputs, such as extreme kappa, dead lobes, and sums over 2^28 texels. Each case
-// names the guard of the formula. A case can be run with its guard removed. If no single line is the guard, the case
-// can be run with a bug, which is called a mutation.
+// names the guard of the formula. A case can be run without its guard. If the guard is not a single line, the case can
+// be run with a bug, which is called a mutation.
 #pragma once
 
 #include <optional>
@@ -16,7 +17,7 @@
 
 namespace multum {
 
-/// The bound of cases that count faults or require exact results. With this bound, the error must be 0.
+/// The bound of cases that count faults or require exact results. It means that the error must be 0.
 constexpr double kNothingWrong = 1e-30;
 
 /// The texts and the bound of a case.
@@ -30,7 +31,7 @@ struct NumericalCaseText {
   std::string bound_reason;   // reason for the bound
 };
 
-/// The worst error of a case so far and its input. NaN counts as worse than any error.
+/// Contains the worst error of a case so far, and the input that caused it. NaN counts as worse than any other error.
 class WorstError {
  public:
   void add(double error, const std::string& input);
@@ -50,10 +51,12 @@ struct NumericalVerdict {
   NumericalCaseText text;
   double worst;                         // worst error; NaN if any result was NaN
   std::string worst_input;              // input that caused the worst error
-  std::optional<double> without_guard;  // the worst error with the guard removed, or of the naive formula in float
+  std::optional<double> without_guard;  // the worst error without the guard, or the worst error of the naive formula in
+                                        // float
   std::optional<double> mutated = {};   // the worst error with a bug
   bool holds() const { return worst <= text.bound; }
-  /// True if removing the guard, or adding a bug, broke the bound in every run. False if neither was tried.
+  /// Returns true if every run without the guard or with the bug exceeded the bound. Returns false if no such run was
+  /// made.
   bool can_fail() const {
     return (without_guard || mutated) && !(without_guard && *without_guard <= text.bound) &&
            !(mutated && *mutated <= text.bound);
@@ -71,20 +74,21 @@ struct NumericalRun {
   bool holds() const;
 };
 
-/// Returns the smaller of two errors, which is the weaker evidence that the guards are needed. Any number is smaller
-/// than NaN.
+/// Returns the smaller of two errors, because it is the weaker evidence that the guards are needed. Any number counts
+/// as smaller than NaN.
 double least_error(double a, double b);
 
-/// Says why a case's edits are wrong, or returns an empty string. Each edit of `without` must remove one guard. An edit
-/// that only changes a number is a mutation.
+/// Returns the reason why a case's edits are wrong, or an empty string if they are correct. Each edit in `without` must
+/// remove one guard. An edit that only changes a number is a mutation.
 std::string fault_of_guards(const std::vector<SourceEdit>& without);
 
-/// Lists the kernels or shaders in a case's `formula`, without additions in brackets, as in "movmf_shade (planar)".
+/// Lists the kernels or shaders in a case's `formula`. Omits additions in brackets, such as the one in "movmf_shade
+/// (planar)".
 std::vector<std::string> split_names(const std::string& formula);
 
 /// Formats an error, such as "3.1e-07", "NaN" or "inf".
 std::string error_text(double error);
-/// Formats an error, or "-" if it was not tested.
+/// Formats an error. Returns "-" if the error was not measured.
 std::string tried_text(const std::optional<double>& error);
 /// Formats a bound. kNothingWrong becomes "0".
 std::string bound_text(double bound);

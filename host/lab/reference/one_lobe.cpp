@@ -24,8 +24,8 @@ glm::dvec3 normal_at(const NormalMap& map, std::size_t i) {
   return usable({static_cast<double>(map.x[i]), static_cast<double>(map.y[i]), static_cast<double>(map.z[i])});
 }
 
-// Returns the x axis, rotated into the normal's tangent plane, and the y axis, which is perpendicular to the x axis and
-// to the normal.
+// Returns two axes of the normal's tangent plane. The first is the x axis, rotated into this plane, and the second is
+// perpendicular to the first and to the normal.
 struct Frame {
   explicit Frame(const glm::dvec3& normal) : z(normal) {
     x = glm::normalize(glm::dvec3(1.0, 0.0, 0.0) - normal.x * normal);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Fits one GGX lobe to the facets that a texel covers, by definition and in double precision, to test
-// kernels/one_lobe.cl. Also shades one lobe, to measure the errors of exports.
+// Fits one GGX lobe to the facets that a texel covers, to test kernels/one_lobe.cl. The code follows the definition and
+// uses double precision. Also shades one lobe, to measure the errors of exports.
 #pragma once
 
 #include <vector>
@@ -16,20 +16,22 @@ namespace multum::reference {
 struct OneLobe {
   glm::dvec3 normal{0.0, 0.0, 1.0};             // unit vector
   double alpha_wide = 1.0, alpha_narrow = 1.0;  // roughness along and across the axis
-  glm::dvec3 axis{1.0, 0.0, 0.0};               // unit vector in the normal's tangent plane; its sign has no meaning
+  glm::dvec3 axis{1.0, 0.0, 0.0};               // unit vector in the normal's tangent plane; the opposite vector means
+                                                // the same axis
 };
 
 /// A texel of a map, and the settings of its fit.
 struct OneLobeTexel {
   const NormalMap* map;
-  std::vector<double> base_squared;  // alpha^2 of each finest texel, or one value for all
+  std::vector<double> base_squared;  // alpha^2 of each finest texel, or one value for all texels
   int width, height, x, y;           // size of the level, and position of the texel
   bool is_anisotropic;
   int iteration_count;  // number of EM iterations; if 0, only the closed form is computed
   double alpha_min;
 };
 
-/// Fits the lobe. `facets` contains grid * grid slopes of facets with alpha 1, one per position of the grid.
+/// Fits the lobe. `facets` contains the slopes of grid * grid facets of a surface with alpha 1, one per position of the
+/// grid.
 OneLobe fit_one_lobe(const OneLobeTexel& texel, const std::vector<glm::vec2>& facets, int grid);
 
 /// Returns -2 times the mean log likelihood of slopes under a t distribution with two degrees of freedom, minus a

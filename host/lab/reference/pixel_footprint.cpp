@@ -10,7 +10,8 @@
 namespace multum::reference {
 namespace {
 
-// Returns the texel for index i of `count`, or nullopt beyond a black border (OpenGL 4.5, table 8.20).
+// Returns the texel for index i on an axis of `count` texels, or nullopt beyond a black border (OpenGL 4.5, table
+// 8.20).
 std::optional<int> texel_of(int i, int count, WrapMode mode) {
   if (mode == WrapMode::kBlack && (i < 0 || i >= count)) return std::nullopt;
   if (mode == WrapMode::kClamp) return std::min(std::max(i, 0), count - 1);
@@ -60,8 +61,8 @@ double filtered_value(const std::vector<ValuePlane>& levels, const PixelRectangl
   const double longer = glm::length(pixel.longer_side), shorter = glm::length(pixel.shorter_side);
   const int taps = std::min(static_cast<int>(std::ceil(longer / shorter)), taps_max);
   const double coarsest = static_cast<double>(levels.size()) - 1.0;
-  // The width of a single tap is the longer side. The width of several taps is the larger of two lengths: the shorter
-  // side, and 2^(-3/4) times the part of the longer side that belongs to one tap.
+  // If there is only one tap, its width is the longer side. If there are several taps, their width is the larger of two
+  // lengths: the shorter side, and 2^(-3/4) times the part of the longer side that belongs to one tap.
   const double width = taps == 1 ? longer : std::max(shorter, longer / taps * std::pow(2.0, -0.75));
   const double lambda = std::min(std::max(std::log2(width) + level_bias, 0.0), coarsest);
   const auto fine = static_cast<std::size_t>(lambda), coarse = std::min(fine + 1, levels.size() - 1);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Computes the reference and the model of a pixel, in double and by definition. The reference averages values over the
-// pixel's rectangle at dense points. The model filters the values by trilinear taps, as the equations of OpenGL define.
-// This code is slow. Tests compare host/bakes/accuracy with it.
+// Computes the reference and the model of a pixel directly from their definitions, in double precision. The reference
+// averages the values at dense points in the pixel's rectangle. The model filters the values with trilinear taps,
+// according to the equations of OpenGL. This code is slow. Tests compare host/bakes/accuracy with it.
 #pragma once
 
 #include <functional>
@@ -28,8 +28,8 @@ struct BorderModes {
   WrapMode s = WrapMode::kPeriodic, t = WrapMode::kPeriodic;
 };
 
-/// Returns the mean of the texel values at side_points x side_points points. Points beyond a clamped border do not
-/// count, because the surface ends there. Beyond a black border, the value is 0.
+/// Returns the mean of the texel values at side_points x side_points points. Points beyond a clamped border are
+/// omitted, because the surface ends there. At points beyond a black border, the value is 0.
 double rectangle_average(const ValuePlane& finest, const PixelRectangle& pixel, BorderModes borders, int side_points);
 
 /// Filters with N trilinear taps along the longer side. The rectangle is in texels of level 0. N = ceil(longer /

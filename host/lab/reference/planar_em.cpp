@@ -10,7 +10,7 @@
 namespace multum::reference {
 namespace {
 
-// Returns the mean squared distance of a sample from a point, per coordinate.
+// Returns the mean squared distance between a sample and a point, per coordinate.
 double half_distance(const Sample& s, const glm::dvec2& point) {
   const glm::dvec2 d = glm::dvec2(s.normal) - point;
   return 0.5 * (glm::dot(d, d) + s.normal.z);

@@ -12,10 +12,10 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-/// Computes the part of the integral of f(angle of n and w) vMF(n) dn for which the angle of n and w is between f_low
-/// and f_reach. The polar coordinates around w are the angle a and the azimuth phi. Beyond ten standard deviations,
-/// each factor is below e^-50, so `a` covers only angles within ten standard deviations. The azimuth is periodic, so
-/// the trapezoid rule converges exponentially once the step is below the vMF's width.
+/// Computes the integral of f(angle of n and w) vMF(n) dn over all n whose angle to w is between f_low and f_reach. The
+/// polar coordinates around w are the angle a and the azimuth phi. Beyond ten standard deviations, each factor is below
+/// e^-50, so `a` covers only angles within ten standard deviations. The azimuth is periodic, so the trapezoid rule
+/// converges exponentially if the step is smaller than the width of the vMF.
 double convolve(const std::function<double(double)>& f, double f_low, double f_reach, double kappa, double theta,
                 int rings) {
   const double reach = 10.0 / std::sqrt(kappa);
@@ -141,7 +141,7 @@ double convolved_ggx(double alpha, double kappa, double theta) {
 }
 
 double smith_visibility(double alpha, double n_l, double n_v) {
-  // For each direction, G1 = 2 c / (c + sqrt(alpha^2 + (1 - alpha^2) c^2)), Lambda = 1 / G1 - 1.
+  // For each direction, G1 is 2 c / (c + sqrt(alpha^2 + (1 - alpha^2) c^2)), and Lambda is 1 / G1 - 1.
   const auto lambda = [alpha](double c) {
     return 0.5 * (std::sqrt(alpha * alpha + (1.0 - alpha * alpha) * c * c) / c - 1.0);
   };

@@ -22,7 +22,7 @@ std::vector<double> sh_basis_to(int order, const glm::dvec3& n) {
   return values;
 }
 
-// Uses the midpoint rule in the angle with 20000 points. The integrand is smooth on each side of 90 degrees.
+// Integrates over the angle by the midpoint rule with 20000 points. The integrand is smooth on each side of 90 degrees.
 std::vector<double> zonal_by_quadrature(int order, const std::function<double(double)>& f) {
   constexpr int kSteps = 20000;
   std::vector<double> sums(static_cast<std::size_t>(order) + 1, 0.0);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests BC4 and BC7 blocks (kernels/block_encoding.cl) with values at the limits, with one value in all texels, and
-// with indices whose highest bit is not stored.
+// Tests BC4 and BC7 blocks (kernels/block_encoding.cl). Some blocks have values at the limits or the same value in all
+// texels, and some have indices whose highest bit is not stored.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -87,7 +87,7 @@ void one_value_in_all_texels(Device& device, TexelFormat format, WorstError& wor
       worst.add(rms_of(decoded[b], blocks[b], static_cast<int>(c)), fmt::format("block {}, channel {}", b, c));
 }
 
-// Tests colour ramps that rise or fall from the first texel on, with and without a second part.
+// Tests colour ramps that rise or fall from the first texel, with and without a second part.
 void indices_without_their_highest_bit(Device& device, WorstError& worst) {
   std::vector<BlockInput> blocks;
   for (const bool falls : {false, true})
@@ -119,14 +119,15 @@ std::vector<NumericalCase> block_cases() {
   return {
       {{"values-at-the-limits", "encode_scalar_blocks",
         "if the endpoints of a block are 0 and 255, the values between them are far apart",
-        "the encoder also tries blocks of six values, which contain 0 and 255 in addition to their endpoints", 0.3,
-        unit + ", in excess of the lowest possible error",
+        "the encoder also tries the six-value mode, in which blocks contain 0 and 255 in addition to the endpoints",
+        0.3, unit + " in excess of the lowest possible error",
         "the steps of the encoder's search are smaller than the rounding error of the values"},
        values_at_the_limits,
        {{"block_encoding", "has_limits = other.error < ends.error;", ""}}},
-      {{"one-value-in-all-texels", "encode_scalar_blocks", "equal or swapped endpoints select the six-value mode",
-        "in eight-value blocks, endpoints differ, and the larger endpoint comes first", 1e-3, unit,
-        "the encoder uses the value itself as an endpoint"},
+      {{"one-value-in-all-texels", "encode_scalar_blocks",
+        "a block with equal or swapped endpoints is decoded in the six-value mode",
+        "the encoder gives eight-value blocks different endpoints, and stores the larger endpoint first", 1e-3, unit,
+        "the encoder uses the value of the texels as an endpoint"},
        scalar,
        {},
        {},
@@ -134,8 +135,8 @@ std::vector<NumericalCase> block_cases() {
          "put_bits(&bits, (uint)ends.low, 8);"},
         {"block_encoding", "put_bits(&bits, (uint)(has_limits ? ends.high : ends.low), 8);",
          "put_bits(&bits, (uint)ends.high, 8);"}}},
-      {{"one-colour-in-all-texels", "encode_colour_blocks", "equal texels have no principal axis",
-        "an arbitrary direction is used", 1.0, unit,
+      {{"one-colour-in-all-texels", "encode_colour_blocks", "a block of equal texels has no principal axis",
+        "the encoder uses an arbitrary direction", 1.0, unit,
         "an alpha of 255 forces all endpoints of mode 6 to be odd numbers"},
        colour,
        {},
@@ -145,7 +146,7 @@ std::vector<NumericalCase> block_cases() {
       {{"indices-without-their-highest-bit", "encode_colour_blocks",
         "the highest index bit of each subset's anchor texel is not stored",
         "if the highest index bit is set, the endpoints of the subset are swapped", 2.0, unit,
-        "only eight indices cover a range of 60, so each value is rounded to one of eight levels"},
+        "the eight indices of the mode must cover a range of 60, so each value is rounded to one of eight levels"},
        indices_without_their_highest_bit,
        {{"block_encoding", "if (indices[anchor] <= last / 2) return 0;", "return 0;"}}},
   };

@@ -9,7 +9,7 @@
 
 namespace multum {
 
-/// Returns the nodes of each row, which are its texels and the sums of their blocks.
+/// Returns the nodes of each row. The nodes are the texels of the row and the sums of blocks of texels.
 std::vector<std::vector<float>> block_sums(Device& device, const RowBlocks& blocks,
                                            const std::vector<std::vector<float>>& rows);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Copies lists to and from a device's buffers. Private to host/lab/selftest.
+// Copies lists to the buffers of a device and back. Private to host/lab/selftest.
 #pragma once
 
 #include <limits>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lists the parts of the registry, one per family of kernels. Private to host/lab/selftest.
+// Lists the parts of the registry. Each part covers one family of kernels. Private to host/lab/selftest.
 #pragma once
 
 #include <vector>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests the assignment of four normals to lobes (kernels/movmf_choose.cl) when lobes are equal, or when a lobe gets no
+// Tests the assignment of four normals to lobes (kernels/movmf_choose.cl) with equal lobes and with lobes that get no
 // normal.
 #include <fmt/format.h>
 
@@ -16,7 +16,7 @@
 namespace multum {
 namespace {
 
-// Describes a row of texels that cover 4 normals each. All parents have the same lobes.
+// Describes a row of texels. Each texel covers 4 normals, and all parents have the same lobes.
 struct ChosenRow {
   std::vector<glm::dvec3> normals;  // [texel][4]
   std::vector<MultumVmfLobe> lobes;
@@ -25,8 +25,8 @@ struct ChosenRow {
 
 constexpr std::size_t kChosenParents = kGroup, kChosenWidth = 2 * kGroup, kChosenMapWidth = 2 * kChosenWidth;
 
-// Returns lobes as [lobe][texel]. If `features` is given, the normals are also treated as features: their mean in each
-// lobe (the sum divided by the amplitude) is stored in `features`[lobe][texel].
+// Returns lobes as [lobe][texel]. If `features` is given, the normals are also treated as features. Their mean in each
+// lobe (the sum, divided by the amplitude) is then stored in `features`[lobe][texel].
 std::vector<MultumVmfLobe> choose_row(Device& device, const ChosenRow& row, int vector_width,
                                       std::vector<glm::dvec3>* features = nullptr) {
   MultumMovmfFit fit = {};
@@ -83,7 +83,8 @@ std::vector<int> chosen_widths(const Device& device) {
   return device.kernels_are_edited() ? std::vector<int>{1} : std::vector<int>{1, device.shape().vector_width};
 }
 
-// All normals are equal, so the parent's lobe gets all of them, although rounding makes their scatter negative.
+// All normals are equal, so the lobe of the parent must get all of them, even though rounding makes their scatter
+// negative.
 void choice_of_equal_normals(Device& device, WorstError& worst) {
   const std::vector<MultumVmfLobe> lobes = {
       {0.6f, 0.0f, 0.8f, 0.25f}, {-0.6f, 0.0f, 0.8f, 0.25f}, {0.0f, 0.6f, 0.8f, 0.25f}, {0.0f, -0.6f, 0.8f, 0.25f}};
@@ -101,8 +102,8 @@ void choice_of_equal_normals(Device& device, WorstError& worst) {
   }
 }
 
-// There are more lobes than normals, and one normal is NaN. Every lobe is finite, except in the texel of the NaN
-// normal.
+// There are more lobes than normals, and one normal is NaN. Every lobe must be finite, except in the texel that
+// contains the NaN normal.
 void choice_without_normals(Device& device, WorstError& worst) {
   constexpr std::size_t kBad = 5;
   for (const bool planar : {false, true}) {
@@ -147,13 +148,13 @@ std::vector<NumericalCase> choose_cases() {
   return {{{"choice-of-equal-normals", "movmf_choose",
             "rounding makes the scatter of equal normals negative, and the square root of a negative number is NaN, "
             "which is never chosen as the lowest cost",
-            "a small constant, which does not visibly change highlights, is added under every square root",
+            "the kernel adds a small constant under every square root, which does not visibly change highlights",
             kNothingWrong, "wrong amplitudes", "every amplitude must be correct"},
            choice_of_equal_normals,
            {{"movmf_choose", "const float e = 0.5f / fit.kappa_cap;", "const float e = 0.0f;"}}},
           {{"choice-without-normals", "movmf_choose, movmf_feature_chosen",
-            "computing the mean of a lobe without normals divides 0 by 0", "the lobe keeps the mean of its parent",
-            1e-6, "absolute error of features, and of the sums of a and of a r over the lobes",
+            "the mean of a lobe without normals is 0 divided by 0", "the lobe keeps the mean of its parent", 1e-6,
+            "absolute error of the features and of the sums of a and a r over the lobes",
             "only four additions are rounded"},
            choice_without_normals,
            {{"movmf_choose", "if (count[lane] == 0.0f)", "if (false)"}}}};

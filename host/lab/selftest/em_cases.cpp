@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests EM in one work-item (kernels/movmf_em_texels.cl) with samples for which unguarded formulas fail (Han et al.
-// 2007, section 7, Algorithm 1, equations 15-16; docs/contributing/ALGORITHMS.md, "Fitting a texel: EM").
+// Tests EM in one work-item (kernels/movmf_em_texels.cl) with samples for which formulas without guards fail (Han et
+// al. 2007, section 7, Algorithm 1, equations 15-16; docs/contributing/ALGORITHMS.md, "Fitting a texel: EM").
 #include <fmt/format.h>
 
 #include <cmath>
@@ -20,7 +20,7 @@ glm::dvec3 random_direction(SplitMix64& random, double z_low, double z_high) {
   return {std::sqrt(1.0 - z * z) * std::cos(phi), std::sqrt(1.0 - z * z) * std::sin(phi), z};
 }
 
-// Tests more lobes than directions, where all lobes are equal.
+// Tests a texel with more lobes than directions, in which all lobes are equal.
 void all_normals_equal(Device& device, WorstError& worst) {
   for (const double degrees : {0.0, 30.0, 60.0, 89.0, 90.0})
     for (const int lobes : em_lobe_counts(device, {4, 1, 8})) {
@@ -30,7 +30,7 @@ void all_normals_equal(Device& device, WorstError& worst) {
     }
 }
 
-// Tests two directions and two lobes that converge to them. Without the cap, kappa is unbounded.
+// Tests two lobes that converge to two single directions. Without an upper limit, kappa would grow without bound.
 void kappa_to_the_cap(Device& device, WorstError& worst) {
   for (const double apart : {1.0, 10.0, 90.0, 179.8})
     for (const float cap : {500.0f, 1e5f}) {
@@ -44,7 +44,7 @@ void kappa_to_the_cap(Device& device, WorstError& worst) {
     }
 }
 
-// Tests the kappa that EM computes for normals within `width` of their mean.
+// Tests the kappa that EM computes for normals whose angles to their mean are at most `width`.
 void sharp_lobes_keep_their_kappa(Device& device, WorstError& worst) {
   for (const double width : {1.0, 0.5, 0.25}) {
     EmTexel texel{{}, equal_lobes({tilted(40.0)}, 100.0)};
@@ -61,7 +61,7 @@ void sharp_lobes_keep_their_kappa(Device& device, WorstError& worst) {
   }
 }
 
-// Fits one lobe to normals that cancel. The lobe has r = 0 and thus no direction, and kappa approaches 0.
+// Fits one lobe to normals that cancel. The r of the lobe is 0, so the lobe has no direction, and kappa approaches 0.
 void opposite_normals_of_one_lobe(Device& device, WorstError& worst) {
   const std::vector<std::vector<glm::dvec3>> sets = {
       {{1, 0, 0}, {-1, 0, 0}}, {{0, 0, 1}, {0, 0, -1}}, {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}}};
@@ -81,7 +81,8 @@ void whole_sphere(Device& device, WorstError& worst) {
   }
 }
 
-// Tests normals as far as possible from every lobe. Kappa has its maximum, so every density is 0 in float.
+// Tests normals that are as far as possible from every lobe. Kappa has its largest value, so every density is 0 in
+// float.
 void far_from_every_lobe(Device& device, WorstError& worst) {
   for (const double kappa : {1e3, 1e5, 1e6}) {
     EmTexel texel{repeated({tilted(60, 0.1), tilted(60, 1.4)}, 64),
@@ -116,8 +117,8 @@ void few_normals(Device& device, WorstError& worst) {
     }
 }
 
-// Tests lengths below, at and above 1. Mean normals of rough areas are shorter than 1. Normals of length 0 or longer
-// than 1 are errors of the caller.
+// Tests normals with lengths below, at and above 1. Mean normals of rough areas are shorter than 1. If a normal has
+// length 0 or is longer than 1, the caller has made an error.
 void samples_of_any_length(Device& device, WorstError& worst) {
   for (const double length : {0.0, 1e-20, 1e-3, 0.5, 0.999999, 1.000001, 1.5}) {
     EmTexel texel{{}, equal_lobes({tilted(10), tilted(50)}, 20.0)};
@@ -171,7 +172,7 @@ void denormals_and_signed_zeros(Device& device, WorstError& worst) {
   }
 }
 
-// Tests weights from 2^-28 to 1 in one texel, as in a binned texel of 2^28 normals.
+// Tests weights from 2^-28 to 1 in one texel, as they occur in a binned texel of 2^28 normals.
 void huge_and_tiny_weights(Device& device, WorstError& worst) {
   for (const double scale : {0x1p-30, 1.0, 0x1p28}) {
     EmTexel texel{{}, equal_lobes({tilted(10, 0.0), tilted(50, 2.0)}, 20.0)};
@@ -186,34 +187,34 @@ std::vector<NumericalCase> sharp_cases() {
   const SourceEdit no_least_share = em_edit("MAX_V(e[j] - largest, (real_v)(LOG_SHARE_MIN))", "(e[j] - largest)");
   return {
       {{"all-normals-equal-and-all-lobes", "movmf_em_texels, movmf_em_team",
-        "the spread is 0 and kappa is infinite, so their product is NaN",
+        "the spread is 0 and kappa is infinite, so the product of spread and kappa is NaN",
         "the spread is at least 1e-7, and kappa is at most 500 + 10 kappa_1, where kappa_1 fits all normals of the "
         "texel",
         4e-6, "absolute error of the lobe's amplitude a and of the vector a r",
-        "256 equal additions can all round in the same direction, so the error can reach a few 1e-6"},
+        "all 256 equal additions can be rounded in the same direction, which gives an error of a few 1e-6"},
        all_normals_equal,
        {},
        {},
        {no_floor, no_cap, no_least_share}},
       {{"kappa-to-the-cap", "movmf_em_texels, movmf_em_team",
-        "each lobe contains only one direction, so kappa is unbounded",
+        "each lobe contains only one direction, so kappa grows without bound",
         "the spread is at least 1e-7, and kappa is at most 500 + 10 kappa_1, where kappa_1 fits all normals of the "
         "texel",
         4e-6, "absolute error of the lobe's amplitude a and of the vector a r",
-        "256 equal additions can all round in the same direction, so the error can reach a few 1e-6"},
+        "all 256 equal additions can be rounded in the same direction, which gives an error of a few 1e-6"},
        kappa_to_the_cap,
        {},
        {},
        {no_floor, no_cap}},
       {{"kappa-of-sharp-lobes", "movmf_em_texels, movmf_em_team",
-        "|r| comes from a sum of a thousand rounded normals, so 1 - |r| has no correct digit at kappa = 1e5",
+        "|r| is computed from a sum of a thousand rounded normals, so 1 - |r| has no correct digit at kappa = 1e5",
         "the spread is the mean of 1 - n . mu over the normals n, corrected for the rotation of the direction mu", 3e-7,
         "absolute error of 1/kappa",
         "the length of mu has a rounding error of at most 6e-8, and 1 - n . mu has an error of at most 1.2e-7"},
        sharp_lobes_keep_their_kappa,
        {em_edit("const real_v spread = fma(-length, turn, d * inverse);", "const real_v spread = 1.0f - length;")}},
       {{"far-from-every-lobe", "movmf_em_texels, movmf_em_team",
-        "every density is 0 in float, so computing shares divides 0 by 0",
+        "every density is 0 in float, so the shares of the lobes are 0 divided by 0",
         "the kernel computes logarithms of densities and subtracts the largest logarithm", 1e-4,
         "absolute error of the lobe's amplitude a and of the vector a r",
         "logarithms near 1e6 have relative rounding errors of 6e-8, which change the shares"},
@@ -234,8 +235,8 @@ std::vector<NumericalCase> wide_cases() {
        {em_edit("sqrt(MAX_V(squared, (real_v)(1e-30f)))", "sqrt(squared)"),
         em_edit("directed ? x * length_inverse : mu_x", "x * length_inverse")}},
       {{"the-equator-and-below", "movmf_em_texels, movmf_em_team",
-        "x and y of a normal cannot tell the lower hemisphere from the upper hemisphere",
-        "directions are 3D vectors, and their z can be negative", 1e-5,
+        "the x and y of a normal do not show whether the normal is in the lower or the upper hemisphere",
+        "the kernel stores directions as 3D vectors, whose z can be negative", 1e-5,
         "absolute error of the lobe's amplitude a and of the vector a r", kEmBoundReason},
        whole_sphere,
        {},
@@ -255,8 +256,8 @@ std::vector<NumericalCase> wide_cases() {
 std::vector<NumericalCase> input_cases() {
   return {
       {{"one-two-three-normals", "movmf_em_texels, movmf_em_team",
-        "if there are more lobes than normals, some lobes have a spread of 0",
-        "the spread has a minimum, and kappa has a maximum", 1e-4,
+        "if a texel has more lobes than normals, some lobes have a spread of 0",
+        "the kernel limits the spread to a minimum and kappa to a maximum", 1e-4,
         "absolute error of the lobe's amplitude a and of the vector a r",
         "if eight lobes share two normals, each iteration amplifies the small differences between the lobes"},
        few_normals,
@@ -264,14 +265,14 @@ std::vector<NumericalCase> input_cases() {
        {},
        {em_edit("MAX_V(m.spread, (real_v)(1e-7f))", "MAX_V(m.spread, (real_v)(1e-1f))")}},
       {{"normals-of-any-length", "movmf_em_texels, movmf_em_team",
-        "if normals are longer than 1, the mean length |r| exceeds 1, so the spread 1 - |r| is negative",
+        "normals longer than 1 can make |r| larger than 1, so the spread 1 - |r| is negative",
         "the spread is clamped to the range 0 to 1", 1e-5,
-        "absolute error of the lobe's amplitude a and of the vector a r, or excess of |r| over 1", kEmBoundReason},
+        "absolute error of the lobe's amplitude a and of the vector a r (or the excess of |r| over 1)", kEmBoundReason},
        samples_of_any_length,
        {em_edit("m.spread = MIN_V(MAX_V(spread, (real_v)(0.0f)), (real_v)(1.0f));", "m.spread = spread;")}},
       {{"a-bad-texel-stays-alone", "movmf_em_texels, movmf_em_team",
         "a NaN, infinite or huge normal affects neighbouring texels",
-        "lanes share no data and stop separately, and readers of input maps repair invalid normals "
+        "lanes share no data and stop independently; multum also repairs invalid normals when it reads maps "
         "(docs/reference/input_maps.md)",
         kNothingWrong, "changed texels", "no bit may change"},
        a_bad_texel_stays_alone,
@@ -288,7 +289,7 @@ std::vector<NumericalCase> input_cases() {
        {},
        {em_edit("#define AMPLITUDE_MIN 1e-6f", "#define AMPLITUDE_MIN 1e-1f")}},
       {{"weights-from-tiny-to-huge", "movmf_em_texels, movmf_em_team",
-        "sums of small weights are divided by a larger minimum, so mean normals become too short",
+        "the minimum of the divisor exceeds sums of small weights, so mean normals become too short",
         "the divisor is at least 1e-30", 1e-5, "absolute error of the lobe's amplitude a and of the vector a r",
         kEmBoundReason},
        huge_and_tiny_weights,

@@ -130,7 +130,7 @@ std::vector<FittedTexel> fit_texels(Device& device, const std::vector<EmTexel>& 
   const std::vector<int> sample_counts = {static_cast<int>(texels.front().samples.size())};
   std::vector<int> list(kGroup);
   std::iota(list.begin(), list.end(), 0);
-  // Poison makes unwritten values visible.
+  // Poison values show which values the kernel did not write.
   std::vector<MultumVmfLobe> level(lobe_count * kGroup, MultumVmfLobe{NAN, NAN, NAN, NAN});
   const std::size_t level_bytes = level.size() * sizeof(MultumVmfLobe);
   const DeviceBuffer sample_buffer = device.wrap_buffer(samples.data(), samples.size() * sizeof(float), "samples");

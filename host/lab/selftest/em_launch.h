@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Launches movmf_em_texels on given samples, starting from given lobes, and runs the reference on the same inputs (Han
-// et al. 2007, section 7, Algorithm 1). A case states its samples directly, without a map. Private to
+// Launches movmf_em_texels with given samples and starting lobes, and runs the reference with the same inputs (Han et
+// al. 2007, section 7, Algorithm 1). A case specifies its samples directly, without a map. Private to
 // host/lab/selftest.
 #pragma once
 
@@ -20,9 +20,9 @@ namespace multum {
 
 constexpr std::size_t kGroup = MULTUM_GROUP;
 
-/// Explains the bounds of the results of EM.
+/// The reason for the bounds of EM results.
 constexpr char kEmBoundReason[] =
-    "each added sample has a rounding error of up to 6e-8, and EM multiplies such errors by less than 10";
+    "each addition has a rounding error of up to 6e-8, and EM multiplies these errors by less than 10";
 
 struct EmTexel {
   std::vector<reference::Sample> samples;  // samples, which are rounded to float for both sides
@@ -42,14 +42,14 @@ struct FittedTexel {
   std::vector<double> kappa;      // kappa of the last E-step
 };
 
-/// The forms of the kernel, which give the same bytes: the device's fast variant, one lane per work-item, and a team
-/// of work-items per texel.
+/// The forms of the kernel, which all give the same bytes. They are the device's fast variant, one lane per work-item,
+/// and a team of work-items per texel.
 enum class EmForm { kFast, kScalar, kTeam };
 
-/// The forms that differ on a device. Edited kernels run only in the scalar form: one form is enough to show the effect
-/// of a guard, and each form is another program to build.
+/// Returns the forms that differ on a device. Edited kernels run only in the scalar form, because one form is enough to
+/// show the effect of a guard, and each form is another program to build.
 std::vector<EmForm> em_forms(const Device& device);
-/// The lobe counts of a case to test on a device. Edited kernels run only with the first count.
+/// Returns the numbers of lobes of a case that are tested on a device. Edited kernels run only with the first number.
 std::vector<int> em_lobe_counts(const Device& device, const std::vector<int>& counts);
 
 /// Fits up to 16 adjacent texels. All texels have as many samples, weights and lobes as the first texel.
@@ -59,12 +59,13 @@ std::vector<FittedTexel> fit_texels(Device& device, const std::vector<EmTexel>& 
 /// Runs the reference on one texel.
 FittedTexel fit_in_double(const EmTexel& texel, const EmSettings& settings);
 
-/// Adds |a - a'| and |a r - a' r'| for every lobe and every form of the kernel, compared with the reference.
+/// For every lobe and every form of the kernel, adds the differences |a - a'| and |a r - a' r'| between kernel and
+/// reference.
 void add_em_errors(Device& device, const EmTexel& texel, const EmSettings& settings, const std::string& input,
                    WorstError& worst);
 
-/// One group's buffers in the kernels' layout: samples [sample][4][MULTUM_GROUP], and start
-/// [lobe][MULTUM_START_PLANES][MULTUM_GROUP] without a prior. Lanes beyond the texels repeat the last texel.
+/// Contains the buffers of one group in the layout of the kernels: samples [sample][4][MULTUM_GROUP], and start
+/// [lobe][MULTUM_START_PLANES][MULTUM_GROUP] without a prior. Surplus lanes repeat the last texel.
 std::vector<float> packed_samples(const std::vector<EmTexel>& texels);
 std::vector<float> packed_start(const std::vector<EmTexel>& texels, bool planar = false);
 
@@ -76,7 +77,7 @@ std::vector<reference::Sample> repeated(const std::vector<glm::dvec3>& normals, 
 /// Returns an edit of the kernel's text.
 SourceEdit em_edit(const std::string& text, const std::string& replacement);
 
-/// Returns a unit vector that is tilted by `degrees` from +z towards an azimuth in radians.
+/// Returns a unit vector that is tilted by `degrees` from +z. The azimuth is in radians.
 glm::dvec3 tilted(double degrees, double azimuth = 0.3);
 
 }  // namespace multum

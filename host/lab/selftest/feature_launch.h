@@ -10,15 +10,15 @@
 
 namespace multum {
 
-/// A map and its fitted level. The level has at most MULTUM_GROUP texels, which are in the first slots.
+/// A map and its fitted level. The level has at most MULTUM_GROUP texels, which are in the first slots of a group.
 struct FeatureMap {
   int width, height, level_width, level_height;
-  int chunk_rows, chunk_count;             // sizes and number of the chunks that divide the rows of a texel
+  int chunk_rows, chunk_count;             // size and number of the chunks into which the rows of a texel are divided
   std::vector<glm::vec3> normals, values;  // [row][column]
 };
 
-/// Returns, for each lobe, the sum of the values that belong to it, as [slot][chunk, then lobe]. Slots without a texel
-/// are NaN. `texels` contains the lobes of the slots, and is repeated if there are more slots.
+/// For each lobe, returns the sum of the values that belong to the lobe, as [slot][chunk, then lobe]. Slots without a
+/// texel are NaN. `texels` contains the lobes of the slots, and is repeated if there are more slots.
 std::vector<std::vector<glm::vec3>> feature_partials(Device& device, const FeatureMap& map,
                                                      const std::vector<EmTexel>& texels);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests the kernels around EM: the start from a parent's lobes (movmf_start.cl), the packing of normals and of binned
-// normals (movmf_pack.cl), and the finest level (movmf_level_zero.cl).
+// Tests the kernels that run before and after EM. They start a texel with its parent's lobes (movmf_start.cl), pack
+// normals and binned normals (movmf_pack.cl), and make the finest level (movmf_level_zero.cl).
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -25,7 +25,7 @@
 namespace multum {
 namespace {
 
-// Returns the parameters of one texel with one parent.
+// Returns the kernel parameters for one texel with one parent.
 MultumMovmfFit one_texel_fit() {
   MultumMovmfFit fit = {};
   fit.map_width = fit.map_height = 2;
@@ -39,7 +39,7 @@ MultumMovmfFit one_texel_fit() {
   return fit;
 }
 
-// Returns the planes of a texel that starts from `parent`.
+// Returns the starting planes of a texel whose parent is `parent`.
 std::vector<double> start_from(Device& device, const MultumVmfLobe& parent, int width) {
   const std::vector<int> list(kGroup, 0);
   const MultumVmfLobe nothing = {};
@@ -101,8 +101,8 @@ int span(int map_size, int level_size) {
   return most;
 }
 
-// Tests the sample weights of all texels of a level. The weights of each texel must add up to `W H / (w h)`. A larger
-// sum means that finest texels are counted twice.
+// Tests the sample weights of all texels of a level. The weights of each texel must add up to `W H / (w h)`. If a sum
+// is larger, some finest texels are counted twice.
 void add_coverage(Device& device, int map_width, int map_height, int level_number, WorstError& worst) {
   MultumMovmfFit fit = {};
   fit.map_width = map_width;
@@ -143,8 +143,8 @@ void strips_and_odd_sizes(Device& device, WorstError& worst) {
       add_coverage(device, width, height, level, worst);
 }
 
-// Tests normals that were shortened to include the width of a BRDF. The kernel converts them to points and their
-// scatter for Gaussians. Each texel has one normal. Some normals have length 0, and some are longer than 1.
+// Tests normals that were shortened to include the width of a BRDF. For Gaussians, the kernel converts these normals to
+// points and their scatter. Each texel has one normal. Some normals have length 0, and some are longer than 1.
 void shortened_normals_as_points(Device& device, WorstError& worst) {
   for (const double length : {0.0, 1e-30, 1e-6, 0.5, 0.99, 1.0, 1.1}) {
     std::vector<float> planes[3];
@@ -165,7 +165,7 @@ void shortened_normals_as_points(Device& device, WorstError& worst) {
     const std::vector<float> found = downloaded<float>(device, samples);
     for (std::size_t i = 0; i < kGroup; ++i) {
       const glm::dvec3 n(planes[0][i], planes[1][i], planes[2][i]);
-      // Squares below 1e-38 are 0 in float, so these normals have no direction and the largest scatter.
+      // Squares below 1e-38 are 0 in float, so these normals have no direction and get the largest scatter.
       const glm::dvec3 exact = length > 1e-12 ? reference::planar_sample(n, true) : glm::dvec3(0.0, 0.0, 1.0);
       for (int k = 0; k < 3; ++k)
         worst.add(static_cast<double>(found[static_cast<std::size_t>(k) * kGroup + i]), exact[k], 1.0,
@@ -174,8 +174,8 @@ void shortened_normals_as_points(Device& device, WorstError& worst) {
   }
 }
 
-// Tests adjacent texels with very different numbers of cells, a texel without cells, and slots without a texel.
-// Missing cells must have weight 0, and data after a texel's last cell must not be read.
+// Tests adjacent texels with very different numbers of cells, a texel without cells, and slots without a texel. Missing
+// cells must have weight 0, and the kernel must not read data after the last cell of a texel.
 void uneven_cells_side_by_side(Device& device, WorstError& worst, int part_count) {
   constexpr int kCapacity = 40, kTexels = 20;
   MultumMovmfFit fit = {};
@@ -221,7 +221,7 @@ void uneven_cells_side_by_side(Device& device, WorstError& worst, int part_count
   }
 }
 
-// Tests the packing with one work-item per group, and with several.
+// Tests packing with one work-item per group and with several work-items per group.
 void uneven_cells_by_any_parts(Device& device, WorstError& worst) {
   for (const int part_count : {1, 3}) uneven_cells_side_by_side(device, worst, part_count);
 }
@@ -280,7 +280,8 @@ void directions_of_short_means(Device& device, WorstError& worst) {
   }
 }
 
-// A lobe without a direction counts as perpendicular to every normal, so it is closer than lobes that point away.
+// A lobe without a direction counts as perpendicular to every normal, so it is closer to a normal than lobes that point
+// away from the normal.
 void a_lobe_of_no_direction(Device& device, WorstError& worst) {
   const glm::vec3 mu(0.6f, 0.0f, 0.8f);
   for (const float amplitude : {1e-5f, 0.5f}) {
@@ -310,32 +311,33 @@ void any_normal_gets_a_lobe(Device& device, WorstError& worst) {
 std::vector<NumericalCase> level_cases() {
   return {
       {{"starts-from-degenerate-lobes", "movmf_start",
-        "normalising a mean r of length 0 divides by zero, and a mean longer than 1 gives a negative kappa",
+        "normalising a mean r of length 0 divides by zero, and a mean r longer than 1 gives a negative kappa",
         "a mean r of length 0 is replaced by +z, |r| is at most 1, the spread is at least 1e-6, and amplitudes are at "
         "least 0.02",
-        1e-4, "absolute error of the direction mu, the prior C a mu and log2 of the weight, or relative error of kappa",
+        1e-4,
+        "absolute error of the direction mu, the prior C a mu and log2 of the weight (or relative error of kappa)",
         "kappa and its logarithm have errors of 3.3e-5"},
        starts_from_degenerate_lobes,
        {{"movmf_start", "const int_v directed = squared > 1e-24f;", "const int_v directed = squared >= 0.0f;"}}},
       {{"strips-and-odd-sizes", "movmf_pack", "a finest texel on a border counts fully in both coarser texels",
-        "weights are fractions, so each finest texel counts once per level", 1e-6, "relative error of a texel's weight",
-        "the weight of each sample is rounded once"},
+        "the weight of a finest texel is the covered fraction, so each finest texel counts once per level", 1e-6,
+        "relative error of a texel's weight", "the weight of each sample is rounded once"},
        strips_and_odd_sizes,
        {{"movmf_pack", "return (float)max(high - low, 0) / (float)level_size;", "return high > low ? 1.0f : 0.0f;"}}},
       {{"shortened-normals-as-points", "movmf_pack (planar)",
-        "a normal of length 0 has no projected point, and its facets are projected outside the unit circle",
+        "a normal of length 0 has no projected point, so its facets would lie outside the unit circle",
         "the divisor is at least 1e-6, and the scatter is at most 1 - |p|^2", 1e-6, "absolute error",
         "a square root and two quotients are rounded, and the difference 1 - |p|^2 loses digits by cancellation"},
        shortened_normals_as_points,
        {{"movmf_pack", "MAX_V(length, (real)(1e-6f))", "length"}}},
       {{"uneven-cells-side-by-side", "movmf_binned_pack",
-        "data after the last cell of a texel counts as samples of the texel",
-        "every texel is padded with samples that have weight 0, up to the largest number of samples", kNothingWrong,
-        "wrong values", "values are only copied"},
+        "the kernel counts data after the last cell of a texel as samples of the texel",
+        "the kernel pads every texel to the largest number of samples, with samples of weight 0", kNothingWrong,
+        "wrong values", "the kernel only copies values, so they must not change"},
        uneven_cells_by_any_parts,
        {{"movmf_pack", "i < count ? vload4(i, in) : (float4)(0.0f, 0.0f, 1.0f, 0.0f)", "vload4(i, in)"}}},
       {{"a-dead-lobe-takes-nothing", "movmf_level_zero",
-        "a lobe without normals or direction is chosen as the closest lobe",
+        "the kernel chooses a lobe without normals or without a direction as the closest lobe",
         "lobes with amplitudes up to 1e-6 are ignored", kNothingWrong, "wrong texels", "every texel must be correct"},
        a_dead_lobe_takes_nothing,
        {{"movmf_level_zero", "lobe.amplitude > 1e-6f && gap < least", "gap < least"}}},
@@ -346,7 +348,8 @@ std::vector<NumericalCase> level_cases() {
        directions_of_short_means,
        {{"movmf_level_zero", "1.0f - along / max(length, 1e-12f)", "length - along"}}},
       {{"a-lobe-of-no-direction", "movmf_level_zero",
-        "a mean r of length 0 is divided by its length, and a lobe whose cosine is NaN is never the closest lobe",
+        "a mean r of length 0 is divided by its length, which gives NaN, and a lobe with a cosine of NaN is never the "
+        "closest lobe",
         "the divisor is at least 1e-12, so the cosine is 0", kNothingWrong, "wrong texels",
         "every texel must be correct"},
        a_lobe_of_no_direction,

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Tests moments of slopes and mean normals (kernels/moments.cl) and their shading by Toksvig's rule and LEAN
 // (moment_shade.cl, device/moment_shading.clh). The inputs contain normals at the horizon, variances that are
-// differences of nearly equal numbers, and divisors of 0.
+// differences of nearly equal numbers, and divisors that are 0.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -60,7 +60,7 @@ namespace {
 
 double wide(float value) { return static_cast<double>(value); }
 
-// Adds relative errors for values above 1, and absolute errors for values below 1.
+// Adds the relative errors of values above 1 and the absolute errors of values below 1.
 void add_finest(Device& device, const std::vector<glm::vec3>& normals, bool shortened, WorstError& worst) {
   const std::vector<std::vector<float>> found = finest_moments(device, normals, shortened);
   for (std::size_t i = 0; i < normals.size(); ++i) {
@@ -112,7 +112,7 @@ double exact_lean(const MultumFilteredMoments& m, double s, const glm::vec4& h) 
 }
 
 // Tests second moments that are smaller than the square of the mean because of rounding, for slopes up to the largest
-// slope, 20. Only the BRDF's own variance remains, so no value exceeds the peak of the BRDF.
+// slope, 20. Only the variance of the BRDF remains, so no value may exceed the peak of the BRDF.
 void variance_below_0(Device& device, WorstError& worst) {
   for (const float mean : {0.0f, 0.5f, 3.0f, 20.0f})
     for (const float missing : {0.0f, 1e-7f, 1e-5f, 0.1f})
@@ -129,8 +129,8 @@ void variance_below_0(Device& device, WorstError& worst) {
       }
 }
 
-// Tests slopes along one line of the plane. The determinant of Sigma is 0, and across the line only the BRDF's own
-// variance 1/s remains.
+// Tests slopes along one line of the plane. The determinant of Sigma is 0, and the variance across the line is only the
+// variance of the BRDF, 1/s.
 void slopes_along_a_line(Device& device, WorstError& worst) {
   for (const float variance : {4.0f, 64.0f, 256.0f})
     for (const float sign : {1.0f, -1.0f})
@@ -143,8 +143,8 @@ void slopes_along_a_line(Device& device, WorstError& worst) {
       }
 }
 
-// Tests steep and nearly equal slopes under a sharp highlight, one highlight width away from its peak. The case
-// compares the rounding error of E[s^2] - E[s]^2 in single precision with the variance 1/s.
+// Tests steep and nearly equal slopes under a sharp highlight, at one highlight width from the peak. The case compares
+// the rounding error of E[s^2] - E[s]^2 in single precision with the variance 1/s.
 void steep_and_sharp(Device& device, WorstError& worst) {
   for (const double slope : {0.1, 1.0, 5.0, 20.0})
     for (const double variance : {0.0, 1e-6, 1e-4})
@@ -199,8 +199,8 @@ void toksvig_of_every_length(Device& device, WorstError& worst) {
     }
 }
 
-// Tests stored levels whose share of the result is 0, or nearly 0 because of rounding. The result is then the value of
-// the normal map.
+// Tests stored levels whose share of the result is 0, or is nearly 0 because of rounding. In this case, the result is
+// the value of the normal map.
 void no_share(Device& device, WorstError& worst) {
   for (const float share : {0.0f, 1e-45f, 1e-30f, 1e-8f})
     for (const int shading : {MULTUM_SHADE_TOKSVIG, MULTUM_SHADE_LEAN, MULTUM_SHADE_LEAN_JACOBIAN}) {
@@ -220,17 +220,17 @@ SourceEdit moment_shade_edit(const std::string& text, const std::string& replace
 }
 
 std::vector<NumericalCase> finest_cases() {
-  const char* const kUnit = "relative error of values above 1, and absolute error of values below 1";
+  const char* const kUnit = "relative error of values above 1 (or absolute error of values below 1)";
   return {
       {{"slopes-at-the-horizon", "moment_finest",
-        "computing a slope at the horizon divides by zero, and the mean slope is infinite",
-        "the z of the normal counts as at least 0.05, so slopes are at most 20", 5e-7, kUnit,
-        "only a division, a square and a sum are rounded"},
+        "the slope at the horizon divides by zero, so the mean slope is infinite",
+        "a z below 0.05 is replaced by 0.05, so slopes are at most 20", 5e-7, kUnit,
+        "only three operations are rounded: a division, a square and a sum"},
        slopes_at_the_horizon,
        {{"moments", "z > z_min ? z : z_min", "z"}}},
-      {{"shortened-normals-to-0", "moment_finest", "computing the slope of a normal of length 0 divides 0 by 0",
-        "the z of the normal is divided by a length of at least 1e-6, and negative variances count as 0", 5e-7, kUnit,
-        "only a root, a division, a square and a sum are rounded"},
+      {{"shortened-normals-to-0", "moment_finest", "the slope of a normal of length 0 is 0 divided by 0",
+        "the kernel divides z by a length of at least 1e-6, and replaces negative variances by 0", 5e-7, kUnit,
+        "only four operations are rounded: a square root, a division, a square and a sum"},
        shortened_normals,
        {{"moments", "slope_z_min * MAX_V(length, 1e-6f)", "slope_z_min * length"}}},
   };
@@ -248,46 +248,41 @@ std::vector<NumericalCase> moment_cases() {
   add("slope-variance-below-0",
       "rounding makes the mean squared slope smaller than the square of the mean slope, and the negative determinant "
       "has no square root",
-      "variances are at least 0", 2e-6, "excess over the peak, or negative light, relative to the peak",
-      "only a root, a division and an exponential are rounded", variance_below_0,
+      "variances are at least 0", 2e-6, "amount of light above the peak or below 0, relative to the peak,",
+      "only three operations are rounded: a square root, a division and an exponential", variance_below_0,
       {moment_shade_edit("max(ss - s_mean * s_mean, 0.0f)", "ss - s_mean * s_mean"),
        moment_shade_edit("max(tt - t_mean * t_mean, 0.0f)", "tt - t_mean * t_mean")});
   add("slopes-along-a-line",
-      "the determinant of the covariance Sigma plus I/s, computed as a difference, has no correct digit at exponent s "
-      "= 1e5",
+      "if the determinant of Sigma + I/s (Sigma is the covariance) is computed as a difference, it has no correct "
+      "digit at exponent s = 1e5",
       "the determinant of Sigma is kept at or above 0, and the positive term 1/s (1/s + trace) is added to it", 2e-6,
-      "relative error", "only a root, a division and four products are rounded", slopes_along_a_line,
+      "relative error", "only a square root, a division and four products are rounded", slopes_along_a_line,
       {moment_shade_edit(
           "base * (base + variance_s + variance_t) + max(variance_s * variance_t - covariance * covariance, "
           "0.0f)",
           "(base + variance_s) * (base + variance_t) - covariance * covariance")});
   add("steep-slopes-under-sharp-highlights",
       "16-bit floats near 400 have steps of 0.25, but a highlight with exponent s = 1e5 needs moments in steps of 1e-5",
-      "moments are stored in 32 bits, so at slope b, rounding makes the highlight wider by at most 2^-22 s b^2 times "
-      "its width",
+      "moments are stored in 32 bits, so rounding widens a highlight at slope b by at most 2^-22 s b^2 times its width",
       1.0, "times the allowed error, which is 2^-22 (s b^2 + sqrt(s) (1 + b)) + 1e-6 of the peak at slope b",
       "the mean squared slope and the square of the mean slope each have a rounding error of up to 2^-24 b^2",
       steep_and_sharp, {},
       {moment_shade_edit("max(ss - s_mean * s_mean, 0.0f)", "max(rint(ss * 4.0f) * 0.25f - s_mean * s_mean, 0.0f)")});
   add("half-vectors-at-the-horizon",
-      "the slope of a half vector at the horizon is infinite, and the distance between slopes is infinity minus "
-      "infinity",
-      "the result is 0 for half vectors with z up to 1e-4", kNothingWrong,
-      "deviation of results that must be 0 (NaN is an error everywhere)", "the result must be exact",
-      half_vectors_at_the_horizon, {moment_shade_edit("if (half_vector.z <= 1e-4f) return 0.0f;", "")});
+      "a half vector at the horizon has an infinite slope, so the distance between slopes is infinity minus infinity",
+      "the result is 0 for half vectors with z up to 1e-4", kNothingWrong, "deviation from 0, including NaN",
+      "the result must be exact", half_vectors_at_the_horizon,
+      {moment_shade_edit("if (half_vector.z <= 1e-4f) return 0.0f;", "")});
   add("mean-normals-of-every-length",
       "a mean normal longer than 1 gives a gloss above 1 or below 0, and normalising a mean of length 0 divides 0 by 0",
       "the length is 1 minus a spread between 0 and 1, and a mean of length 0 gets an arbitrary direction", 1e-5,
       "of the peak",
-      "the mean direction mu and the half vector h have rounding errors of up to 6e-8, and the exponent multiplies the "
-      "error of the "
-      "angle",
+      "the mean direction mu and the half vector h have rounding errors of up to 6e-8, which the exponent multiplies",
       toksvig_of_every_length,
       {moment_shade_edit("clamp((lobe.w - length) / max(lobe.w, AMPLITUDE_SHADED_MIN), 0.0f, 1.0f)",
                          "((lobe.w - length) / max(lobe.w, AMPLITUDE_SHADED_MIN))")});
-  add("moments-of-no-share",
-      "if the result is not multiplied by the share, moments with share 0 are as bright as moments with share 1",
-      "shares up to 1e-6 are not used as divisors, and the result is multiplied by the share", 1e-5, "relative error",
+  add("moments-of-no-share", "moments with share 0 reflect as much light as moments with share 1",
+      "the kernel does not divide by shares up to 1e-6, and multiplies the result by the share", 1e-5, "relative error",
       "only the share and the constant factor 16/(2 pi) are rounded", no_share,
       {moment_shade_edit(": m.share * shade_lean(", ": shade_lean(")});
   return cases;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests the functions in kernels/device over their whole range and beyond, and how the driver handles structs and NaN.
-// The formulas are in docs/contributing/ALGORITHMS.md, "Von Mises-Fisher lobes".
+// Tests the functions in kernels/device over their whole range and beyond. Also tests how the driver handles structs
+// and NaN. The formulas are in docs/contributing/ALGORITHMS.md, "Von Mises-Fisher lobes".
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -76,8 +76,9 @@ void log2_of_normals(Device& device, WorstError& worst) {
   }
 }
 
-// Tests spreads for kappa from 1e-6 to 1e6. Below a spread of 0.5, kappa grows as the inverse of the spread. Above
-// 0.5, r falls as kappa / 3. The r of the probe is 1 - spread, which is exact in float for small spreads.
+// Tests the spreads that belong to kappa from 1e-6 to 1e6. If the spread is below 0.5, kappa is roughly proportional to
+// the inverse of the spread. Above 0.5, r is about kappa / 3. The r of the probe is 1 - spread, which is exact in float
+// for small spreads.
 void kappa_of_mean_length(Device& device, WorstError& worst) {
   std::vector<float> spreads = decades(1e-6, 0.5, 1.0117);
   for (double r = 0.5; r > 3e-7; r *= 0.97) spreads.push_back(static_cast<float>(1.0 - r));
@@ -108,7 +109,7 @@ void shading_kappa(Device& device, WorstError& worst) {
       [](double q) { return q < 0.05 ? 1.0 / q : reference::kappa_of_mean_length(1.0 - q); }, worst);
 }
 
-// Tests a single direction under a BRDF of width 0, so q is 0.
+// Tests a single direction with a BRDF of width 0, for which q is 0.
 void shading_kappa_of_nothing(Device& device, WorstError& worst) {
   for (const double kappa : probed(device, {0.0f, -0.0f, 1e-40f}, Probe::kShadingKappa))
     worst.add(std::isfinite(kappa) && kappa > 0.0 ? 0.0 : std::numeric_limits<double>::quiet_NaN(), "q 0");
@@ -127,9 +128,9 @@ void vmf_spreads(Device& device, WorstError& worst) {
       [](double kappa) { return reference::vmf_spread(kappa); }, worst);
 }
 
-// Tests lobes from single directions to lobes without a direction, and facets from mirrors to facets of the whole
-// sphere. Half vectors are along, across and opposite to the lobe. The sum of two opposite vMFs of equal kappa has no
-// direction.
+// Tests lobes that range from single directions to lobes without a direction, and facets that range from mirrors to
+// facets over the whole sphere. Half vectors are parallel, perpendicular and opposite to the lobe. The sum of two
+// opposite vMFs of equal kappa has no direction.
 void highlight_cosines(Device& device, WorstError& worst) {
   const glm::dvec3 mu = glm::normalize(glm::dvec3(0.3, -0.2, 0.9)), across = glm::normalize(glm::dvec3(0.9, 0.0, -0.3));
   std::vector<glm::vec4> lobes, half_vectors, lights;
@@ -202,27 +203,27 @@ std::vector<NumericalCase> exponential_cases() {
   return {
       {{"exp2-over-its-range", "device/numerics.clh",
         "if the exponent x is rounded towards zero, the remainder is outside the polynomial's range",
-        "adding 1.5 * 2^23 rounds x to the nearest integer, and signed zeros and denormals give 1", 3.5e-7,
-        "relative error", "the polynomial's own error and its rounding add up to 2.2e-7"},
+        "adding 1.5 * 2^23 rounds x to the nearest integer, and the result for signed zeros and denormal numbers is 1",
+        3.5e-7, "relative error", "the polynomial's own error and its rounding add up to 2.2e-7"},
        exp2_in_range,
        {probe_edit("const real_v f = x - (shifted - 12582912.0f);", "const real_v f = x - trunc(x);")}},
       {{"exp2-far-below-its-range", "device/numerics.clh",
         "the exponent bits overflow, so the results become huge, negative or infinite",
         "x below -126 is replaced by -126, so the result is tiny but never denormal", 3.5e-7,
-        "error, in units of 2^-126", "the polynomial's own error and its rounding add up to 2.2e-7"},
+        "error in units of 2^-126", "the polynomial's own error and its rounding add up to 2.2e-7"},
        exp2_below_range,
        {probe_edit("exp2_in_range_v(MAX_V(x, (real_v)(-126.0f)))", "exp2_in_range_v(x)")}},
       {{"log2-of-every-normal", "device/numerics.clh", "a mantissa between 1 and 2 exceeds the range of the series",
         "the mantissa is kept between sqrt(1/2) and sqrt(2)", 1.0,
         "times the allowed error, which is 5e-7 + 6e-8 |log2 x|",
-        "the series has an absolute error, and rounding the result adds half a unit in the last place"},
+        "the series has an absolute error of its own, and rounding the result adds half a unit in the last place"},
        log2_of_normals,
        {},
        {},
        {probe_edit("0x3f3504f3", "0x3f800000")}},
       {{"log-of-one-minus-e", "device/vmf_shading.clh",
         "the cosine t = 1 - e has a rounding error of 6e-8, which the highlight exponent s = 1e5 multiplies",
-        "below e = 0.1, log(1 - e) is computed as the series of -2 atanh(e / (2 - e))", 1e-6, "relative error",
+        "below e = 0.1, log(1 - e) is computed by the series of -2 atanh(e / (2 - e))", 1e-6, "relative error",
         "the omitted terms of the series add only 3e-9, and four rounded operations follow"},
        one_minus_log,
        {probe_edit("if (e > 0.1f) return", "if (true) return")}},
@@ -234,8 +235,8 @@ std::vector<NumericalCase> kappa_cases() {
       {{"kappa-of-mean-length-12-decades", "device/vmf.clh",
         "Banerjee's approximation (3r - r^3)/(1 - r^2) has an error of several per cent, and 1 - r^2 loses digits near "
         "r = 1",
-        "kappa is r G(r)/(1 - r) with a polynomial G of degree 10, and the caller computes 1 - r as a sum of small "
-        "terms",
+        "kappa is computed as r G(r)/(1 - r), where G is a polynomial of degree 10, and the caller computes 1 - r as a "
+        "sum of small terms",
         4e-5, "relative error", "the polynomial approximates kappa with an error of 3.3e-5"},
        kappa_of_mean_length,
        {probe_edit("return r * g / spread;", "return r * (3.0f - r * r) / (1.0f - r * r);")}},
@@ -256,7 +257,7 @@ std::vector<NumericalCase> kappa_cases() {
        shading_kappa,
        {probe_edit("(3.0f - x + x * (1.0f - x) * p)", "(3.0f - x)")}},
       {{"shading-kappa-of-no-width", "device/vmf_shading.clh",
-        "a lobe of width 0 has q = 0, and dividing by q gives an infinite kappa", "the denominator is at least 1e-12",
+        "for a lobe of width 0, q is 0, and dividing by q gives an infinite kappa", "the denominator is at least 1e-12",
         kNothingWrong, "infinite or NaN results", "every result must be finite"},
        shading_kappa_of_nothing,
        {probe_edit("max(q * (2.0f - q), 1e-12f)", "(q * (2.0f - q))")}},
@@ -270,12 +271,12 @@ std::vector<NumericalCase> kappa_cases() {
       {{"vmf-spread-12-decades", "device/vmf_shading.clh",
         "near kappa = 0, the difference 1/kappa - 2/(exp(2 kappa) - 1) loses its digits by cancellation",
         "below kappa = 0.1, two terms of the series are used", 2e-5, "relative error",
-        "at kappa = 0.1, both terms are near 10 but their difference is near 1, so its relative error is ten times as "
-        "large as the relative rounding error of a term"},
+        "at kappa = 0.1, two terms near 10 have a difference near 1, so its relative error is ten times the relative "
+        "rounding error of a term"},
        vmf_spreads,
        {probe_edit("if (kappa < 0.1f) return", "if (false) return")}},
       {{"highlight-cosines-of-every-width", "device/vmf_shading.clh, probe_highlight_cosine",
-        "facets and an opposite lobe of equal sharpness cancel, so their sum has no direction",
+        "the vectors of the facets and of an opposite lobe of equal sharpness cancel, so their sum has no direction",
         "the divisor is at least 1e-6", 2.5e-3, "absolute error",
         "the model of the mean cosine has an error of 0.22 %"},
        highlight_cosines,
@@ -288,14 +289,15 @@ std::vector<NumericalCase> kappa_cases() {
 std::vector<NumericalCase> numerics_cases() {
   std::vector<NumericalCase> cases = exponential_cases();
   for (NumericalCase& c : kappa_cases()) cases.push_back(std::move(c));
-  cases.push_back({{"driver-keeps-nan", "probe_functions",
-                    "with -cl-finite-math-only, isnan() is false for every NaN, so guards do nothing",
-                    "no compiler option relaxes floating-point rules (host/formats/opencl/build_options)",
-                    kNothingWrong, "wrong answers", "every answer must be correct"},
-                   nan_guards,
-                   {},
-                   {},
-                   {probe_edit("isnan(x) ? 1.0f : 0.0f", "0.0f")}});
+  cases.push_back(
+      {{"driver-keeps-nan", "probe_functions",
+        "with -cl-finite-math-only, isnan() returns false for NaN, so guards that test for NaN have no effect",
+        "no compiler option relaxes floating-point rules (host/formats/opencl/build_options)", kNothingWrong,
+        "wrong answers", "every answer must be correct"},
+       nan_guards,
+       {},
+       {},
+       {probe_edit("isnan(x) ? 1.0f : 0.0f", "0.0f")}});
   cases.push_back({{"driver-lays-structs-out-alike", "probe_layout",
                     "every struct field after a padding gap is read from the wrong offset",
                     "structs contain only ints and floats, never float3, bool or size_t", kNothingWrong,

@@ -21,8 +21,8 @@ namespace {
 
 constexpr int kStride = MULTUM_ONE_LOBE_BLOCK;  // distance between the planes of a texel
 
-// Returns the averages of alpha^2 and of the planes that one_lobe_finest computes from the map. All texels have equal
-// weights.
+// Returns the averages of alpha^2 and of the planes that one_lobe_finest computes from the map. All texels have the
+// same weight.
 std::vector<float> launched_averages(Device& device, const reference::OneLobeTexel& texel) {
   const NormalMap& map = *texel.map;
   const std::size_t texels = map.x.size();
@@ -92,7 +92,7 @@ namespace {
 
 constexpr int kGrid = 8;
 
-// Returns facets along a spiral that follow the GGX distribution with alpha 1.
+// Returns facets along a spiral. Their distribution is GGX with alpha 1.
 std::vector<glm::vec2> spiral_facets() {
   std::vector<glm::vec2> facets;
   for (int i = 0; i < kGrid * kGrid; ++i) {
@@ -112,7 +112,8 @@ NormalMap map_of(const std::function<glm::dvec3(int)>& normal_at) {
   return map;
 }
 
-// Divides errors of alpha by 10, because files store square roots of alpha, and alpha is computed from sums of squares.
+// Divides errors of alpha by 10, because files store the square root of alpha, and the kernel computes alpha from sums
+// of squares.
 void add_lobes(Device& device, const NormalMap& map, double alpha, const std::string& input, WorstError& worst) {
   const std::vector<glm::vec2> facets = spiral_facets();
   for (const bool is_anisotropic : {false, true})
@@ -184,9 +185,9 @@ std::vector<NumericalCase> one_lobe_cases() {
                        const std::vector<SourceEdit>& edits) {
     cases.push_back(
         {{name, "one_lobe_finest, one_lobe_samples, one_lobe_fit", without, guard, 2e-4,
-          "error, which is the larger of two numbers: the absolute error of the normal, and a tenth of the relative "
-          "error of the roughness alpha",
-          "each of 5 EM steps adds 64 terms in float, which causes an error of about 1e-6 times the lobe's width"},
+          "error (the larger of the absolute error of the normal and a tenth of the relative error of the roughness "
+          "alpha)",
+          "each of 5 EM steps adds 64 terms in float, so the error is about 1e-6 times the width of the lobe"},
          run,
          edits,
          {},
@@ -195,11 +196,11 @@ std::vector<NumericalCase> one_lobe_cases() {
   add("mirrors-of-one-normal", "without spread and roughness, the scale matrix S of the slopes has no inverse",
       "variances are at least 1e-8", mirrors,
       {edit("s.xx = MAX_V(s.xx, (real_v)(SCALE_MIN));", ""), edit("s.yy = MAX_V(s.yy, (real_v)(SCALE_MIN));", "")});
-  add("axes-of-round-lobes", "a round lobe has no axis, and computing the axis divides 0 by 0",
+  add("axes-of-round-lobes", "a round lobe has no axis, so computing the axis divides 0 by 0",
       "round lobes use the x axis as their axis", mirrors,
       {edit("has_axis ? ax / MAX_V(axis_length, (real_v)(1e-12f)) : (real_v)(1.0f)", "ax / axis_length"),
        edit("has_axis ? ay / MAX_V(axis_length, (real_v)(1e-12f)) : (real_v)(0.0f)", "ay / axis_length")});
-  add("facets-behind-the-mean-normal", "facets below the horizon have slopes of the wrong sign",
+  add("facets-behind-the-mean-normal", "slopes of facets below the horizon have the wrong sign",
       "slopes are at most 20", facets_behind,
       {edit("MAX_V(fma(hx, mx, fma(hy, my, hz * mz)), least)", "fma(hx, mx, fma(hy, my, hz * mz))")});
   add("normals-of-nothing-in-a-lobe", "one texel without a direction makes every coarser texel NaN",
@@ -212,7 +213,7 @@ std::vector<NumericalCase> one_lobe_cases() {
       "alpha is at most 1", lobes_beyond_1,
       {edit("MIN_V(MAX_V(sqrt(2.0f * (middle + radius)), least), (real_v)(1.0f))",
             "MAX_V(sqrt(2.0f * (middle + radius)), least)")});
-  add("a-lobe-of-opposite-normals", "a mean of length 0 has no direction, and its normalisation divides by zero",
+  add("a-lobe-of-opposite-normals", "a mean of length 0 has no direction, so normalising it divides by zero",
       "the lobe points straight up", no_mean_normal,
       {edit("*z = usable ? *z * inverse : (real_v)(1.0f);", "*z = *z * inverse;")});
   return cases;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Launches the kernels of one_lobe.cl on the inputs of a case. Private to host/lab/selftest and its tests.
+// Launches the kernels of one_lobe.cl with the inputs of a case. Private to host/lab/selftest and its tests.
 #pragma once
 
 #include <vector>
@@ -11,7 +11,7 @@
 
 namespace multum {
 
-/// Returns the lobe of the only texel of a map's coarsest level. `lanes` is the number of lanes of one_lobe_fit, 1 or
+/// Returns the lobe of the single texel in a map's coarsest level. `lanes` is the number of lanes of one_lobe_fit, 1 or
 /// 16.
 reference::OneLobe launch_one_lobe(Device& device, const reference::OneLobeTexel& texel,
                                    const std::vector<glm::vec2>& facets, int grid, int lanes);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Tests planar Gaussians (Tan et al. 2005), the lobe kernels built with MULTUM_PLANAR, and the rounding of Gaussians.
-// The inputs are those for which a Gaussian over (n_x, n_y) fails: small variances near the rim, variances of 0, and
-// lobes without normals.
+// The inputs are difficult for a Gaussian over (n_x, n_y). They contain small variances near the rim, variances of 0,
+// and lobes without normals.
 #include <fmt/format.h>
 #include <half.h>
 
@@ -58,8 +58,8 @@ void variance_at_the_rim(Device& device, WorstError& worst) {
     }
 }
 
-// Tests one repeated point and a distant mean. The mean squared distance from the mean and the squared shift of the
-// mean (Steiner's theorem) are equal except for rounding.
+// Tests one repeated point and a distant mean. Except for rounding, the mean squared distance from the mean equals the
+// squared shift of the mean (Steiner's theorem).
 void variance_never_negative(Device& device, WorstError& worst) {
   for (int i = 0; i < 60; ++i) {
     const EmTexel texel = {repeated({point(1.5 * i, 0.1 * i)}, 7), equal_lobes({point(89.0 - i, 2.0)}, 3.0)};
@@ -87,7 +87,7 @@ void dying_gaussians(Device& device, WorstError& worst) {
   add_em_errors(device, texel, planar_settings(8), "none", worst);
 }
 
-// Tests more lobes than points, and then equal lobes at one repeated point.
+// Tests texels with more lobes than points, and texels with equal lobes and one repeated point.
 void few_points(Device& device, WorstError& worst) {
   for (const int count : {1, 2, 3})
     for (const int lobes : em_lobe_counts(device, {2, 1, 8})) {
@@ -107,7 +107,7 @@ void few_points(Device& device, WorstError& worst) {
 }
 
 // Tests the upper limit of 1/sigma^2 in a texel with three lobes. Two lobes share the points, and the third lobe has no
-// points. The sums are the sums of an E-step, relative to mu.
+// points. The sums are the results of an E-step, relative to mu.
 void caps_of_narrow_texels(Device& device, WorstError& worst) {
   constexpr std::size_t kChunks = 64, kSums = 5;
   for (const double degrees : kTilts)
@@ -217,8 +217,8 @@ void vanishing_gaussian(Device& device, WorstError& worst) {
   }
 }
 
-// Tests the stored 2 sigma^2 of lobes with amplitude 1 at the limit of an encoding. Also tests that single directions
-// get no spread.
+// Tests the stored 2 sigma^2 of lobes with amplitude 1 at the limit of an encoding. Also tests that the spread of
+// single directions stays 0.
 void stored_variance(StorageEncoding encoding, bool naive, WorstError& worst) {
   SplitMix64 random(2005);
   for (const double variance : {0.0, 1.0 / static_cast<double>(gmm_kappa_max(encoding))}) {
@@ -244,12 +244,11 @@ void stored_variance(StorageEncoding encoding, bool naive, WorstError& worst) {
 NumericalCase storage_case(StorageEncoding encoding, const std::string& name) {
   return {
       {"planar-variance-in-" + name, "gmm_quantize",
-       "twice the variance is a difference of two rounded numbers, which are both near 1 at the unit circle, so "
-       "all digits cancel",
-       "the third value, the mean square, is rounded last to match the rounded mean, and for a single direction it "
-       "is rounded down",
+       "near the unit circle, twice the variance is the difference of two rounded numbers near 1, so all digits cancel",
+       "the encoder rounds the mean square last, so that it matches the rounded mean, and rounds it down for single "
+       "directions",
        0.251, "error of the variance (relative at the encoding's limit, absolute for single directions)",
-       "at the encoding's limit, rounding the third value changes twice the variance by up to a quarter of its value"},
+       "at the encoding's limit, rounding the mean square changes the variance by up to a quarter of its value"},
       [=](Device&, WorstError& worst) { stored_variance(encoding, false, worst); },
       {},
       [=](WorstError& worst) { stored_variance(encoding, true, worst); }};
@@ -263,9 +262,9 @@ std::vector<NumericalCase> fit_cases() {
   return {
       {{"planar-variance-at-the-rim", kFormula,
         "for points p near the unit circle, the difference E|p|^2 - |E p|^2 loses its digits by cancellation",
-        "the variance is the mean squared distance from the previous mean, minus the squared shift of the mean "
+        "the kernel computes the mean squared distance from the previous mean, minus the squared shift of the mean "
         "(Steiner's theorem)",
-        1e-4, "relative error of sigma^2", "the errors of a thousand rounded additions add up"},
+        1e-4, "relative error of sigma^2", "the rounding errors of a thousand additions add up"},
        variance_at_the_rim,
        {em_edit("const real_v spread = fma(d, inverse, -half_square(m.x - mu_x, m.y - mu_y));",
                 "const real_v spread = (d * inverse + (m.x * mu_x + m.y * mu_y - half_square(mu_x, mu_y))) - "
@@ -275,7 +274,8 @@ std::vector<NumericalCase> fit_cases() {
         "the variance is at least 0", kNothingWrong, "deviation below 0", "no result may be negative"},
        variance_never_negative,
        {em_edit("m.spread = MIN_V(MAX_V(spread, (real_v)(0.0f)), (real_v)(1.0f));", "m.spread = spread;")}},
-      {{"planar-far-from-every-lobe", kFormula, "every density is 0 in float, so computing shares divides 0 by 0",
+      {{"planar-far-from-every-lobe", kFormula,
+        "every density is 0 in float, so the shares of the lobes are 0 divided by 0",
         "the kernel computes logarithms of densities and subtracts the largest logarithm", 1e-4, kUnit,
         "logarithms near 1e6 have relative rounding errors of 6e-8, which change the shares"},
        far_from_every_gaussian,
@@ -293,13 +293,12 @@ std::vector<NumericalCase> fit_cases() {
         "the variance is at least 1e-7, and its inverse is at most 500 + 10 kappa_1, where kappa_1 fits all normals of "
         "the texel",
         1e-4, kUnit,
-        "several equal lobes compete for a point, and each iteration amplifies the small differences between the "
-        "lobes"},
+        "several equal lobes share a point, and each iteration amplifies the small differences between the lobes"},
        few_points,
        {},
        {},
        {no_floor, no_cap}},
-      {{"planar-caps-of-narrow-texels", "movmf_em_cap", "computing the mean of a lobe without points divides 0 by 0",
+      {{"planar-caps-of-narrow-texels", "movmf_em_cap", "the mean of a lobe without points is 0 divided by 0",
         "the divisor is at least 1e-30, and the variance is at least 1e-6", 2e-4,
         "relative error of the upper limit of 1/sigma^2",
         "the squared distance of points 3 degrees apart has a relative error of 1.2e-7, which matters next to a "
@@ -324,15 +323,15 @@ std::vector<NumericalCase> planar_cases() {
                     "variance is negative",
                     "the lobe's variance is at least 0, so in the worst case only the facets' variance remains", 2e-3,
                     "of the peak of an upright lobe",
-                    "two roundings of a mean near 1 change a variance of 1e-4 by up to 1.2e-7, which is 0.12 %"},
+                    "a mean near 1 is rounded twice, which changes a variance of 1e-4 by up to 1.2e-7, or 0.12 %"},
                    filtered_variance_below_0,
                    {shade_edit("max(spread, 0.0f)", "spread")}});
   cases.push_back(
       {{"planar-amplitude-to-0", "movmf_shade (planar)",
-        "a lobe without normals is divided by its amplitude, which is 0",
+        "the moments of a lobe without normals are divided by the lobe's amplitude, which is 0",
         "lobes with amplitudes up to 1e-6 are ignored", 6e-4,
         "of the peak of an upright lobe (light that must be 0 counts as an error of 1)",
-        "two roundings of a mean near 1 change a variance of 1e-4 by up to 1.2e-7, which is 0.12 %"},
+        "a mean near 1 is rounded twice, which changes a variance of 1e-4 by up to 1.2e-7, or 0.12 %"},
        vanishing_gaussian,
        {shade_edit("shape.amplitude = lobe.w <= GMM_AMPLITUDE_MIN ? 0.0f : lobe.w;", "shape.amplitude = lobe.w;"),
         shade_edit("if (lobe.w <= GMM_AMPLITUDE_MIN) return 0.0f;", "")}});

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Tests the averages of every level (kernels/mip_box.cl) and reflectance maps (reflectance_pyramid.cl, Williams 1983).
-// The inputs contain values that arithmetic would change, sums over more texels than a float can count, highlights
-// narrower than a texel, and light along and behind the surface.
+// The inputs contain values that arithmetic would change, and sums over more texels than a float can count. Other
+// inputs contain highlights that are narrower than a texel, and light along and behind the surface.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -84,8 +84,8 @@ std::string text_of(const MultumBoxBand& band) {
 
 constexpr float kUntouched = -12345.0f;
 
-// Runs `fill` on a buffer of nodes that is large enough for the surplus work-items of a launch. Every texel must equal
-// `expected(plane, row, column)` bit by bit, and the rest of the buffer must not change.
+// Runs `fill` with a buffer of nodes that is large enough for the surplus work-items of a launch. Every texel must
+// equal `expected(plane, row, column)` bit by bit, and the rest of the buffer must not change.
 void add_nodes(Device& device, const MultumBoxBand& band,
                const std::function<void(const DeviceBuffer& nodes, std::size_t items)>& fill,
                const std::function<float(int plane, int row, int column)>& expected, WorstError& worst) {
@@ -146,8 +146,8 @@ void features_keep_their_bits(Device& device, WorstError& worst) {
   }
 }
 
-// Returns rows of equal texels, of texels with a contrast of 1e6 and both signs, of denormal texels, and of texels as
-// large as their sum allows.
+// Returns several kinds of rows. They contain equal texels, texels with a contrast of 1e6 and both signs, denormal
+// texels, and texels that are as large as their sum allows.
 std::vector<std::vector<float>> rows_to_sum(int width) {
   SplitMix64 random(15);
   std::vector<std::vector<float>> rows(4, std::vector<float>(static_cast<std::size_t>(width)));
@@ -160,7 +160,7 @@ std::vector<std::vector<float>> rows_to_sum(int width) {
   return rows;
 }
 
-// Adds |found - exact sum|, relative to the sum of magnitudes. Allows devices to treat denormal values as 0.
+// Adds |found - exact sum|, divided by the sum of magnitudes. Devices are allowed to treat denormal values as 0.
 void add_sum(double found, const float* begin, const float* end, const std::string& input, WorstError& worst) {
   double sum = 0.0, magnitude = 0.0;
   for (const float* x = begin; x != end; ++x) {
@@ -193,8 +193,8 @@ void rows_from_left_to_right(WorstError& worst) {
   add_sum(static_cast<double>(sum), row.data(), row.data() + row.size(), "equal texels", worst);
 }
 
-// Tests a map of 2^30 texels, the largest possible map. The sum of each row is one node, and one column of the
-// coarsest level adds all nodes.
+// Tests a map of 2^30 texels, which is the largest possible map. Each node is the sum of one row, and the coarsest
+// level adds all nodes in one column.
 void average_of_2_30(Device& device, WorstError& worst) {
   constexpr int kSide = 32768;
   SplitMix64 random(30);
@@ -235,8 +235,8 @@ MultumReflectanceLight device_light(const reference::DistantLight& light) {
   return {l.x, l.y, l.z, 0.0f, h.x, h.y, h.z, 0.0f, e.x, e.y, e.z, 0.0f};
 }
 
-// Compares rows of a reflectance map, from `first_row` on, with the mean over all normals of each texel. Errors are
-// relative to the brightest texel.
+// Compares the rows of a reflectance map, starting with `first_row`, with the mean over all normals of each texel.
+// Errors are relative to the brightest texel.
 void add_reflectance(Device& device, const ReflectanceTest& test, int first_row, WorstError& worst) {
   std::vector<MultumReflectanceLight> lights;
   for (const reference::DistantLight& light : test.lights) lights.push_back(device_light(light));
@@ -297,7 +297,7 @@ void highlights_of_1e5(Device& device, WorstError& worst) {
     add_reflectance(device, {64, 8, exponent, {light_from(20.0, 0.4, glm::dvec3(1.0))}}, 16, worst);
 }
 
-// Tests a level of one texel, and odd sizes, with thousands of normals per texel and lights from 1e-6 to 1e6.
+// Tests a level of one texel and levels of odd sizes, with thousands of normals per texel and lights from 1e-6 to 1e6.
 void normals_of_a_texel(Device& device, WorstError& worst) {
   const std::vector<reference::DistantLight> lights = {light_from(0.0, 0.0, {1e-6, 1.0, 1e6}),
                                                        light_from(40.0, 1.0, {1e6, 1e-6, 1.0}),
@@ -307,8 +307,8 @@ void normals_of_a_texel(Device& device, WorstError& worst) {
   add_reflectance(device, {5, 32, 10.0, lights}, 2, worst);
 }
 
-// Tests a light along the surface and a light from behind. Only surfaces that face a light are lit. Light from
-// straight behind has no effect.
+// Tests a light along the surface and a light from behind. Only surfaces that face a light may be lit. A light from
+// straight behind must have no effect.
 void light_from_behind(Device& device, WorstError& worst) {
   for (const double degrees : {89.9, 90.0, 90.1, 179.0})
     for (const double exponent : {1.0, 50.0})
@@ -316,26 +316,27 @@ void light_from_behind(Device& device, WorstError& worst) {
 }
 
 std::vector<NumericalCase> box_cases() {
-  const std::string same = "wrong values", none = "values are only copied";
+  const std::string same = "wrong values", none = "the kernel only copies values, so they must not change";
   return {
-      {{"texels-keep-their-bits", "mip_texels", "work-items beyond the last texel write outside the buffer",
-        "bounds are checked first, and values are only copied", kNothingWrong, same, none},
+      {{"texels-keep-their-bits", "mip_texels", "surplus work-items write beyond the end of the buffer",
+        "the kernel checks the bounds first, and only copies values", kNothingWrong, same, none},
        texels_keep_their_bits,
        {{"mip_box", "if (item >= band.plane_count * band.row_count * band.map_width) return;", ""}}},
-      {{"features-keep-their-bits", "mip_features", "work-items beyond the last texel write into the next plane",
-        "bounds are checked first, and values are only copied", kNothingWrong, same, none},
+      {{"features-keep-their-bits", "mip_features", "surplus work-items write into the next plane",
+        "the kernel checks the bounds first, and only copies values", kNothingWrong, same, none},
        features_keep_their_bits,
        {{"mip_box", "if (item >= band.row_count * band.map_width) return;", ""}}},
       {{"blocks-of-32768-texels", "mip_blocks",
-        "adding 32768 equal texels from left to right rounds each sum in the same direction",
-        "texels are added in pairs, then the pairs are added in pairs, and so on, which rounds only 15 times", 1e-6,
-        "of the sum of magnitudes", "15 rounding errors of 6e-8 add up to 9e-7"},
+        "if 32768 equal texels are added from left to right, every sum is rounded in the same direction",
+        "the kernel adds texels in pairs, then adds the sums in pairs, and so on, so each texel is rounded only 15 "
+        "times",
+        1e-6, "of the sum of magnitudes", "15 rounding errors of 6e-8 add up to 9e-7"},
        blocks_of_32768,
        {},
        rows_from_left_to_right},
       {{"average-of-2-30-texels", "mip_levels",
-        "the sum is rounded 32768 times, by half a unit in the last place each time",
-        "compensated summation adds the rows", 1.2e-7, "relative error",
+        "the sum is rounded 32768 times, each time by half a unit in the last place",
+        "the kernel adds the rows by compensated summation", 1.2e-7, "relative error",
         "only the share of each row and the result are rounded"},
        average_of_2_30,
        {{"mip_box", "      add_compensated(&sum, &carry, value);\n      continue;",
@@ -360,12 +361,12 @@ std::vector<NumericalCase> pyramid_cases() {
       highlights_of_1e5,
       {{"reflectance_pyramid", "return 0.5f * fma(dx, dx, fma(dy, dy, dz * dz));",
         "return 1.0f - fma(dx + w.x, w.x, fma(dy + w.y, w.y, (dz + w.z) * w.z));"}});
-  add("thousands-of-normals-a-texel", "49152 additions of similar numbers round in the same direction",
+  add("thousands-of-normals-a-texel", "49152 additions of similar numbers are rounded in the same direction",
       "sums are compensated", 5e-7,
       "only a few rounding errors remain per sample, no matter how many samples are added", normals_of_a_texel,
       {{"reflectance_pyramid", "const float total = *sum + value;",
         "*sum = *sum + value;\n  return;\n  const float total = *sum + value;"}});
-  add("light-from-behind", "a light darkens surfaces that face away from the light",
+  add("light-from-behind", "a light darkens surfaces that face away from it",
       "a light below the surface, with n . l <= 0, adds nothing", 1e-5,
       "the normal n and the half vector h have rounding errors of up to 6e-8, and |n - h| is about 0.2 in a highlight "
       "with exponent 50",

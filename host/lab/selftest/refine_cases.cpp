@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests the refinement of lobes (kernels/movmf_refine.cl) with texels for which unguarded formulas fail.
+// Tests the refinement of lobes (kernels/movmf_refine.cl) with texels for which formulas without guards fail.
 #include <cmath>
 #include <numeric>
 
@@ -65,7 +65,7 @@ void compare(Device& device, const reference::RefinedTexel& texel, WorstError& w
   }
 }
 
-// Tests r = 0, which has neither direction nor sharpness.
+// Tests a lobe with r = 0, which has no direction and no sharpness.
 void lobe_without_direction(Device& device, WorstError& worst) {
   const std::vector<reference::MeanLobe> lobes = {{glm::dvec3(0.0), 0.5}, {{0.6, 0.0, 0.6}, 0.5}};
   compare(device, {repeated({{0.6, 0.0, 0.8}, {-0.6, 0.0, 0.8}}, 64), lobes, {}}, worst);
@@ -84,15 +84,15 @@ std::vector<NumericalCase> refine_cases() {
   return {
       {{"refined-lobes-without-direction", "movmf_refine", "computing the peak of a lobe with kappa 0 divides 0 by 0",
         "kappa is at least 0.05", 2e-3, "absolute error of the lobe's amplitude a and of the vector a r",
-        "the polynomial for kappa adds an error of 3e-5 in each of ten damped steps"},
+        "each of ten damped steps adds the error of the polynomial for kappa, which is 3e-5"},
        lobe_without_direction,
        {{"movmf_refine", "MAX_V(kappa_of_mean_length(mean, spread), (real_v)(MULTUM_REFINE_KAPPA_MIN))",
          "kappa_of_mean_length(mean, spread)"}}},
       {{"refined-beside-opposite-lobes", "movmf_refine",
-        "two opposite lobes can have a sum of length 0, and rotating this vector divides by zero",
-        "the length of the sum counts as at least 0.02", 2e-3,
+        "the sum of two opposite lobes can have length 0, and rotating a vector of length 0 divides by zero",
+        "a length below 0.02 is replaced by 0.02", 2e-3,
         "absolute error of the lobe's amplitude a and of the vector a r",
-        "the polynomial for kappa adds an error of 3e-5 in each of ten damped steps"},
+        "each of ten damped steps adds the error of the polynomial for kappa, which is 3e-5"},
        opposite_lobes_beside,
        {{"movmf_refine", "1.0f / MAX_V(length, (real_v)(MULTUM_REFINE_LENGTH_MIN))", "1.0f / length"}}}};
 }

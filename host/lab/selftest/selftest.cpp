@@ -17,7 +17,7 @@ bool is_wanted(const NumericalCase& c, const std::string& filter) {
   return c.text.name.find(filter) != std::string::npos || c.text.formula.find(filter) != std::string::npos;
 }
 
-// A case that compares nothing must fail, because otherwise it would pass for any kernel.
+// A case that compares no values must fail. Otherwise it would pass for any kernel.
 double worst_of(const WorstError& worst) {
   return worst.count() > 0 ? worst.value() : std::numeric_limits<double>::quiet_NaN();
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests spherical harmonics (kernels/sh_project.cl, sh_shade.cl) of order 20, at the poles, and for vectors that are
+// Tests spherical harmonics (kernels/sh_project.cl, sh_shade.cl) up to order 20, at the poles, and for vectors that are
 // not unit vectors.
 #include <fmt/format.h>
 
@@ -124,8 +124,8 @@ void basis_to_order_20(Device& device, WorstError& worst) {
 
 constexpr double kMeanCosines[] = {0.5, 0.51, 0.6, 0.8, 0.95, 0.99, 0.9999, 0.999999};
 
-// Tests normals that were shortened for the width of a BRDF, from the widest lobe to the sharpest lobe that is not a
-// single direction.
+// Tests normals that were shortened to represent the width of a BRDF. The widths range from the widest lobe to the
+// sharpest lobe that is not a single direction.
 void rough_normals(Device& device, WorstError& worst) {
   constexpr int kOrder = 20;
   SplitMix64 random(21);
@@ -224,7 +224,8 @@ void no_direction(Device& device, WorstError& worst) {
   add_basis(device, 8, normals, std::vector<glm::dvec3>(normals.size(), glm::dvec3(0.0, 0.0, 1.0)), worst);
 }
 
-// Tests a single tilt at order 4, whose series oscillates. Negative values of the series must not become light.
+// Tests a single tilt at order 4, for which the series oscillates. Negative values of the series must not become
+// negative light.
 void ringing(Device& device, WorstError& worst) {
   const std::vector<glm::vec3> directions = all_directions();
   for (const int order : {2, 4, 8, 20}) {
@@ -235,7 +236,8 @@ void ringing(Device& device, WorstError& worst) {
   }
 }
 
-// Tests two opposite tilts with equal shares. The mean direction is almost undefined, but both sides have a highlight.
+// Tests two opposite tilts with equal shares. The mean direction is almost undefined, but both sides must have a
+// highlight.
 void opposite_tilts(Device& device, WorstError& worst) {
   const std::vector<glm::vec3> directions = all_directions();
   for (const int order : {2, 8, 20})
@@ -269,7 +271,8 @@ SourceEdit direction_edit(const std::string& text, const std::string& replacemen
 std::vector<NumericalCase> sh_cases() {
   const std::string unit = "of the largest value in the band";
   const std::string reason =
-      "near a pole, the rounding error of 1 - z^2 grows with the square of the order, and the recurrence has 20 steps";
+      "near a pole, the rounding error of 1 - z^2 is multiplied by the square of the order, and the recurrence has 20 "
+      "steps";
   return {
       {{"harmonics-to-order-20", "sh_project",
         "the factorials and Legendre functions of the direct formula overflow, because 40! exceeds the range of a "
@@ -279,7 +282,8 @@ std::vector<NumericalCase> sh_cases() {
        {},
        textbook_basis},
       {{"harmonics-at-the-poles", "sh_project", "computing the azimuth with x / sin theta divides 0 by 0 at the poles",
-        "the powers (x + iy)^m contain the factor sin^m theta, so no division is needed", 1e-5, unit, reason},
+        "the kernel uses the powers (x + iy)^m, which contain the factor sin^m theta, so it does not divide", 1e-5,
+        unit, reason},
        poles,
        {},
        divided_by_sine},
@@ -290,13 +294,14 @@ std::vector<NumericalCase> sh_cases() {
        {direction_edit("const float3 scaled = (float3)(x / largest, y / largest, z / largest);",
                        "return (float3)(x, y, z);\n  const float3 scaled = (float3)(x, y, z);")}},
       {{"harmonics-of-no-direction", "sh_project", "a normal of length 0 makes every coarser texel NaN",
-        "normals of length 0 are treated as pointing up", 1e-6, unit, "the direction is a pole, where z is exactly 1"},
+        "normals of length 0 are treated as pointing up", 1e-6, unit,
+        "the direction is a pole, where z is exactly 1 and rounding errors are small"},
        no_direction,
        {direction_edit("if (!(largest > 0.0f && largest < INFINITY) || isnan(x + y + z))", "if (0)")}},
       {{"harmonics-of-rough-normals", "sh_project",
-        "the upward recurrence for the zonal coefficients of a lobe loses its digits by cancellation",
+        "the upward recurrence for the zonal coefficients of a lobe loses digits by cancellation",
         "ratios of coefficients are computed downwards, starting with the asymptotic ratio at a much higher order",
-        5e-5, unit, "the kappa that belongs to a mean cosine has an error of at most 3.3e-5"},
+        5e-5, unit, "kappa, which is computed from the mean cosine, has an error of at most 3.3e-5"},
        rough_normals,
        {},
        upward_zonal},
@@ -306,10 +311,10 @@ std::vector<NumericalCase> sh_cases() {
        ringing,
        {{"sh_shade", "return max(sum, 0.0f);", "return sum;"}}},
       {{"harmonics-of-opposite-tilts", "sh_shade",
-        "without normalisation, or with a mean direction of length 0, highlights vanish",
-        "no guard is needed, because the series represents both tilts", 2e-5, "of the peak of one tilt",
-        "the basis functions have errors both in the coefficients and in the evaluation, weighted by the coefficients "
-        "of the lobe"},
+        "highlights vanish if vectors are not normalised or the mean direction has length 0",
+        "the series needs no guard, because it represents both tilts", 2e-5, "of the peak of one tilt",
+        "the basis functions have rounding errors in the coefficients and in the evaluation, which the coefficients of "
+        "the lobe weight"},
        opposite_tilts,
        {},
        {},

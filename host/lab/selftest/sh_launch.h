@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Launches sh_project and sh_shade on some normals.
+// Launches sh_project and sh_shade for some normals.
 #pragma once
 
 #include <vector>
@@ -15,8 +15,8 @@ namespace multum {
 std::vector<std::vector<float>> project_sh(Device& device, int order, const std::vector<glm::vec3>& normals,
                                            bool shortened = false);
 
-/// Shades the same coefficients with Blinn-Phong (exponent s) at each unit half vector or, if s is 0, with Lambert at
-/// each light. The stored levels have the share `share`, and the normal map contributes nothing.
+/// Shades the same coefficients with Blinn-Phong (exponent s) at each unit half vector. If s is 0, shades them with
+/// Lambert at each light instead. The stored levels have the share `share`, and the normal map contributes nothing.
 std::vector<double> shade_sh(Device& device, int order, const std::vector<float>& coefficients, float share, float s,
                              const std::vector<glm::vec3>& directions);
 

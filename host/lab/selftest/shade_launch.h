@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Launches movmf_shade on one lobe.
+// Launches movmf_shade for one lobe.
 #pragma once
 
 #include <string>
@@ -19,15 +19,15 @@ namespace multum {
 /// mu, a (2 sigma^2 + |mu|^2), a). The w of directions is unused.
 std::vector<double> shade_lobe(Device& device, const glm::vec4& lobe, float s, const std::vector<glm::vec4>& directions,
                                bool planar = false);
-/// Shades a highlight of any kind at half vectors.
+/// Shades a highlight of any kind at the given half vectors.
 std::vector<double> shade_lobe(Device& device, const glm::vec4& lobe, const MultumHighlight& highlight,
                                const std::vector<glm::vec4>& directions);
 
 /// Returns an edit of the kernel's text.
 SourceEdit shade_edit(const std::string& text, const std::string& replacement);
 
-/// Returns the angle between mu and the kernel's vector w. The length of w is not exactly 1, so the angle is computed
-/// from |mu - w|^2 / 2 = 1 - cos.
+/// Returns the angle between mu and the kernel's vector w. The length of w is not exactly 1, so the function computes
+/// the angle from |mu - w|^2 / 2 = 1 - cos.
 double angle_seen(const glm::dvec3& mu, const glm::vec4& w);
 
 }  // namespace multum

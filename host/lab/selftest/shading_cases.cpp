@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests the shading of filtered lobes (kernels/movmf_shade.cl, device/vmf_shading.clh) for parameters that are 0, 1 or
+// Tests the shading of filtered lobes (kernels/movmf_shade.cl, device/vmf_shading.clh) with parameters that are 0, 1 or
 // extreme (docs/contributing/ALGORITHMS.md, "Shading a filtered lobe"). Lobes point along +z, so (a r, a) is exact in
 // float, and only the formula causes an error.
 #include <fmt/format.h>
@@ -96,7 +96,7 @@ void exponents_to_1e5(Device& device, WorstError& worst) {
                       worst);
 }
 
-// Omits 90 degrees, because a power with exponent 0 has a step there.
+// Omits 90 degrees, because a power with exponent 0 is discontinuous there.
 void horizon_and_below(Device& device, WorstError& worst) {
   const std::vector<glm::vec4> directions = {direction(0.5 * std::numbers::pi - 1e-4),
                                              direction(0.5 * std::numbers::pi + 1e-4),
@@ -122,8 +122,8 @@ void no_mean_direction(Device& device, WorstError& worst) {
   }
 }
 
-// Tests small amplitudes that filtering leaves. Errors are relative to the amplitude, and the result must be 0 below
-// an amplitude of 1e-6.
+// Tests the small amplitudes that remain after filtering. Errors are relative to the amplitude, and the result must be
+// 0 if the amplitude is below 1e-6.
 void vanishing_amplitude(Device& device, WorstError& worst) {
   for (const double amplitude : {0.5, 1e-3, 1.0 / 32767.0, 2e-6, 1.01e-6, 1e-6, 1e-8, 1e-30, 1e-40, 0.0}) {
     const glm::vec4 lobe = lobe_of(amplitude, 0.125);
@@ -179,8 +179,7 @@ void lambert_of_every_spread(Device& device, WorstError& worst) {
 }
 
 std::vector<NumericalCase> lobe_cases() {
-  const char* kReason =
-      "kappa is computed with an error of 2.3e-4, which changes both the peak and the exponent of the highlight";
+  const char* kReason = "the error of kappa (2.3e-4) changes both the peak and the exponent of the highlight";
   return {
       {{"exponents-to-1e5", "movmf_shade",
         "1 - mu . h has a rounding error of 6e-8, which the highlight exponent s = 1e5 multiplies",
@@ -190,7 +189,7 @@ std::vector<NumericalCase> lobe_cases() {
        {shade_edit("return 0.5f * fma(dx, dx, fma(dy, dy, dz * dz));",
                    "return 1.0f - fma(dx + w.x, w.x, fma(dy + w.y, w.y, (dz + w.z) * w.z));")}},
       {{"the-horizon-and-below", "movmf_shade",
-        "the computed power of a negative cosine is positive, so surfaces that face away are lit",
+        "the computed power of a negative cosine is positive, so surfaces that face away from the light are lit",
         "the result is 0 if the cosine t is 0 or negative", 6e-4, "of the peak", kReason},
        horizon_and_below,
        {shade_edit("return e < 1.0f ?", "return true ?")}},
@@ -201,7 +200,8 @@ std::vector<NumericalCase> lobe_cases() {
        {shade_edit("clamp((lobe.w - length) / max(lobe.w, AMPLITUDE_SHADED_MIN), 0.0f, 1.0f)",
                    "((lobe.w - length) / max(lobe.w, AMPLITUDE_SHADED_MIN))")}},
       {{"no-direction", "movmf_shade", "normalising a mean r of length 0 divides by zero",
-        "an arbitrary direction is used, because the result does not depend on it", 6e-4, "of the peak", kReason},
+        "the kernel uses an arbitrary direction, because the result does not depend on it", 6e-4, "of the peak",
+        kReason},
        no_mean_direction,
        {shade_edit("const float inverse = length > 1e-12f ? 1.0f / length : 0.0f;",
                    "const float inverse = 1.0f / length;")}},
@@ -214,17 +214,17 @@ std::vector<NumericalCase> shading_cases() {
   std::vector<NumericalCase> cases = lobe_cases();
   cases.push_back(
       {{"amplitude-to-0", "movmf_shade",
-        "an empty lobe is divided by its amplitude, which is 0, or reflects light from a direction that only consists "
-        "of rounding errors",
-        "lobes with amplitudes up to 1e-6, a thirtieth of the smallest stored amplitude, are ignored", 6e-4,
+        "the vector of an empty lobe is divided by the lobe's amplitude, which is 0, or rounding errors determine the "
+        "direction from which the lobe reflects light",
+        "the kernel ignores lobes with amplitudes up to 1e-6, a thirtieth of the smallest stored amplitude", 6e-4,
         "of the peak times the amplitude (light that must be 0 counts as an error of 1)",
-        "kappa is computed with an error of 2.3e-4, which changes both the peak and the exponent of the highlight"},
+        "the error of kappa (2.3e-4) changes both the peak and the exponent of the highlight"},
        vanishing_amplitude,
        {shade_edit("shape.amplitude = lobe.w <= AMPLITUDE_SHADED_MIN ? 0.0f : lobe.w;", "shape.amplitude = lobe.w;"),
         shade_edit("if (lobe.w <= AMPLITUDE_SHADED_MIN) return 0.0f;", "")}});
   cases.push_back(
       {{"terms-of-either-sign", "movmf_shade",
-        "a sum of vMFs with positive and negative weights can be below 0, and negative light darkens its surroundings",
+        "a sum of vMFs with positive and negative weights can be negative, and negative light darkens its surroundings",
         "the sum over the terms of a lobe is at least 0", 6e-4, "of the sum of the terms' peaks",
         "the kappa of every term is computed with an error of 2.3e-4"},
        terms_of_either_sign,
@@ -232,8 +232,8 @@ std::vector<NumericalCase> shading_cases() {
   cases.push_back(
       {{"lambert-of-every-spread", "movmf_shade",
         "the paper's approximation max(mu . l, 0) ignores the spread of the lobe",
-        "the mean of a folded normal distribution is used, which is exact for single directions and for lobes without "
-        "a direction",
+        "the formula uses the mean of a folded normal distribution, which is exact for single directions and for lobes "
+        "without a direction",
         2.5e-3, "absolute error", "the model of the mean cosine has an error of 0.22 % (tools/lab/fit_shading.py)"},
        lambert_of_every_spread,
        {shade_edit("return 0.5f * (m + sqrt(fma(v, exp2_v(-MULTUM_LOG2E * g), m * m)));", "return max(t, 0.0f);")}});

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Tests how the rounding of the file encodings affects the spread of a lobe
 // (host/formats/asset/lobes/movmf_quantize.cpp; docs/reference/file_format.md, "Rounding"). No kernel runs here.
-// Rounding is the last step in which the result of a kernel can lose accuracy.
+// Rounding is the last step in which the results of a kernel can lose accuracy.
 #include <fmt/format.h>
 #include <half.h>
 
@@ -74,7 +74,7 @@ void single_directions(const Rounding& rounded, WorstError& worst) {
     }
 }
 
-// Tests one lobe of amplitude 1, whose sharpness increases up to the limit of the encoding.
+// Tests one lobe of amplitude 1 with increasing sharpness, up to the limit of the encoding.
 void sharpest_spreads(const Rounding& rounded, StorageEncoding encoding, WorstError& worst) {
   for (const double share : {0.1, 0.5, 1.0}) {
     const double kappa = share * static_cast<double>(storage_kappa_max(encoding));
@@ -111,10 +111,11 @@ std::vector<NumericalCase> cases_of(StorageEncoding encoding, const std::string&
   const Rounding stored = rounding(encoding, false), naive = rounding(encoding, true);
   const std::string
       formula = "movmf_quantize",
-      lost = "for a lobe of amplitude a, rounding each channel separately changes |r| by up to 1/a rounding steps";
+      lost =
+          "if each channel is rounded separately, |r| of a lobe with amplitude a changes by up to 1/a rounding steps";
   return {
       {{name + "-single-directions", formula, lost + ", which blurs a highlight",
-        "the four values of a lobe are rounded together, and for a single direction, r never becomes shorter", 1e-7,
+        "the encoder rounds the four values of a lobe together, and never shortens the r of a single direction", 1e-7,
         "absolute error of 1 - |r|", "the spread of a single direction must be 0, except for float rounding"},
        [=](Device&, WorstError& worst) { single_directions(stored, worst); },
        {},
@@ -127,7 +128,8 @@ std::vector<NumericalCase> cases_of(StorageEncoding encoding, const std::string&
        [=](Device&, WorstError& worst) { sharpest_spreads(stored, encoding, worst); },
        {},
        [=](WorstError& worst) { sharpest_spreads(naive, encoding, worst); }},
-      {{name + "-as-the-format-says", formula, "the stored texel breaks the rule of docs/reference/file_format.md",
+      {{name + "-as-the-format-says", formula,
+        "the stored texel violates the rounding rule in docs/reference/file_format.md",
         "the encoder tries every possible rounding, as the rule requires", kNothingWrong, "wrong texels",
         "no bit may differ"},
        [=](Device&, WorstError& worst) { as_the_format_says(encoding, stored, worst); },

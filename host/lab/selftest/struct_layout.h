@@ -8,8 +8,8 @@
 
 namespace multum {
 
-/// Sizes and offsets in bytes, in the order of probe_layout (kernels/probe_numerics.cl); -1 if the device does not know
-/// the value.
+/// Returns sizes and offsets in bytes, in the order of probe_layout (kernels/probe_numerics.cl). A value that the
+/// device does not know is -1.
 struct StructLayout {
   std::vector<int> host, device;
 };

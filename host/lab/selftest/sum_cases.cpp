@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Tests sums over 2^28 texels, the largest number that a texel of a level can cover. The input repeats one band of
-// normals, so its exact sum is known. Tested sums are chunk sums (movmf_em_chunks.cl, movmf_em_mstep.cl), colour sums
-// (movmf_features.cl) and cell sums (movmf_binning.cl).
+// normals, so its exact sum is known. The cases test sums of chunks (movmf_em_chunks.cl, movmf_em_mstep.cl), of colours
+// (movmf_features.cl) and of cells (movmf_binning.cl).
 //
-// A sum in a single float is not sufficient. At 2^24, it stops growing, because the increment is less than half a
-// unit in the last place. With 2^16 exact partial sums, each addition loses up to half a unit in the last place of
-// the total. If a pattern repeats, all losses have the same direction.
+// A sum in a single float is not sufficient. At 2^24, the sum stops growing, because each increment is less than half a
+// unit in the last place. If 2^16 exact partial sums are added, each addition loses up to half a unit in the last place
+// of the total. If the input repeats a pattern, all losses have the same direction.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -29,12 +29,12 @@
 namespace multum {
 namespace {
 
-constexpr int kWidth = 32768, kHeight = 8192;  // one texel of the coarsest level covers 2^28 texels
+constexpr int kWidth = 32768, kHeight = 8192;  // the texel of the coarsest level covers 2^28 texels
 constexpr int kBandRows = 64;
 constexpr double kTexels = 0x1p28;
 constexpr int kChunks = 1 << 16;  // chunks of 4096 normals each
 
-// Contains 64 rows of normals around a tilt, and their sum in double precision.
+// Contains 64 rows of normals around a tilted direction, and their sum in double precision.
 struct Band {
   std::vector<float> planes[3];
   glm::dvec3 sum = glm::dvec3(0.0);
@@ -163,7 +163,7 @@ void texels_2_28_by_chunks(Device& device, WorstError& worst) {
   worst.add(glm::length(glm::dvec3(lobe.mean_x, lobe.mean_y, lobe.mean_z) - mean), "r");
 }
 
-// Tests 2^16 partial sums, each rounded to float.
+// Tests the addition of 2^16 partial sums, each of which is rounded to float.
 void many_partial_sums(Device& device, WorstError& worst) {
   EmTexel texel{{}, {{tilted(20.0), 100.0, 0.5}, {tilted(60.0, 2.0), 100.0, 0.5}}};
   MultumMovmfFit fit = coarsest_fit();
@@ -225,9 +225,9 @@ EmTexel two_lobes(double kappa) { return {{}, {{tilted(10.0, 0.0), kappa, 0.5}, 
 glm::dvec3 far_normal(int i) { return glm::dvec3(glm::vec3(tilted(60.0, i % 2 == 0 ? 0.1 : 1.4))); }
 glm::dvec3 colour_of_contrast(int i) { return glm::dvec3(glm::vec3(glm::dvec3(1e-6, 1.0, 1e6) * (0.5 + 0.01 * i))); }
 
-// Tests the partial sums of two texels of a map with 37 x 21 texels. The two texels share a column. One chunk has
-// fewer rows than the others, and one chunk has no rows. Slots without a texel must not be written. The second texel
-// has the lobes of the first texel in another order.
+// Tests the partial sums of two texels, which share a column of a map with 37 x 21 texels. One chunk has fewer rows
+// than the others, and one chunk has no rows. Slots without a texel must not be written. The second texel has the lobes
+// of the first texel in another order.
 void colours_of_uneven_chunks(Device& device, WorstError& worst) {
   FeatureMap map{37, 21, 2, 1, 4, 7, {}, {}};
   for (int i = 0; i < map.width * map.height; ++i) {
@@ -263,7 +263,7 @@ void colours_of_uneven_chunks(Device& device, WorstError& worst) {
   }
 }
 
-// Tests colours of normals that are far from every lobe, with a contrast of 1e6 and weights from 2^-20 to 1.
+// Tests the colours of normals that are far from every lobe. The contrast is 1e6, and weights range from 2^-20 to 1.
 void colours_far_from_every_lobe(Device& device, WorstError& worst) {
   for (const double kappa : {0.05, 100.0, 1e6}) {
     EmTexel texel = two_lobes(kappa), colour;
@@ -304,7 +304,7 @@ void colours_far_from_every_lobe(Device& device, WorstError& worst) {
 
 constexpr int kSide = 31, kCells = kSide * kSide;
 
-// Returns the axes of a grid over the whole disc.
+// Returns the axes of a grid that covers the whole disc.
 std::vector<float> even_axes() {
   std::vector<float> axes;
   for (int k = 0; k < 2; ++k) {
@@ -343,8 +343,8 @@ void texels_2_28_into_cells(Device& device, WorstError& worst, bool atomic) {
     else add.launch({static_cast<std::size_t>(chunk_count)}, x, y, z, x, y, z, axes, out, fit, 0, chunk_count, 1);
     device.read(out, cells.data(), out.byte_count());
   };
-  // All bands are equal, so each band adds the same integers. The result of the first band is multiplied, and only the
-  // last band is added separately.
+  // All bands are equal, so each band adds the same integers. The test therefore multiplies the result of the first
+  // band, and adds only the last band separately.
   constexpr int kBands = kHeight / kBandRows;
   add_band(0);
   for (std::int64_t& cell : cells) cell *= kBands - 1;
@@ -362,7 +362,7 @@ void texels_2_28_by_any_way(Device& device, WorstError& worst) {
   if (device.info().has_atomic_longs) texels_2_28_into_cells(device, worst, true);
 }
 
-// Computes the same sums in one float each.
+// Computes each of the same sums in a single float.
 void floats_stand_still(WorstError& worst) {
   const Band& b = band();
   constexpr std::size_t kCount = static_cast<std::size_t>(kWidth) * kBandRows;
@@ -408,8 +408,8 @@ void means_of_2_58_by_any_form(Device& device, WorstError& worst) {
   for (const bool by_team : {false, true}) means_of_2_58(device, worst, by_team);
 }
 
-// Tests probes that all have the same position, and probes without a position, because a normal straight down maps to
-// the whole rim of the disc.
+// Tests probes that all have the same position, and probes without a position. A normal straight down has no position,
+// because it maps to the whole rim of the disc.
 void axes_of_no_extent(Device& device, WorstError& worst) {
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
   for (const glm::vec3& n :
@@ -445,9 +445,9 @@ std::vector<NumericalCase> sum_cases() {
   const std::string plain = "*sum = *sum + value;\n  return;", compensated = "const float total = *sum + value;";
   return {
       {{"texels-2-to-28-by-chunks", "movmf_em_partial",
-        "a float sum stops growing at 2^24 and loses 94 % of the total, and plain sums of chunks all round in the same "
-        "direction",
-        "the sums of 16 lanes per chunk are added as a tree, and compensated summation adds the chunks", 1e-6,
+        "a float sum stops growing at 2^24, which loses 94 % of the total, and plain sums of chunks are all rounded in "
+        "the same direction",
+        "the kernel adds the sums of a chunk's 16 lanes as a tree, and adds the chunks by compensated summation", 1e-6,
         "absolute error of a and r",
         "each of 16 lanes makes 2048 additions, whose random errors reach 2048 * 2^-25 / 16"},
        texels_2_28_by_chunks,
@@ -465,13 +465,13 @@ std::vector<NumericalCase> sum_cases() {
        many_partial_colours,
        {{"movmf_features", compensated, plain + compensated}}},
       {{"colours-far-from-every-lobe", "movmf_feature_binned",
-        "every density is 0 in float, so computing shares divides 0 by 0",
+        "every density is 0 in float, so the shares of the lobes are 0 divided by 0",
         "the kernel computes logarithms of densities and subtracts the largest logarithm", 1e-4,
         "of the channel's total", "logarithms near 1e6 have relative rounding errors of 6e-8, which change the shares"},
        colours_far_from_every_lobe,
        {{"movmf_features", "z[j] = exp2_v(z[j] - largest);", "z[j] = exp2(z[j]);"}}},
       {{"colours-of-uneven-chunks", "movmf_feature_partial",
-        "computing shares divides 0 by 0, or a finest texel on a border counts fully in both coarser texels",
+        "the shares of the lobes are 0 divided by 0, or a finest texel on a border counts fully in both coarser texels",
         "the kernel subtracts the largest logarithm of a density, weights are fractions, and a chunk without rows "
         "gives 0",
         1e-4, "of the channel's total over the chunk",
@@ -479,7 +479,7 @@ std::vector<NumericalCase> sum_cases() {
        colours_of_uneven_chunks,
        {{"movmf_features", "z[j] = exp2_v(z[j] - largest);", "z[j] = exp2(z[j]);"}}},
       {{"texels-2-to-28-into-cells", "movmf_bin_cells, movmf_bin_add", "a float sum stops growing at 2^24",
-        "sums are 64-bit integers in units of 2^-30, up to 2^58, and can be added in any order", 2e-9,
+        "the kernel adds 64-bit integers in units of 2^-30, with sums up to 2^58, in any order", 2e-9,
         "absolute error of means", "each normal is rounded towards 0 in steps of 2^-30"},
        texels_2_28_by_any_way,
        {},
@@ -493,7 +493,8 @@ std::vector<NumericalCase> sum_cases() {
         {"movmf_binning_team", "long4 sum = vload4(cell, chunks);",
          "long4 sum = convert_long4(convert_int4(vload4(cell, chunks)));"}}},
       {{"axes-of-no-extent", "movmf_bin_probe, movmf_bin_axes",
-        "the number of bins, 63, is divided by an extent of 0, and projecting a normal straight down divides 0 by 0",
+        "the number of bins (63) is divided by an extent of 0, and projecting a normal that points straight down "
+        "divides 0 by 0",
         "the extent and 1 + z are at least 1e-6", kNothingWrong, "invalid axis values", "every axis must be valid"},
        axes_of_no_extent,
        {{"movmf_binning", "MAX_V(high - low, 1e-6f)", "(high - low)"},

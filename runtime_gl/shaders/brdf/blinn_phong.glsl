@@ -3,20 +3,20 @@
 //
 // Departures from the paper. The paper's rule s' = kappa s / (kappa + s) (eq. 20) is kept as
 // multum_movmf_blinn_phong_paper(). The relative L1 error of this rule over the hemisphere is 3 % at kappa 50, 22 % at
-// 5, and 54-70 % at kappa <= 1. The rule here uses an exact property of spherical convolution: the convolved lobe has
-// the mean cosine A = |r| c_f, where c_f is the mean cosine of f. One weight blends two shapes that have this mean
-// cosine. A vMF is accurate for broad lobes. A cosine power is accurate for lobes sharper than f, and exact at |r| = 1.
-// The errors, measured by quadrature (tools/lab/fit_shading.py; tests/agreement, ShadingBounds), are at most 7 % for s
-// >= 1, 4 % for s >= 2, 2.8 % for s >= 3, 1.8 % for s >= 5, 0.85 % for s >= 20 and 0.27 % for s >= 100, for every
-// kappa. The error is largest for kappa from 2 to 5.
+// 5, and 54-70 % at kappa <= 1. The rule here uses an exact property of spherical convolution. The convolved lobe has
+// the mean cosine A = |r| c_f, where c_f is the mean cosine of f. Two shapes that have this mean cosine are blended
+// with one weight. A vMF is accurate for broad lobes. A cosine power is accurate for lobes sharper than f, and exact at
+// |r| = 1. The errors were measured by quadrature (tools/lab/fit_shading.py; tests/agreement, ShadingBounds). They are
+// at most 7 % for s >= 1, 4 % for s >= 2, 2.8 % for s >= 3, 1.8 % for s >= 5, 0.85 % for s >= 20 and 0.27 % for s >=
+// 100, for every kappa. The error is largest for kappa from 2 to 5.
 
-// The constant in the fitted weight of the cosine-power shape: w = r^2 / (r^2 + MULTUM_SHAPE_BLEND (1 - |r|) / (1 -
-// c_f)).
+// The constant in the fitted weight of the cosine-power shape, which is w = r^2 / (r^2 + MULTUM_SHAPE_BLEND (1 - |r|) /
+// (1 - c_f)).
 const float MULTUM_SHAPE_BLEND = 1.4;
 
 // Returns log(1 - e) to full relative precision. If t is close to 1, its rounding gives log(t) an error of 6e-8, which
-// an exponent s of 1e5 would multiply. log(1 - e) = -2 atanh(y), y = e / (2 - e) = -2 (y + y^3/3 + y^5/5 + ...); at e =
-// 0.1 the omitted terms are 3e-9.
+// an exponent s of 1e5 would multiply. The formula is log(1 - e) = -2 atanh(y), y = e / (2 - e) = -2 (y + y^3/3 + y^5/5
+// + ...). At e = 0.1 the omitted terms are 3e-9.
 float multum_log_one_minus(float e) {
   if (e > 0.1) return log(max(1.0 - e, 1e-30));
   float y = e / (2.0 - e);
@@ -24,7 +24,8 @@ float multum_log_one_minus(float e) {
   return -2.0 * y * (1.0 + y2 * (1.0 / 3.0 + y2 * 0.2));
 }
 
-// Normalised Blinn-Phong (s + 1) / (2 pi) max(t, 0)^s, e = 1 - t: the facet distribution about one direction.
+// Returns normalised Blinn-Phong (s + 1) / (2 pi) max(t, 0)^s, e = 1 - t, which is the facet distribution about one
+// direction.
 float multum_blinn_phong(float s, float e) {
   return e < 1.0 ? (s + 1.0) / (2.0 * MULTUM_PI) * exp(s * multum_log_one_minus(e)) : 0.0;
 }
@@ -45,7 +46,7 @@ float multum_movmf_blinn_phong(vec4 lobe, vec3 h, float s) {
   return lobe.w * mix(multum_vmf_density(multum_vmf_kappa(q), e), multum_blinn_phong(power, e), weight);
 }
 
-// The paper's rule (Han et al. 2007, eq. 20): s' = kappa s / (kappa + s), kappa = A^-1(|r|).
+// Returns the result of the paper's rule s' = kappa s / (kappa + s), kappa = A^-1(|r|) (Han et al. 2007, eq. 20).
 float multum_movmf_blinn_phong_paper(vec4 lobe, vec3 h, float s) {
   if (lobe.w <= MULTUM_AMPLITUDE_MIN) return 0.0;
   float kappa = multum_vmf_kappa(multum_movmf_spread(lobe));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Computes Charlie, the sheen of cloth, for one normal and convolved with a vMF lobe (after movmf_shading.glsl).
-// Charlie is from Estevez and Kulla 2017, "Production Friendly Microfacet Sheen BRDF"; alpha = roughness^2, as in
+// Charlie is from Estevez and Kulla 2017, "Production Friendly Microfacet Sheen BRDF". alpha is roughness^2, as in
 // KHR_materials_sheen. D is largest for h at right angles to n, and 0 for h = n. A sharp D cannot be approximated by a
 // sum of vMFs around h, but no such sum is needed.
 //
@@ -26,12 +26,12 @@ vec2 multum_lobe_projection(float d, float kappa, float t) {
 
 // Returns Charlie convolved with the lobe at the unit half vector h, times the amplitude. Extended to both sides of the
 // horizon, D is an even function of n.h, (1 - t^2)^p, whose second zonal coefficient is -p / (2 p + 3) times its
-// integral. The convolution multiplies this coefficient by the coefficient of the lobe, 1 - w with w = 3 r / kappa. p'
-// is the exponent for which the second coefficient equals this product. Only normals that face h count. n.h is
-// approximately normally distributed over the lobe and D is about exp(-p (n.h)^2), so the share of these normals is
+// integral. The convolution multiplies this coefficient by the coefficient of the lobe, which is 1 - w with w = 3 r /
+// kappa. p' is the exponent for which the second coefficient equals this product. Only normals that face h count. n.h
+// is approximately normally distributed over the lobe and D is about exp(-p (n.h)^2), so the share of these normals is
 // Phi(x). The result is exact for a single normal and for uniform directions. In between, the relative L1 error over
-// the hemisphere of h is at most 9 %, at kappa 3, and at most 2 % from kappa 40 on (roughness 0.05 to 1, kappa 0.5 to
-// 2000; tests/gl/charlie_test).
+// the hemisphere of h is largest at kappa 3, where it is at most 9 %. From kappa 40 on, it is at most 2 % (roughness
+// 0.05 to 1, kappa 0.5 to 2000; tests/gl/charlie_test).
 float multum_movmf_charlie(vec4 lobe, vec3 h, float p) {
   if (lobe.w <= MULTUM_AMPLITUDE_MIN) return 0.0;
   float d = multum_movmf_spread(lobe), r = 1.0 - d;

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Computes GGX for one normal as in glTF 2.0 (appendix B; Walter et al. 2007); alpha = roughness^2. Needs Schlick's
-// term of cook_torrance.glsl. ggx_lobe.glsl has GGX convolved with lobes.
+// Computes GGX for one normal as in glTF 2.0 (appendix B; Walter et al. 2007), where alpha = roughness^2. Needs
+// Schlick's term of cook_torrance.glsl. ggx_lobe.glsl has GGX convolved with lobes.
 
-// D = alpha^2 / (pi (1 - t^2 (1 - alpha^2))^2), e = 1 - t. 1 - t^2 = e (2 - e) avoids cancellation near t = 1.
+// Returns D = alpha^2 / (pi (1 - t^2 (1 - alpha^2))^2), where e = 1 - t. The form 1 - t^2 = e (2 - e) avoids
+// cancellation near t = 1.
 float multum_ggx(float alpha, float e) {
   if (e >= 1.0) return 0.0;
   float t = 1.0 - e;
@@ -11,7 +12,7 @@ float multum_ggx(float alpha, float e) {
   return x / (MULTUM_PI * y * y);
 }
 
-// Smith's correlated masking and shadowing, divided by 4 n.l n.v (Heitz 2014).
+// Returns Smith's correlated masking and shadowing, divided by 4 n.l n.v (Heitz 2014).
 float multum_smith_visibility(float alpha, float n_l, float n_v) {
   float x = alpha * alpha;
   float masking = n_l * sqrt(n_v * n_v * (1.0 - x) + x);

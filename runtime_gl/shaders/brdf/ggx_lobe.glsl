@@ -37,8 +37,8 @@ float multum_ggx_lobe_density(vec4 shape, float alpha, float d, float e) {
 // Returns the concentration of GGX's facets about h at the lobe's reflecting normals. The highlight's cosine uses it as
 // the facets' kappa. GGX is a mixture of normal distributions, and 4 / (alpha^2 + x^2) is the mixture's mean precision
 // at distance x from its middle. x^2 is the squared distance of the normals' mean direction from h, plus the normals'
-// scatter about this direction. For rough facets the scatter is smaller, because they end at the horizon. Starts from
-// the peak's value and iterates twice; e = 1 - mu.h.
+// scatter about this direction. For rough facets the scatter is smaller, because they end at the horizon. The function
+// starts from the peak's value and iterates twice. e is 1 - mu.h.
 float multum_ggx_facet_kappa(float alpha, float kappa, float e) {
   float x = alpha * alpha;
   float facets = 2.0 / x;
@@ -51,8 +51,8 @@ float multum_ggx_facet_kappa(float alpha, float kappa, float e) {
   return facets;
 }
 
-// Returns GGX with the given alpha, convolved with the lobe at the unit half vector h, per solid angle, times the
-// amplitude.
+// Returns GGX with the given alpha, convolved with the lobe at the unit half vector h. The result is per solid angle
+// and multiplied by the amplitude.
 float multum_movmf_ggx(sampler2D table, vec4 lobe, vec3 h, float alpha) {
   if (lobe.w <= MULTUM_AMPLITUDE_MIN) return 0.0;
   float d = multum_movmf_spread(lobe);
@@ -76,16 +76,15 @@ vec4 multum_ggx_lobe_facets(sampler2D table, vec4 lobe, float alpha) {
 }
 
 // Returns the specular part of glTF's material convolved with the lobe, D V max(n . l, 0), without Fresnel's term
-// (multum_schlick), for a light of irradiance 1. l, v and h are unit vectors in tangent space; alpha is roughness^2,
+// (multum_schlick), for a light of irradiance 1. l, v and h are unit vectors in tangent space. alpha is roughness^2,
 // above 0. `mu` and `d` are the lobe's mean direction and spread.
 //
 // The normals that reflect from l to v are facets about h times the lobe about mu. Facets and lobe are treated as
 // Gaussians with the variances 0.6 alpha^2 + 0.1 e and 1 / kappa. The mean of their product is `sum`, its spread y is
 // `both / |sum|`, and q = y / (1 + y) replaces the spread of a vMF. The mean of max(n . l, 0) is (m + sqrt(m^2 + 0.15
 // q)) / 2, where m is the mean normal's cosine. The constants are fitted to the whole highlight
-// (tests/gl/ggx_lobe_test); Smith's V, which is computed from two mean cosines, causes a larger error than these
-// constants. A lobe without width gives the result for one normal. The code computes with doubled cosines until the
-// end.
+// (tests/gl/ggx_lobe_test). Smith's V, which is computed from two mean cosines, causes a larger error than these
+// constants. A lobe without width gives the result for one normal. The code uses doubled cosines until the end.
 float multum_ggx_lobe_specular(vec4 facets, vec3 mu, float d, vec3 l, vec3 v, vec3 h, float alpha) {
   float x = alpha * alpha;
   float e = multum_one_minus_cosine(mu, h);
@@ -104,7 +103,7 @@ float multum_ggx_lobe_specular(vec4 facets, vec3 mu, float d, vec3 l, vec3 v, ve
   return multum_ggx_lobe_curve(facets, alpha, d, e) * n_l / max(masking + shadowing, 1e-6);
 }
 
-// Returns the specular part of one lobe; add up the results of all lobes.
+// Returns the specular part of one lobe. The caller adds up the results of all lobes.
 float multum_movmf_ggx_specular(sampler2D table, vec4 lobe, vec3 l, vec3 v, vec3 h, float alpha) {
   vec4 facets = multum_ggx_lobe_facets(table, lobe, alpha);
   return multum_ggx_lobe_specular(facets, multum_movmf_mean_direction(lobe), multum_movmf_spread(lobe), l, v, h, alpha);

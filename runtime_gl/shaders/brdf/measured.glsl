@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Computes a measured BRDF for one normal as a product of two factors: f(theta_h) and g(theta_d), tables of
-// host/formats/brdf/measured_brdf.h. For lobes, terms.glsl sums vMFs instead.
+// Computes a measured BRDF for one normal as a product of the two factors f(theta_h) and g(theta_d), which are tables
+// of host/formats/brdf/measured_brdf.h. For lobes, terms.glsl sums vMFs instead.
 #ifdef MULTUM_MEASURED
 #define MULTUM_FACET_TABLE_SIZE 90
 #define MULTUM_DIFFERENCE_TABLE_SIZE 19

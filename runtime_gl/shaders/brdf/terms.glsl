@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Computes a facet distribution as a sum of vMFs, f = sum w_i vMF(lambda_i), fitted by host/formats/brdf/vmf_terms.
-// Each vMF is convolved with a lobe by multiplying mean cosines: A = |r| A(lambda_i), so 1 - A = d + (1 - d) q_i, d = 1
-// - |r|, q_i = 1 - A(lambda_i).
+// Each vMF is convolved with a lobe by multiplying the mean cosines. The product is A = |r| A(lambda_i), so 1 - A = d +
+// (1 - d) q_i, d = 1 - |r|, q_i = 1 - A(lambda_i).
 
-// Returns one term of f convolved with a lobe of amplitude 1 and spread d; e = 1 - mu.h.
+// Returns one term of f convolved with a lobe of amplitude 1 and spread d, where e = 1 - mu.h.
 float multum_term(float d, float term_spread, float e) {
   return multum_vmf_density(multum_vmf_kappa(d + (1.0 - d) * term_spread), e);
 }

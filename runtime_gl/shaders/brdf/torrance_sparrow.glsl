@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Computes Torrance-Sparrow for one normal and convolved with a vMF lobe (after common/movmf_shading.glsl). Han et al.
-// 2007, section 4.
+// Computes Torrance-Sparrow for one normal and convolved with a vMF lobe, as in Han et al. 2007, section 4 (after
+// common/movmf_shading.glsl).
 
 // Returns Torrance-Sparrow's facet distribution of roughness sigma (radians), convolved with the lobe. The distribution
-// is replaced by a vMF of kappa_f = 1 / (2 sigma^2): 1 - A = d + (1 - d) q_f, q_f = 1 - A(kappa_f) = 1/kappa_f -
+// is replaced by a vMF with kappa_f = 1 / (2 sigma^2). Then 1 - A = d + (1 - d) q_f, q_f = 1 - A(kappa_f) = 1/kappa_f -
 // 2/(exp(2 kappa_f) - 1). sigma must be at most 1 (kappa_f >= 1/2). The result is exact at |r| = 1. The relative L1
-// error is at most 3.5 %; it is largest where lobe and BRDF are equally broad. The caller multiplies by Fresnel and
+// error is at most 3.5 %, and is largest where lobe and BRDF are equally broad. The caller multiplies by Fresnel and
 // shadowing.
 float multum_movmf_torrance_sparrow(vec4 lobe, vec3 h, float sigma) {
   if (lobe.w <= MULTUM_AMPLITUDE_MIN) return 0.0;

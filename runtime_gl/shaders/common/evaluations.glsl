@@ -14,13 +14,14 @@
 
 const float MULTUM_SPREAD_OF_LOBES = 0.002;
 
-// Returns the number of points at which each of `lobe_count` lobes is evaluated: a power of two, at least 1.
+// Returns the number of points at which each of `lobe_count` lobes is evaluated. This is a power of two of at least 1.
 float multum_lobe_points(float evaluations, float lobe_count) {
   return exp2(max(floor(log2(evaluations / lobe_count) + 1e-3), 0.0));
 }
 
-// Returns the columns and rows of a pixel's points; `count` is a power of two. The parts of the pixel are as square as
-// possible on the texture. `along_x` and `along_y` are the lengths of the texture coordinates' derivatives, in texels.
+// Returns the number of columns and rows of a pixel's points. `count` is a power of two. The parts of the pixel are as
+// square as possible on the texture. `along_x` and `along_y` are the lengths of the texture coordinates' derivatives,
+// in texels.
 vec2 multum_point_grid(float count, float along_x, float along_y) {
   float ratio = max(along_x, along_y) / max(min(along_x, along_y), 1e-20);
   float octaves = ceil(0.5 * log2(count / (2.0 * ratio)) - 1e-3);
@@ -35,9 +36,9 @@ vec2 multum_point_place(float number, vec2 grid) {
   return vec2((number - row * grid.x + 0.5) / grid.x - 0.5, (row + 0.5) / grid.y - 0.5);
 }
 
-// For materials without lobes: returns the variance of the geometry's unit normal over one of `count` parts of a pixel,
-// summed over both slopes (Kaplanyan et al. 2016; Tokuyoshi and Kaplanyan 2019). Lobes that are turned by the tangent
-// frames of several places already contain this variance.
+// Returns, for materials without lobes, the variance of the geometry's unit normal over one of `count` parts of a
+// pixel, summed over both slopes (Kaplanyan et al. 2016; Tokuyoshi and Kaplanyan 2019). Lobes that are turned by the
+// tangent frames of several places already contain this variance.
 float multum_geometry_variance(vec3 normal_along_x, vec3 normal_along_y, float count) {
   return (dot(normal_along_x, normal_along_x) + dot(normal_along_y, normal_along_y)) / (12.0 * count);
 }

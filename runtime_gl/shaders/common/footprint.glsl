@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Chooses at random one of the finest texels that the texture's filter averages at a place; a texel's probability is
-// its weight in the filter. First it chooses uniformly one of the footprint's taps, and a level by the fraction of the
-// level of detail. Then it chooses a texel of that level by the bilinear weights, and uniformly one of the finest
-// texels that this texel covers. The mean of many draws is the result of filtering exact distributions. A baked map
-// differs from this reference only by the errors of its texels.
+// Chooses at random one of the finest texels that the texture filter averages at a place. A texel's probability is its
+// weight in the filter. First the function chooses uniformly one of the footprint's taps, and a level by the fraction
+// of the level of detail. Then it chooses a texel of that level by the bilinear weights, and uniformly one of the
+// finest texels that this texel covers. The mean of many draws is the result of filtering exact distributions. A baked
+// map differs from this reference only by the errors of its texels.
 uniform int u_wrap_s, u_wrap_t;  // 0 black, 1 clamp, 2 periodic, 3 mirror
 const ivec2 MULTUM_NO_TEXEL = ivec2(-1);
 
@@ -14,7 +14,7 @@ uint multum_hash(uint v) {  // Jarzynski and Olano 2020, "pcg"
 }
 
 // Returns the n-th of six coordinates of Roberts' sequence, g^7 = g + 1, shifted by the pixel's own hash. The products
-// are computed modulo 2^32 in integers; in floats they would lose their fractions.
+// are computed modulo 2^32 with integers, because floats would lose their fractions.
 float multum_random(int n) {
   // 2^32 / g^(n+1)
   const uint steps[6] = uint[6](3859688306u, 3468523225u, 3117001274u, 2801104767u, 2517223198u, 2262111973u);

@@ -10,7 +10,7 @@
 //
 // Lambert of the mean, max(E[n] . l, 0), is exact if no normal faces away from the light.
 
-// Blinn-Phong whose exponent s is reduced to g s by the mean normal's length L: g = L / (L + s (1 - L)).
+// Returns Blinn-Phong whose exponent s is reduced to g s by the mean normal's length L, where g = L / (L + s (1 - L)).
 float multum_moments_toksvig(vec3 mean_normal, vec3 h, float s) {
   float size = length(mean_normal);
   if (size <= 1e-12) return 0.0;
@@ -19,16 +19,17 @@ float multum_moments_toksvig(vec3 mean_normal, vec3 h, float s) {
 }
 
 // Returns the density of slopes at the slope of h. The density is a Gaussian whose covariance is that of the slopes
-// plus 1/s, the variance of Blinn-Phong with exponent s. The Jacobian 1 / cos^3 converts this density to a density per
-// solid angle, as Blinn-Phong is. Variances below 0 and correlations above 1, which come from rounding, are set to
-// these limits.
+// plus 1/s, which is the variance of Blinn-Phong with exponent s. The Jacobian 1 / cos^3 converts this density to a
+// density per solid angle, as Blinn-Phong is. Rounding can give variances below 0 and correlations above 1, which are
+// set to these limits.
 float multum_moments_lean(vec4 slopes, float cross_moment, vec3 h, float s, bool with_jacobian) {
   if (h.z <= 1e-4) return 0.0;
   float base = 1.0 / s;
   vec2 variance = max(slopes.zw - slopes.xy * slopes.xy, vec2(0.0));
   float limit = sqrt(variance.x * variance.y);
   float covariance = clamp(cross_moment - slopes.x * slopes.y, -limit, limit);
-  // The determinant of Sigma + I/s. The terms of det Sigma cancel, but det Sigma is only a part of the sum.
+  // The determinant of Sigma + I/s. The terms of det Sigma cancel, but this does little harm, because det Sigma is only
+  // a part of the sum.
   float determinant = base * (base + variance.x + variance.y) +
                       max(variance.x * variance.y - covariance * covariance, 0.0);
   vec2 b = -h.xy / h.z - slopes.xy;

@@ -22,8 +22,8 @@ const float MULTUM_PI = 3.14159265358979;
 const float MULTUM_AMPLITUDE_MIN = 1e-6;  // smaller counts as 0; 1/32767, the least stored amplitude, is 30
                                           // times this
 
-// Returns 1 - |r|, the lobe's spread: 0 for one direction, 1 for all directions. It is computed as (a - |a r|) / a.
-// Rounding of stored values can make |r| slightly larger than 1, which counts as 1.
+// Returns 1 - |r|, the lobe's spread, which is 0 for one direction and 1 for all directions. It is computed as (a - |a
+// r|) / a. Rounding of stored values can make |r| slightly larger than 1, which counts as 1.
 float multum_movmf_spread(vec4 lobe) {
   return max(lobe.w - length(lobe.xyz), 0.0) / max(lobe.w, MULTUM_AMPLITUDE_MIN);
 }
@@ -43,7 +43,7 @@ float multum_one_minus_cosine(vec3 mu, vec3 w) {
 
 // Returns kappa for q = 1 - A, where A = coth kappa - 1/kappa is the mean cosine of a vMF. Uses Banerjee's formula
 // kappa = A (3 - A^2) / (1 - A^2), with its factor 3 - A^2 refined by a polynomial that keeps both ends exact. The
-// relative error is at most 2.3e-4, without branches or iterations. 1 - A^2 = q (2 - q).
+// relative error is at most 2.3e-4, without branches or iterations. The code uses 1 - A^2 = q (2 - q).
 float multum_vmf_kappa(float q) {
   float mean_cosine = 1.0 - q;
   float x = mean_cosine * mean_cosine;
@@ -51,8 +51,8 @@ float multum_vmf_kappa(float q) {
   return mean_cosine * (3.0 - x + x * (1.0 - x) * p) / max(q * (2.0 - q), 1e-12);
 }
 
-// Returns the vMF density kappa / (4 pi sinh kappa) exp(kappa t) in a form that neither overflows nor divides 0 by 0;
-// e = 1 - t. Near 0, exp(-2 kappa) is 1 - 2 kappa + ..., so the quotient is 1/2 there.
+// Returns the vMF density kappa / (4 pi sinh kappa) exp(kappa t), where e = 1 - t, in a form that neither overflows nor
+// divides 0 by 0. For kappa near 0, exp(-2 kappa) is 1 - 2 kappa + ..., so the quotient is 1/2 there.
 float multum_vmf_density(float kappa, float e) {
   float scale = kappa > 1e-3 ? kappa / (1.0 - exp(-2.0 * kappa)) : 0.5 * (1.0 + kappa);
   return scale / (2.0 * MULTUM_PI) * exp(-kappa * e);
@@ -73,10 +73,10 @@ vec4 multum_movmf_without_roughness(vec4 lobe, float mean_cosine) {
 }
 
 // Returns the mean of max(n . l, 0) over a vMF of spread d = 1 - |r|, where t is the cosine between its mean direction
-// and l. With m = |r| t: E max(x, 0) = (m + E|x|) / 2, x = n . l. E|x| is modelled as sqrt(m^2 + v exp(-g)), the shape
-// of the mean of a folded normal distribution, where v = (E|x|)^2 at t = 0 and g is a polynomial in m^2 / v. The
-// relative L1 error over the sphere of l is at most 0.22 % (spherical harmonics to l = 2 have 2-3 %). The result is
-// exact at |r| = 1, where it is max(t, 0), and at r = 0, where it is 1/4.
+// and l. With m = |r| t and x = n . l, E max(x, 0) is (m + E|x|) / 2. E|x| is modelled as sqrt(m^2 + v exp(-g)), which
+// is the shape of the mean of a folded normal distribution, where v = (E|x|)^2 at t = 0 and g is a polynomial in m^2 /
+// v. The relative L1 error over the sphere of l is at most 0.22 % (spherical harmonics to l = 2 have 2-3 %). The result
+// is exact at |r| = 1, where it is max(t, 0), and at r = 0, where it is 1/4.
 float multum_vmf_mean_cosine(float d, float t) {
   float r = 1.0 - d;
   float m = r * t;
@@ -86,7 +86,7 @@ float multum_vmf_mean_cosine(float d, float t) {
   return 0.5 * (m + sqrt(m * m + v * exp(-g)));
 }
 
-// Returns Lambert, max(n . l, 0), convolved with the lobe; the caller multiplies by albedo / pi.
+// Returns Lambert, max(n . l, 0), convolved with the lobe. The caller multiplies by albedo / pi.
 float multum_movmf_lambert(vec4 lobe, vec3 l) {
   if (lobe.w <= MULTUM_AMPLITUDE_MIN) return 0.0;
   return lobe.w * multum_vmf_mean_cosine(multum_movmf_spread(lobe), dot(multum_movmf_mean_direction(lobe), l));
@@ -103,17 +103,18 @@ vec4 multum_movmf_reflecting_normals(vec4 lobe, vec3 h, float facet_kappa) {
                                                                                 // that normal
 }
 
-// Returns the highlight's cosine: the mean of max(n . l, 0) over the normals of multum_movmf_reflecting_normals().
-// Multiplied by f convolved with the lobe, this cosine gives the integral of f(n . h) max(n . l, 0). For vMFs, the only
-// error of the integral is the 0.22 % above. Blinn-Phong is replaced by the vMF with the same mean cosine; then the
-// relative L1 error over l and the eye is at most 5.5 % for s = 1, 1.2 % for s >= 5 and 0.25 % for s >= 20.
+// Returns the highlight's cosine, which is the mean of max(n . l, 0) over the normals of
+// multum_movmf_reflecting_normals(). If f convolved with the lobe is multiplied by this cosine, the product is the
+// integral of f(n . h) max(n . l, 0). For vMFs, the only error of the integral is the 0.22 % above. Blinn-Phong is
+// replaced by the vMF with the same mean cosine. The relative L1 error over l and the eye is then at most 5.5 % for s =
+// 1, 1.2 % for s >= 5 and 0.25 % for s >= 20.
 float multum_movmf_highlight_cosine(vec4 lobe, vec3 h, vec3 l, float facet_kappa) {
   vec4 normals = multum_movmf_reflecting_normals(lobe, h, facet_kappa);
   return multum_vmf_mean_cosine(normals.w, dot(normals.xyz, l));
 }
 
-// Returns a normal drawn from the lobe's vMF; `xi` is uniform in the unit square. The function is for renderers that
-// keep one normal per pixel, such as deferred renderers. Choose a lobe with its amplitude as probability, draw the
+// Returns a normal drawn from the lobe's vMF, where `xi` is uniform in the unit square. The function is for renderers
+// that keep one normal per pixel, such as deferred renderers. Choose a lobe with its amplitude as probability, draw the
 // normal here, and shade it with the material's own roughness. The mean over many frames equals the sum over lobes. 1 -
 // cosine is computed by inversion (Ulrich 1984), and tangents as in Duff et al. 2017.
 vec3 multum_movmf_drawn_normal(vec4 lobe, vec2 xi) {
@@ -132,10 +133,10 @@ vec3 multum_movmf_drawn_normal(vec4 lobe, vec2 xi) {
 
 // Returns the mean of a normal map's normals for a pixel that is smaller than a texel, or slightly larger. Between
 // texels, the filter's mean is as short as if the pixel covered all four texels. If normals turn by g per texel, the
-// length of the mean falls by g^2 / 6 on average. The normals under a pixel that is w texels wide have a variance of
-// g^2 w^2 / 12. This is w^2 / 2 times the loss of length, and for w^2 >= 2, where coarser levels are used, the whole
-// loss counts. `map_lod` is log2 w, where w is the pixel's longer side. `lobe` is (a r, a); a is less than 1 only at a
-// black border. Do not use this function for files with roughness in their lobes (multum:roughness), because the
+// length of the mean decreases by g^2 / 6 on average. The normals under a pixel that is w texels wide have a variance
+// of g^2 w^2 / 12. This is w^2 / 2 times the loss of length. For w^2 >= 2, where coarser levels are used, the whole
+// loss counts. `map_lod` is log2 w, where w is the pixel's longer side. `lobe` is (a r, a), where a is less than 1 only
+// at a black border. Do not use this function for files with roughness in their lobes (multum:roughness), because the
 // lengths of these lobes also contain the BRDF's width.
 vec4 multum_movmf_magnified(vec4 lobe, float map_lod) {
   float size = length(lobe.xyz);

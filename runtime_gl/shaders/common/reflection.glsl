@@ -60,15 +60,15 @@ struct MultumReflection {
   vec3 specular;
 };
 
-// Returns the half vector. For a light straight behind the surface point, no half vector exists and the result is 0;
-// every highlight is finite at 0.
+// Returns the half vector. For a light straight behind the surface point, no half vector exists, and the result is 0.
+// Every highlight is finite at 0.
 vec3 multum_half_vector(vec3 l, vec3 v) {
   vec3 sum = l + v;
   return sum / max(length(sum), 1e-6);
 }
 
-// Returns tangent, bitangent, normal. A missing tangent, or one along the normal, is replaced by any vector at right
-// angles. Meshes have such tangents where their texture coordinates do not change.
+// Returns the tangent, the bitangent and the normal. If the tangent is missing or along the normal, it is replaced by
+// any vector at right angles. Meshes have such tangents where their texture coordinates do not change.
 mat3 multum_tangent_frame(vec3 normal, vec4 tangent) {
   vec3 n = normalize(normal);
   vec3 t = tangent.xyz - n * dot(n, tangent.xyz);

@@ -27,8 +27,8 @@ float multum_sh_coefficient(vec4 parts[MULTUM_SH_PARTS], int l, int m) {
   return parts[i >> 2][i & 3];
 }
 
-// Computes bands[l] = sum over m of g_lm Y_lm(w) for a unit w. `share` multiplies the coefficient of l = 0, which is
-// not stored. Every loop has constant bounds, so that compilers can unroll it.
+// Computes bands[l] = sum over m of g_lm Y_lm(w) for a unit vector w. `share` multiplies the coefficient of l = 0,
+// which is not stored. Every loop has constant bounds, so that compilers can unroll it.
 void multum_sh_bands(vec4 parts[MULTUM_SH_PARTS], float share, vec3 w, out float bands[MULTUM_SH_ORDER + 1]) {
   bands[0] = share * MULTUM_SH_CONSTANT * MULTUM_SH_CONSTANT;
   for (int l = 1; l <= MULTUM_SH_ORDER; ++l) bands[l] = 0.0;
@@ -51,10 +51,11 @@ void multum_sh_bands(vec4 parts[MULTUM_SH_PARTS], float share, vec3 w, out float
   }
 }
 
-// Returns E[n], from the band l = 1.
+// Returns E[n], which is computed from the band l = 1.
 vec3 multum_sh_mean_normal(vec4 parts[MULTUM_SH_PARTS]) { return parts[0].zxy / 0.48860251; }
 
-// Returns E[n n^T], from the band l = 2. Order 1 has no such band; the result is then the one for uniform directions.
+// Returns E[n n^T], which is computed from the band l = 2. Order 1 has no such band, so the result is then that of
+// uniform directions.
 mat3 multum_sh_second_moments(vec4 parts[MULTUM_SH_PARTS]) {
 #if MULTUM_SH_ORDER < 2
   return mat3(1.0 / 3.0);

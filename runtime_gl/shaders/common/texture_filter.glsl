@@ -34,7 +34,7 @@ const float MULTUM_TAP_OVERLAP = 0.594603558;  // 2^-0.75
 
 uniform float u_level_bias;
 
-// Returns the place of the first tap; the others follow by tap_step.
+// Returns the place of the first tap. The others follow at distances of tap_step.
 vec2 multum_first_tap(vec2 st, MultumFootprint footprint) {
   return st - 0.5 * float(footprint.tap_count - 1) * footprint.tap_step;
 }
@@ -53,8 +53,8 @@ MultumFootprint multum_footprint_of(vec2 along_x, vec2 along_y, vec2 size) {
 }
 
 #ifdef MULTUM_DRIVER_FILTER
-// Only the level of the driver's lookup is known; with an anisotropic filter it is the level of the shorter length. The
-// longer length is stored as the step of the single tap.
+// Only the level of the driver's lookup is known. With an anisotropic filter, this is the level of the shorter length.
+// The longer length is stored as the step of the single tap.
 MultumFootprint multum_footprint(sampler2D map, vec2 st) {
   vec2 size = vec2(textureSize(map, 0)), x = dFdx(st), y = dFdy(st);
   return MultumFootprint(length(x * size) > length(y * size) ? x : y, 1, textureQueryLod(map, st).y);
@@ -76,7 +76,7 @@ vec2 multum_part = vec2(1.0);  // share of the pixel's width and height that one
 const vec2 multum_part = vec2(1.0);
 #endif
 
-// This function takes derivatives, so call it only where every fragment does.
+// This function takes derivatives, so it must be called only where every fragment calls it.
 MultumFootprint multum_footprint(sampler2D map, vec2 st) {
   vec2 size = vec2(textureSize(map, 0));
   return multum_footprint_of(multum_part.x * dFdx(st) * size, multum_part.y * dFdy(st) * size, size);
@@ -111,7 +111,8 @@ vec4 multum_filtered(sampler2DArray map, vec2 st, float layer, MultumFootprint f
 #endif
 #endif
 
-// Returns the level of detail of all taps together: the level of the longer length, which a trilinear filter would use.
+// Returns the level of detail of all taps together. This is the level of the longer length, which a trilinear filter
+// would use.
 float multum_footprint_longer_lod(MultumFootprint footprint, ivec2 size) {
 #ifdef MULTUM_DRIVER_FILTER
   return max(footprint.level, log2(max(length(footprint.tap_step * vec2(size)), 1e-15)));
@@ -121,7 +122,7 @@ float multum_footprint_longer_lod(MultumFootprint footprint, ivec2 size) {
 #endif
 }
 
-// Returns the footprint on another texture with the same coordinates; levels count from that texture's finest level.
+// Returns the footprint on another texture with the same coordinates. Levels count from that texture's finest level.
 MultumFootprint multum_footprint_on(MultumFootprint footprint, ivec2 from_size, ivec2 to_size) {
   float octaves = log2(float(max(to_size.x, to_size.y)) / float(max(from_size.x, from_size.y)));
   return MultumFootprint(footprint.tap_step, footprint.tap_count, footprint.level + octaves);

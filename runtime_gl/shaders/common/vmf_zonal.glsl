@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Computes the zonal coefficients of a vMF: a_l is the integral over the sphere of its density times P_l. Convolution
-// with the vMF multiplies the harmonics of order l by a_l (after movmf_shading.glsl).
+// Computes the zonal coefficients of a vMF, where a_l is the integral over the sphere of its density times P_l.
+// Convolution with the vMF multiplies the harmonics of order l by a_l (after movmf_shading.glsl).
 #ifndef MULTUM_VMF_ZONAL_ORDER
 #define MULTUM_VMF_ZONAL_ORDER 8
 #endif

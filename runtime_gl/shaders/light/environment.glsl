@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Computes the light of an environment on a lobe of normals (a r, a). Diffuse light uses the environment's harmonics up
 // to l = 2 (Ramamoorthi and Hanrahan 2001; Han et al. 2007, eq. 25). The highlight is in environment_sh.glsl or
-// environment_levels.glsl. One texture holds all reflection tables (host/formats/light/reflection_table.h): one plane
-// per term, with (weight, plain) of each entry, and then one plane for the Fresnel part.
+// environment_levels.glsl. One texture holds all reflection tables (host/formats/light/reflection_table.h). It has one
+// plane per term, with (weight, plain) of each entry, and then one plane for the Fresnel part.
 #define MULTUM_TABLE_COSINES 32.0
 #define MULTUM_TABLE_SPREADS 24.0
 uniform vec3 u_smooth_mean;               // L(n) = mean + linear . n + n . quadratic n

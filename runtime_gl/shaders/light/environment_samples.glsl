@@ -4,7 +4,7 @@
 // For the highlight it takes as many half vectors of a GGX that is as wide as the facets, because GGX has the longest
 // tail of all facet distributions here. If two of these densities could have produced a direction, its weight uses the
 // sum of both densities (Veach and Guibas 1995, the balance heuristic). Uses a low-discrepancy sequence, shifted by a
-// hash of the pixel; `u_sample` counts pictures. The map is constant over a texel.
+// hash of the pixel. `u_sample` counts pictures. The map is constant over a texel.
 uniform vec3 u_light_samples[MULTUM_ENVIRONMENT_SAMPLES];  // directions in the environment's frame
 uniform float u_light_total;                               // the integral of the luminance
 
@@ -27,8 +27,8 @@ vec3 multum_direction(mat3 frame, float cosine, float phi) {
   return frame * vec3(sine * cos(phi), sine * sin(phi), cosine);
 }
 
-// Return the densities of a cosine-weighted direction and of a direction found by a half vector of GGX. `alpha` is the
-// roughness squared.
+// These functions return the densities of a cosine-weighted direction and of a direction found by a half vector of GGX.
+// `alpha` is the roughness squared.
 float multum_cosine_density(float n_l) { return n_l / MULTUM_PI; }
 
 float multum_half_density(float alpha, float n_h, float v_h) {
@@ -37,7 +37,7 @@ float multum_half_density(float alpha, float n_h, float v_h) {
   return alpha * n_h / (MULTUM_PI * y * y) / (4.0 * max(v_h, 1e-6));
 }
 
-// Return the integrands of the irradiance (without the diffuse factor) and of the highlight.
+// These functions return the integrands of the irradiance (without the diffuse factor) and of the highlight.
 vec3 multum_diffuse_integrand(vec3 radiance, float n_l, float v_h) {
   vec3 value = radiance * n_l;
 #ifdef MULTUM_FRESNEL_DIFFUSE
@@ -59,7 +59,7 @@ vec3 multum_specular_integrand(vec3 radiance, vec3 n, float n_l, vec3 v, vec3 h)
 }
 #endif
 
-// `kind` 0 adds to both parts, 1 to the diffuse part, 2 to the highlight.
+// With `kind` 0, adds to both parts. With 1, adds to the diffuse part, and with 2, to the highlight.
 void multum_add_direction(int kind, vec3 l, vec3 n, vec3 v, float alpha, inout MultumReflection sum) {
   float n_l = dot(n, l);
   if (n_l <= 0.0) return;
@@ -84,8 +84,8 @@ MultumReflection multum_environment_normal(vec3 n, vec3 v) {
   mat3 frame = mat3(side, cross(n, side), n);
   float alpha = 2.0 / (u_exponent + 2.0);
   for (int i = 0; i < MULTUM_ENVIRONMENT_SAMPLES; ++i) {
-    // Multiples of 1/g and 1/g^2, g^3 = g + 1, modulo 1, in integers, so that no precision is lost for large sample
-    // counts.
+    // The multiples of 1/g and 1/g^2, g^3 = g + 1, modulo 1, are computed with integers, so that no precision is lost
+    // for large sample counts.
     uint index = uint(u_sample * MULTUM_ENVIRONMENT_SAMPLES + i);
     vec2 u = vec2(shift + index * uvec2(3242174889u, 2447445414u)) * (1.0 / 4294967296.0);
     float phi = 2.0 * MULTUM_PI * u.y;

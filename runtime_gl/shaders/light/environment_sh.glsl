@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Computes the highlight of a lobe under an environment by harmonics of the half vector (Han et al. 2007, section 8).
 // The highlight is the sum over l and m of a_l(f) a_l(vMF) L'_lm Y_lm(mu). L' = 4 (v.h) (v.h) L(reflect(v, h)) depends
-// on the view. The coefficients of L' are in a texture over the picture, one plane per (l, m), computed for the frame's
-// camera. The cosine and other factors that depend on the normal are computed as a quotient: the reflection table's
-// weight divided by the weight of 4 (v.h) (v.h).
+// on the view. The coefficients of L' are in a texture over the picture, with one plane per (l, m), computed for the
+// frame's camera. The cosine and other factors that depend on the normal are computed as a quotient, which is the
+// reflection table's weight divided by the weight of 4 (v.h) (v.h).
 #define MULTUM_HALF_COUNT 81.0
 uniform sampler2D u_half_vector_light;
 uniform vec2 u_half_grid;  // columns and rows of a plane

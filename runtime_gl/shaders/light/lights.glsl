@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Defines the lights of a scene. MULTUM_DIRECTIONAL_LIGHTS and MULTUM_POINT_LIGHTS give their numbers.
+// Defines the lights of a scene. Their numbers are MULTUM_DIRECTIONAL_LIGHTS and MULTUM_POINT_LIGHTS.
 uniform vec3 u_diffuse;   // k_d
 uniform vec3 u_specular;  // k_s
 #ifdef MULTUM_DIRECTIONAL_LIGHTS

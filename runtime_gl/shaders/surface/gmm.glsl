@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Shades a mixture of MULTUM_LOBE_COUNT planar Gaussians (Tan et al. 2005, section 3), after common/gmm_shading.glsl.
-// lobes.glsl fetches the Gaussians, and Tan's BRDF shades them. Uses only the width of the scene's BRDF, u_exponent,
-// and with MULTUM_VISIBILITY its shadowing: I = k_s F sum a_i g(h; mu_i, sigma_i) V max(mu_i . l, 0) + k_d (1 - F) sum
-// a_i max(mu_i . l, 0). With V = 1 / (4 mu.l mu.v) this is the paper's formula.
+// lobes.glsl fetches the Gaussians, and Tan's BRDF shades them. From the scene's BRDF, only its width, u_exponent, is
+// used, and its shadowing with MULTUM_VISIBILITY. The formula is I = k_s F sum a_i g(h; mu_i, sigma_i) V max(mu_i . l,
+// 0) + k_d (1 - F) sum a_i max(mu_i . l, 0). With V = 1 / (4 mu.l mu.v) this is the paper's formula.
 
-// Returns V at the mean of the normals that reflect towards v: the lobe's Gaussian times that of the facets around h.
+// Returns V at the mean of the normals that reflect towards v. These normals are the lobe's Gaussian times that of the
+// facets around h.
 float multum_gmm_visibility(vec4 lobe, float n_l, vec3 v, vec3 h) {
 #ifdef MULTUM_VISIBILITY
   float facets = multum_gmm_facet_variance(lobe, u_exponent);

@@ -1,16 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 // Fetches lobes by trilinear filtering. Contains the textures and MultumSurface of movmf.glsl and gmm.glsl, which
-// follow this file. MULTUM_COLOURS: lobes have colours. MULTUM_MEAN_COLOURS: all lobes share the colour of a separate
-// texture. MULTUM_NORMAL_MAP: levels finer than those of the lobes come from the normal map, as one more lobe (a r, a)
-// of a mean normal; MULTUM_ALBEDO_MAP: this lobe has its own colours. MULTUM_BASIS k: everything is multiplied by
-// weight k of the lobes. MULTUM_DRAWN_LOBE: uses a single normal, drawn at random from the lobes by amplitude for each
-// of u_sample frames. The random numbers come from blue_noise.glsl or, with MULTUM_HASHED, from footprint.glsl, whose
-// numbers are white noise over the picture. MULTUM_SHADE_FIRST: fetches the lobes of all eight texels with their
-// weights, so that each texel is shaded before filtering. Lobes that are not aligned need this flag, which also shades
-// taps one by one. MULTUM_MAGNIFIED: between texels of level 0, shows the surface of an interpolated normal map instead
-// of interpolating the texels' light. MULTUM_WHOLE: amplitudes of a texel sum to 1, except for storage errors, and are
-// rescaled to 1. MULTUM_LOBE_LAYERS n: lobes have the format of multum export --lobes, 1 or 2 layers of an array per
-// lobe, whose four channels are converted to (a r, a) (docs/reference/lobe_textures.md, "Lobes for GPUs").
+// follow this file. With MULTUM_COLOURS, lobes have colours. With MULTUM_MEAN_COLOURS, all lobes share the colour of a
+// separate texture. With MULTUM_NORMAL_MAP, levels finer than those of the lobes come from the normal map, as one more
+// lobe (a r, a) of a mean normal. With MULTUM_ALBEDO_MAP, this lobe has its own colours. With MULTUM_BASIS k,
+// everything is multiplied by weight k of the lobes. With MULTUM_DRAWN_LOBE, a single normal is used, which is drawn at
+// random from the lobes by amplitude for each of u_sample frames. The random numbers come from blue_noise.glsl or, with
+// MULTUM_HASHED, from footprint.glsl, whose numbers are white noise over the picture. With MULTUM_SHADE_FIRST, the
+// lobes of all eight texels are fetched with their weights, so that each texel is shaded before filtering. Lobes that
+// are not aligned need this flag, which also shades taps one by one. With MULTUM_MAGNIFIED, the surface of an
+// interpolated normal map is shown between texels of level 0, instead of interpolating the texels' light. With
+// MULTUM_WHOLE, the amplitudes of a texel sum to 1, except for storage errors, and are rescaled to 1. With
+// MULTUM_LOBE_LAYERS n, lobes have the format of multum export --lobes, with 1 or 2 layers of an array per lobe, whose
+// four channels are converted to (a r, a) (docs/reference/lobe_textures.md, "Lobes for GPUs").
 #ifdef MULTUM_LOBE_LAYERS
 #define MULTUM_FIRST_LOBES u_lobe_layers
 uniform sampler2DArray u_lobe_layers;
@@ -68,7 +69,7 @@ struct MultumSurface {
 #endif
 };
 
-// Light of part j times its colour, before the BRDF's diffuse reflectance.
+// The light of part j times its colour, before the multiplication by the BRDF's diffuse reflectance.
 #if defined(MULTUM_COLOURS)
 #define MULTUM_TINTED(surface, j, light) ((surface).albedos[j] * (light))
 #elif defined(MULTUM_MEAN_COLOURS)
@@ -78,8 +79,8 @@ struct MultumSurface {
 #endif
 
 #if MULTUM_PART_COUNT > 1
-// Returns the two of the first `count` parts that lose the least length when they are added: the most similar or the
-// faintest parts.
+// Returns the two of the first `count` parts that lose the least length when they are added. These are the most similar
+// or the faintest parts.
 ivec2 multum_alike_parts(vec4 lobes[MULTUM_PART_COUNT], int count) {
   ivec2 alike = ivec2(0, 1);
   float least = 1e30;
@@ -149,7 +150,7 @@ void multum_draw_lobe(inout MultumSurface surface) {
 #endif
 
 #ifdef MULTUM_MAGNIFIED
-// For a pixel smaller than a texel, turns all lobes towards the mean normal there, so that their sum becomes
+// If a pixel is smaller than a texel, turns all lobes towards the mean normal there, so that their sum becomes
 // multum_movmf_magnified() of the original sum.
 void multum_magnify(inout MultumSurface surface, float lod) {
   if (lod >= 0.5) return;
@@ -241,7 +242,7 @@ MultumSurface multum_fetch_surface(vec2 st, MultumFootprint footprint) {
   MULTUM_EACH_LOBE(j) {
     vec4 lobe = multum_fetch_lobe(j, st, footprint);
 #ifdef MULTUM_COLOURS
-    // Colours are premultiplied: T(a c) / T(a) is the lobe's colour.
+    // Colours are premultiplied, so T(a c) / T(a) is the lobe's colour.
     vec3 colour = multum_filtered(u_colours[j], st, footprint).rgb;
     surface.albedos[j] = colour / max(lobe.w, MULTUM_AMPLITUDE_MIN);
     mean_colour += colour;

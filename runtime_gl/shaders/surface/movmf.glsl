@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Shades a mixture of MULTUM_LOBE_COUNT vMF lobes, which lobes.glsl fetches. MULTUM_ROUGHNESS: the lobes include the
-// BRDF's width. MULTUM_PAPER: uses max(mu . l, 0), as in Han's Algorithm 2, for diffuse and specular light.
+// Shades a mixture of MULTUM_LOBE_COUNT vMF lobes, which lobes.glsl fetches. With MULTUM_ROUGHNESS, the lobes include
+// the BRDF's width. With MULTUM_PAPER, max(mu . l, 0) is used for diffuse and specular light, as in Han's Algorithm 2.
 
 #ifdef MULTUM_EVALUATIONS
 #define MULTUM_LOBES_ADD_UP

@@ -4,14 +4,14 @@
 //   MULTUM_MIP        averaged normal, normalised       MULTUM_LEAN     slope moments (Olano and Baker 2010):
 //                                                       density of slopes; MULTUM_JACOBIAN: / cos^3, normalised
 // REFERENCE has variants that replace the nearest texel. MULTUM_DRAWN_TEXEL chooses one of the four surrounding texels
-// at random. MULTUM_FOOTPRINT chooses one of the texels that the texture's filter averages. MULTUM_INTERPOLATED
-// interpolates the four normals. MULTUM_ROUGHNESS: the lengths of normals hold a BRDF's width; REFERENCE uses each
-// normal's own width. MULTUM_ROUGHNESS_MAP (not REFERENCE): normals have unit length, and the width comes from a
-// roughness map, averaged as in an engine. MULTUM_BASIS k: everything is multiplied by weight k. MULTUM_COLOURS: the
-// map has colours. MULTUM_NORMAL_MAP: levels finer than the stored ones come from the normal map. The normal map has no
-// moments of slopes, so these levels are shaded by Toksvig's rule, before mixing. MULTUM_ALBEDO_MAP: their colours come
-// from the albedo map. MIP, TOKSVIG and LEAN read a baked file of moments, or mips of the finest map, which contain the
-// same values.
+// at random. MULTUM_FOOTPRINT chooses one of the texels that the texture filter averages. MULTUM_INTERPOLATED
+// interpolates the four normals. With MULTUM_ROUGHNESS, the lengths of normals hold a BRDF's width, and REFERENCE uses
+// each normal's own width. With MULTUM_ROUGHNESS_MAP (not REFERENCE), normals have unit length, and the width comes
+// from a roughness map, averaged as in an engine. With MULTUM_BASIS k, everything is multiplied by weight k. With
+// MULTUM_COLOURS, the map has colours. With MULTUM_NORMAL_MAP, levels finer than the stored ones come from the normal
+// map. The normal map has no moments of slopes, so these levels are shaded by Toksvig's rule, before mixing. With
+// MULTUM_ALBEDO_MAP, their colours come from the albedo map. MIP, TOKSVIG and LEAN read a baked file of moments, or
+// mips of the finest map, which contain the same values.
 uniform sampler2D u_normals;  // unit normal for REFERENCE, otherwise averaged normal, with w = E[b_s b_t] for LEAN
 #ifdef MULTUM_LEAN
 uniform sampler2D u_slopes;  // E[b_s], E[b_t], E[b_s^2], E[b_t^2]
@@ -154,14 +154,14 @@ float multum_slope_exponent(MultumSurface surface) {
 }
 
 #ifdef MULTUM_TURNED
-// Returns a mean normal, shortened by the variance v of the geometry's normals: a vMF with the variance v / 2 along
+// Returns a mean normal, shortened by the variance v of the geometry's normals. A vMF with the variance v / 2 along
 // each axis has 1 - |r| = v / 2.
 vec3 multum_turned_mean(vec3 mean) { return mean / (1.0 + 0.5 * multum_turn_variance); }
 
-// Returns the moments of slopes with the geometry's variance added along each axis.
+// Returns the moments of slopes, with the variance of the geometry added along each axis.
 vec4 multum_turned_slopes(vec4 slopes) { return slopes + vec4(0.0, 0.0, vec2(0.5 * multum_turn_variance)); }
 
-// Returns Blinn-Phong's exponent with the geometry's variance added; 1 / s is the variance along each axis.
+// Returns Blinn-Phong's exponent with the variance of the geometry added. 1 / s is the variance along each axis.
 float multum_turned_exponent(float s) { return s / (1.0 + 0.5 * multum_turn_variance * s); }
 #else
 #define multum_turned_exponent(s) (s)
@@ -239,7 +239,7 @@ MultumReflection multum_reflect(MultumSurface surface, vec3 l, vec3 v, vec3 h) {
 }
 
 #ifdef MULTUM_ENVIRONMENT
-// Treats a mean normal as a lobe whose mean vector has its length; MIP treats it as one normal.
+// Treats a mean normal as a lobe whose mean vector has its length. MIP treats it as one normal.
 MultumReflection multum_reflect_environment(MultumSurface surface, vec3 v) {
   vec3 mean = surface.normal.xyz;
   if (length(mean) <= MULTUM_MEAN_MIN) return MultumReflection(vec3(0.0), vec3(0.0));

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Shades spherical harmonics of the normals, in an array of textures with trilinear filtering (common/sh_shading.glsl).
-// MULTUM_COLOURS: the map has colours. MULTUM_NORMAL_MAP: levels finer than the stored ones come from the normal map,
-// as a lobe; MULTUM_ALBEDO_MAP: this lobe has its own colours. MULTUM_BLACK_S, MULTUM_BLACK_T: there is no material
-// beyond that border. MULTUM_ROUGHNESS: the coefficients include the BRDF's width. MULTUM_BASIS k: everything is
-// multiplied by weight k.
+// With MULTUM_COLOURS, the map has colours. With MULTUM_NORMAL_MAP, levels finer than the stored ones come from the
+// normal map, as a lobe. With MULTUM_ALBEDO_MAP, this lobe has its own colours. With MULTUM_BLACK_S or MULTUM_BLACK_T,
+// there is no material beyond that border. With MULTUM_ROUGHNESS, the coefficients include the BRDF's width. With
+// MULTUM_BASIS k, everything is multiplied by weight k.
 //
 // The highlight's cosine max(n . l, 0) also depends on n. It is replaced by one of
 //   MULTUM_SH_IRRADIANCE  its mean over all normals
@@ -124,7 +124,7 @@ MultumReflection multum_reflect(MultumSurface surface, vec3 l, vec3 v, vec3 h) {
 #ifdef MULTUM_ENVIRONMENT
 // Returns the environment's diffuse light, L(n) = mean + linear . n + n . quadratic n (light/environment.glsl),
 // integrated over the normals. The computation needs E[n] and E[n n^T], which the bands contain. The result is exact up
-// to l = 2; only 1 % of Lambert's light is in higher orders. The quadratic part has no trace, so for rough normals,
+// to l = 2, and only 1 % of Lambert's light is in higher orders. The quadratic part has no trace, so for rough normals,
 // bands 1 and 2 are scaled in the same way as for other light.
 vec3 multum_sh_irradiance(vec4 parts[MULTUM_SH_PARTS]) {
   vec3 mean = multum_environment_frame * multum_sh_mean_normal(parts);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Runs the page of multum look: its controls, its view, and dropped files. Text from files only goes into text nodes.
+// Runs the page of multum look with its controls, its view, and dropped files. Text from files only goes into text
+// nodes.
 const METHODS = [["mip", "averaged normals"], ["rule", "engine's rule"], ["export", "one-lobe export"],
   ["lobes", "lobes"]];
 const DEGREE = Math.PI / 180;
@@ -261,7 +262,7 @@ class LookPage {
     });
   }
 
-  // The middle of the picture is straight above; its edges are near the horizon.
+  // The middle of the picture is straight above, and its edges are near the horizon.
   lightAt(x, y) {
     const box = byId("stage").getBoundingClientRect();
     const right = 2 * (x - box.left) / box.width - 1, up = 1 - 2 * (y - box.top) / box.height;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Measures the error of methods against the map itself: its finest level, drawn at many places of each pixel.
+// Measures the error of methods against the map itself, which is its finest level, drawn at many places of each pixel.
 const PLACES_ACROSS = 12; // places across a pixel; the same number upwards
 
 /** Returns the scene shifted to another place of each pixel. `x` and `y` are from -1/2 to 1/2 pixel. */

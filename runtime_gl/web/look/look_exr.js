@@ -144,7 +144,7 @@ function exrPlan(bytes) {
   const lobesFrom = Math.max(firstLevel, 1), parts = new Map();
   let at = cursor.at;
   headers.forEach((header, number) => {
-    // The part of a single-part file may have no name; it is then the only lobe.
+    // The part of a single-part file may have no name. It is then the only lobe.
     const name = isMultiPart ? exrString(header, "name") : "lobe.0";
     if (parts.has(name)) exrRefuse(`two parts ${name}`, "one of each name");
     const from = name === "finest" ? 0 : lobesFrom;

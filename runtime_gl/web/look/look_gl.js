@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Draws a plane, or a model with the map on it, with WebGL 2 and the same shading as multum-view (runtime_gl/shaders):
-// lobes, or one normal per texel. Draws each method to a texture. The screen shows one method to the left and one to
-// the right of a divider, or their difference.
+// Draws a plane, or a model with the map on it, with WebGL 2 and the same shading as multum-view (runtime_gl/shaders).
+// It draws lobes, or one normal per texel. Each method is drawn to a texture. The screen shows one method to the left
+// and one to the right of a divider, or their difference.
 const FILTER = { taps: 4, bias: -0.5 }; // docs/evidence/FILTER.md
 
 const SCREEN_VERTEX = `#version 300 es

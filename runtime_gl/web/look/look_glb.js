@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads a dropped binary glTF as one list of triangles for the page to draw its map on: positions with z up, normals,
-// and texture coordinates from the image's first row. Reads the same data as glb.js for the player, plus normals. The
-// first normal map among the materials is the model's image.
+// Reads a dropped binary glTF as one list of triangles on which the page draws its map. The list has positions with z
+// up, normals, and texture coordinates from the image's first row. The same data is read as by glb.js for the player,
+// plus normals. The first normal map among the materials is the model's image.
 const CORNERS_MAX = 3e6;
 const MODEL_RADIUS = 0.6; // radius about the middle of the model's box, which the camera looks at
 const MODEL_DISTANCE = 0.9; // distance at which a model of this radius fills the picture
@@ -73,7 +73,7 @@ function readModel(bytes, target) {
   let at = 0;
   for (const { objectToWorld: m, positions, normals, uvs } of objects) {
     const turned = (x, y, z, w) => [0, 1, 2].map((r) => m[r] * x + m[4 + r] * y + m[8 + r] * z + m[12 + r] * w);
-    // Transforms normals by the cofactors, which stay correct for different scales along axes.
+    // Transforms normals by the cofactors, which stay correct if the scales along the axes differ.
     const cofactors = [0, 1, 2].map((c) => crossed([...m.slice(4 * ((c + 1) % 3), 4 * ((c + 1) % 3) + 3)],
       [...m.slice(4 * ((c + 2) % 3), 4 * ((c + 2) % 3) + 3)]));
     for (let i = 0; i < uvs.length / 2; ++i, at += 8) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Joins a dropped JSON glTF and the files that it names to one binary glTF for look_glb.js: buffers one after another,
-// and the image of the first normal map. The constants have the same values as in glb.js.
+// Joins a dropped JSON glTF and the files that it names to one binary glTF for look_glb.js. The buffers follow one
+// another, and the image of the first normal map is included. The constants have the same values as in glb.js.
 const GLTF_BYTES_MAX = 256e6; // limit for all files together
 
 /** Returns the file name of a uri. A uri with an invalid encoding is not decoded. */

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Decodes BC5 textures, for browsers and GPUs without EXT_texture_compression_rgtc: blocks of 4 x 4 texels, two
-// channels per block (Khronos Data Format Specification 1.3, section 17).
+// Decodes BC5 textures for browsers and GPUs without EXT_texture_compression_rgtc. Such textures have blocks of 4 x 4
+// texels, with two channels per block (Khronos Data Format Specification 1.3, section 17).
 
 /** Decodes a BC4 block to every `step`-th byte of `out` from `at` on, in rows of `stride` bytes, up to the edge. */
 function decodeBc4(block, out, at, stride, step, columns, rows) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Makes materials of three.js draw lobes, or shade several points per pixel. Edits only the materials' shaders, when
-// they are compiled (onBeforeCompile).
+// Makes materials of three.js draw lobes, or shade several points per pixel. Only the shaders of the materials are
+// edited, when they are compiled (onBeforeCompile).
 import { ClampToEdgeWrapping, MirroredRepeatWrapping, ObjectSpaceNormalMap, REVISION, ShaderChunk } from "three";
 import { fragmentWithLobes } from "./lobe_shading.js";
 import { fragmentAtPoints } from "./shading_points.js";
@@ -9,8 +9,8 @@ const TAPS_MAX = 16;
 // Features of MeshPhysicalMaterial that need more data about normals than lobes provide.
 const REFUSED = ["anisotropy", "sheen", "retroreflectivity", "diffuseRoughness"];
 const GRIDS = { 1: "ivec2(1)", 2: "ivec2(2, 1)", 4: "ivec2(2)", 8: "ivec2(4, 2)", 16: "ivec2(4)" }; // by evaluations
-// The least spread of a pixel's normals at which evaluations are spent on lobes; the spread is read two levels finer
-// (README.md, "Evaluations").
+// The least spread of a pixel's normals at which evaluations are spent on lobes. The spread is read one level finer
+// than the pixel's level (README.md, "Evaluations").
 const LOBES_FROM = { auto: 0.002, points: 2, lobes: -1 };
 const states = new WeakMap(); // changed materials: { lobes, own, onBeforeCompile, customProgramCacheKey }
 

@@ -47,13 +47,14 @@ vec3 multum_finest_normal(vec2 st, float level) {
 }
 `;
 
-// A pixel's light is the mean of MULTUM_EVALUATIONS evaluations; each shades one lobe at one point. If normals are
-// similar and there are at least 4 evaluations, three.js's own material is shaded at several points. Otherwise
-// evaluations are spent on lobes, or on points if the level is close to the levels of the normal map. All lobes of such
-// a point are added up to one. If there are more lobes than evaluations, the most similar lobes are added up.
+// A pixel's light is the mean of MULTUM_EVALUATIONS evaluations. Each evaluation shades one lobe at one point. If
+// normals are similar and there are at least 4 evaluations, three.js's own material is shaded at several points.
+// Otherwise evaluations are spent on lobes, or on points if the level is close to the levels of the normal map. All
+// lobes of such a point are added up to one. If there are more lobes than evaluations, the most similar lobes are added
+// up.
 //
 // Lobes are read at points, each over its part of the footprint, and turned by the frame of each place before they are
-// added up. A map that was baked for a model with few polygons compensates for the turns of the model's interpolated
+// added up. If a map was baked for a model with few polygons, it compensates for the turns of the model's interpolated
 // normals.
 const FETCH = `
 uniform sampler2D u_ggx_lobe_table;
@@ -135,7 +136,7 @@ mat3 multum_frame(vec2 shift, float side) {
   return frame;
 }
 
-// Returns the footprint of a part of the pixel; \`part\` is a share of its width and height.
+// Returns the footprint of a part of the pixel. \`part\` is a share of its width and height.
 MultumFootprint multum_part_footprint(vec2 part) {
   vec2 size = vec2(multum_lobe_map_size());
   return multum_footprint_of(part.x * multum_along_x_vNormalMapUv * size, part.y * multum_along_y_vNormalMapUv * size,

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Makes the fragment shader of a physical material shade several points per pixel, each over its part of the footprint.
-// The light of the points is averaged before tone mapping. three.js's own text becomes the body of a loop; interpolated
-// values are moved to each point.
+// The light of the points is averaged before tone mapping. three.js's own text becomes the body of a loop, and
+// interpolated values are moved to each point.
 
 /** Returns `text` with `from` replaced by `to`. Throws Error if `text` does not contain `from`. */
 export function replaced(text, from, to, revision) {
@@ -11,7 +11,7 @@ export function replaced(text, from, to, revision) {
   return text.replace(from, () => to);
 }
 
-// Names of three.js's varyings; `multum_NAME` is the value of NAME at the point.
+// The names of three.js's varyings. `multum_NAME` is the value of NAME at the point.
 const MOVED = "vUv vMapUv vAlphaMapUv vLightMapUv vAoMapUv vBumpMapUv vNormalMapUv vEmissiveMapUv vMetalnessMapUv " +
   "vRoughnessMapUv vAnisotropyMapUv vClearcoatMapUv vClearcoatNormalMapUv vClearcoatRoughnessMapUv vIridescenceMapUv " +
   "vIridescenceThicknessMapUv vSheenColorMapUv vSheenRoughnessMapUv vSpecularMapUv vSpecularColorMapUv " +
@@ -38,7 +38,7 @@ ${each((name) => `multum_derive_${name}()`)}}
 void multum_move(vec2 by) {  // offset from the pixel's middle, in pixels
 ${each((name) => `multum_move_${name}(by)`)}}
 `;
-// Defines, for materials without lobes, the functions that differ for lobes.
+// Defines the functions that differ for lobes, for materials without lobes.
 const PLAIN = `
 void multum_decide() {}
 vec4 multum_map(int number, sampler2D map, vec2 st, vec2 along_x, vec2 along_y) {
@@ -79,11 +79,11 @@ const END = `
   diffuseColor.a = multum_alpha;
   vec3 outgoingLight = multum_light;
 `;
-// The alpha test is made once for the whole pixel, with its mean alpha.
+// The alpha test is done once for the whole pixel, with its mean alpha.
 const ALPHA_TESTS = ["alphatest_fragment", "alphahash_fragment"];
 
 // GEOMETRY is three.js's line, which adds the largest change of a normal's component to the roughness. VARIANCE
-// replaces this line; it adds the variance of the normals over the point's part of the pixel, for a box filter
+// replaces this line. It adds the variance of the normals over the point's part of the pixel, for a box filter
 // (Kaplanyan et al. 2016; Tokuyoshi and Kaplanyan 2019).
 const GEOMETRY = "material.roughness += geometryRoughness;";
 export const VARIANCE = `{

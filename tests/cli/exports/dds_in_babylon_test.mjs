@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Tests that Babylon.js in headless Chromium reads the half-float DDS files of multum export: every level must have the
-// same 16-bit floats as the KTX2 file of the same export, which ktx-parse reads. Babylon 9 refuses other DX10 formats
+// same 16-bit floats as the KTX2 file of the same export, as ktx-parse reads it. Babylon 9 refuses other DX10 formats
 // with a message.
 //
 //   node tests/cli/exports/dds_in_babylon_test.mjs FOLDER_OF_PROGRAMS WORK_FOLDER

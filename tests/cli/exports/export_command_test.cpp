@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests multum export: its images as OpenImageIO reads them, the same bytes for any memory, its report, its refusals,
-// and the files that remain after an interruption.
+// Tests multum export: the images as OpenImageIO reads them, the report, the refusals, and the files that remain after
+// an interruption. Also tests that the bytes do not depend on the memory limit.
 #include <OpenImageIO/imageio.h>
 
 #include <signal.h>
@@ -48,7 +48,7 @@ TEST_F(ExportCommandTest, OpenImageIoReadsTheLevels) {
   EXPECT_EQ(orm.at(3, 4, 0), 1.0f);
   EXPECT_EQ(orm.at(3, 4, 2), 0.0f) << "without a metalness map the surface is not metal";
   EXPECT_EQ(level("anisotropy_00.png").at(3, 4, 2), 0.0f);
-  // The coarsest level is rougher than the base, and its axis is a direction.
+  // The coarsest level is rougher than the base roughness, and its anisotropy axis is a unit vector.
   EXPECT_GT(level("orm_05.png").at(0, 0, 1), 0.3f);
   const Picture axis = level("anisotropy_05.png");
   EXPECT_NEAR(std::hypot(2.0f * axis.at(0, 0, 0) - 1.0f, 2.0f * axis.at(0, 0, 1) - 1.0f), 1.0f, 0.02f);
@@ -59,7 +59,7 @@ TEST_F(ExportCommandTest, OpenImageIoReadsTheLevels) {
   for (const std::string name : report["files"]) EXPECT_TRUE(std::filesystem::exists(name)) << name;
   for (const char* kernel : {"one_lobe_finest", "one_lobe_samples", "one_lobe_fit"})
     EXPECT_GT(report["launches"][kernel], 0) << kernel;
-  // Levels that the map does not have are not measured.
+  // The export does not measure levels that the map does not have.
   ASSERT_EQ(report["accuracy"]["levels"].size(), 2u);
   const auto& rules = report["accuracy"]["levels"][0]["rules"];
   EXPECT_EQ(report["accuracy"]["cells"].size(), 5u);  // level 4 has two texels
@@ -91,13 +91,13 @@ TEST_F(ExportCommandTest, CarriesMapsOfTheMaterial) {
   // Half of all facets have roughness 0.2, and half have 0.8.
   EXPECT_GT(second.at(0, 0, 1), 0.4f);
   EXPECT_LT(second.at(0, 0, 1), 0.8f);
-  // Gloss is 1 - roughness; a channel may be named.
+  // Gloss is 1 - roughness. The option may name a channel.
   ASSERT_EQ(run({"--gloss", path("orm.png") + ":R", "--format", "exr", "--no-measure"}).exit_code, 0);
   EXPECT_NEAR(level("orm_00.exr").at(0, 0, 1), 1.0f - 64.0f / 255.0f, 1e-3f);
   EXPECT_EQ(level("orm_00.exr").at(0, 0, 0), 1.0f);
 }
 
-// A way to store a material, with the formats of its textures.
+// Describes a way to store a material and the formats of its textures.
 struct Stored {
   std::vector<std::string> options;
   bool has_zstd;
@@ -114,7 +114,7 @@ std::vector<Stored> stored_kinds() {
           {{"--texels", "bc", "--roughness-alone", "--zstd", "10"}, true, {{"normal", kBc5}, {"roughness", kBc4}}}};
 }
 
-// ktx-parse, an independent reader, finds the format in a KTX2 file, and the same texels as in the images.
+// The independent reader ktx-parse finds the expected format in each KTX2 file, and the same texels as in the images.
 TEST_F(ExportCommandTest, KtxParseReadsTheLevels) {
   const std::string script = MULTUM_SOURCE_DIR "/tests/cli/exports/ktx2_reading.mjs";
   if (!program_works("node", "--version")) GTEST_SKIP() << "no node (Debian package nodejs)";
@@ -196,7 +196,7 @@ TEST_F(ExportCommandTest, KtxParseReadsTheLevels) {
 }
 
 // Compares every level of every kind of KTX2 file as three.js's KTX2Loader hands it to a shader in Chromium. Block
-// formats are compared if Chromium's GL has them.
+// formats are compared if the GL implementation of Chromium supports them.
 TEST_F(ExportCommandTest, ThreeReadsTheLevels) {
   const std::string script = MULTUM_SOURCE_DIR "/tests/cli/exports/ktx2_in_three.mjs", browser = chromium_path();
   if (!program_works("node", "--version")) GTEST_SKIP() << "no node (Debian package nodejs)";
@@ -264,8 +264,8 @@ TEST_F(ExportCommandTest, ThreeReadsTheLevels) {
   }
 }
 
-// OpenImageIO decodes blocks of DDS files. It supports no other formats with a DX10 header; the bytes of those levels
-// are compared with KTX2.
+// OpenImageIO decodes the compressed blocks of DDS files. It does not support other formats with a DX10 header, so the
+// bytes of those levels are compared with the KTX2 file.
 TEST_F(ExportCommandTest, OpenImageIoReadsDds) {
   write("map.png", normal_image(36, 24));
   for (const Stored& kind : stored_kinds()) {
@@ -306,7 +306,7 @@ TEST_F(ExportCommandTest, OpenImageIoReadsDds) {
   }
 }
 
-// Errors are measured on decoded blocks with the z that a shader computes. In this rough map the normals of a block
+// Errors are measured on decoded blocks, with z computed as in a shader. In this rough map, the normals of one block
 // differ greatly.
 TEST_F(ExportCommandTest, MeasuresWhatIsStored) {
   make_map("big", 128);
@@ -364,7 +364,7 @@ TEST_F(ExportCommandTest, TakesABakedFile) {
   EXPECT_EQ(reports["map"]["accuracy"]["names"]["baked"], "4 baked lobes");
 }
 
-// The page has all ways to filter, with pictures and numbers. Lobes have the lowest error and flicker least.
+// The page shows every way of filtering, with pictures and numbers. Lobes have the lowest error and the least flicker.
 TEST_F(ExportCommandTest, WritesAPage) {
   make_map("big", 128);
   const ProgramResult result = multum({"export", path("big_normal.png"), "-o", path("out"), "--base-roughness", "0.3",
@@ -491,7 +491,7 @@ TEST_F(ExportCommandTest, RefusesWhatCannotBe) {
   expect_refusal(multum({"export", path("map.png"), "-o", path("map.png/a.dds")}), kEnvironment, {"map.png"});
   expect_refusal(multum({"export", path("map.png"), "-o", path("map.png/out")}), kEnvironment, {"map.png"});
   expect_refusal(multum({"export", path("map.png")}), kUsage, {"--output"});
-  // The output folder holds the source itself, under an output's name.
+  // The output folder contains the source map, which has the name of an output file.
   std::filesystem::create_directory(path("own"));
   write("own/normal_00.png", normal_image(16, 16));
   const std::string before = read_bytes(path("own/normal_00.png"));

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests multum export for engines with other conventions: green down, smoothness, no metalness, UASTC. Also tests the
-// line about engines that load none of the files. OpenImageIO reads images and DDS blocks; three.js reads UASTC in
-// Chromium.
+// Tests multum export for engines with other conventions: green down, smoothness, no metalness, and UASTC. Also tests
+// the message about engines that cannot load any of the files. OpenImageIO reads images and DDS blocks; three.js reads
+// UASTC in Chromium.
 #include <OpenImageIO/imageio.h>
 
 #include <cmath>
@@ -20,7 +20,7 @@ namespace {
 
 const std::string kModules = MULTUM_SOURCE_DIR "/tests/service/web/node_modules/";
 
-// Holds a level of a texture, four values per texel.
+// Holds one level of a texture, with four values per texel.
 using Texels = std::vector<float>;
 
 class ExportEnginesTest : public CliTest {
@@ -104,7 +104,7 @@ TEST_F(ExportEnginesTest, GreenDownIsTheOtherWayRoundInTextureFiles) {
           ASSERT_NEAR(down[i], i % 4 == 1 ? kind.sum - up[i] : up[i], kind.tolerance) << "level " << l << ", " << i;
       }
     }
-  // OpenImageIO decodes BC5: the green channel of level 0 is that of the map, inverted.
+  // OpenImageIO decodes BC5. The green channel of level 0 is the inverted green channel of the map.
   const Picture blocks = dds_level("down_normal.dds", 0), map = read_picture(path("map.png"));
   float error = 0.0f;
   for (int y = 0; y < kHeight; ++y)
@@ -161,7 +161,7 @@ TEST_F(ExportEnginesTest, SmoothnessIsInTheMasksAlpha) {
     }
     std::filesystem::remove_all(path("mask"));
   }
-  // Compares blocks with alpha, decoded by OpenImageIO, with the images' roughness.
+  // Compares the roughness in blocks with alpha, as OpenImageIO decodes them, with the roughness of the images.
   expect_done("orm", with({"png"}));
   expect_done("blocks.dds", with({"dds", "--smoothness", "--texels", "bc"}));
   for (int l = 0; l < kLevels; ++l) {
@@ -275,7 +275,7 @@ TEST_F(ExportEnginesTest, RefusesUastcThatItCannotWrite) {
     EXPECT_FALSE(entry.path().filename().string().starts_with(".multum")) << entry.path();
 }
 
-// Manifests have the same keys, and an export notices when they change.
+// Manifests have keys for the same settings, and an export notices when these keys change.
 TEST_F(ExportEnginesTest, ManifestsHaveThem) {
   const auto with = [&](const std::string& keys) {
     write_bytes(path("maps.toml"),
@@ -299,7 +299,7 @@ TEST_F(ExportEnginesTest, ManifestsHaveThem) {
   expect_says(stale.err, {"stale", "write_green"});
 }
 
-// The export prints one line with a remedy, or none if every engine loads the files.
+// The export prints one line that says what to do. It prints nothing if every engine loads the files.
 TEST_F(ExportEnginesTest, SaysWhichEnginesLoadNothing) {
   const ProgramResult bytes = run("bytes.ktx2", {});
   expect_says(bytes.out, {"bytes.ktx2: known not to load: Babylon.js, PlayCanvas, Filament", "--texels uastc"});

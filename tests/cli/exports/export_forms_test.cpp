@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests multum export --form and --for: the values of levels, the printed lines, and refusals.
+// Tests multum export --form and --for: the values of the levels, the printed lines, and the refusals.
 #include <cmath>
 #include <filesystem>
 #include <map>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests multum export of several maps: names, sets, and manifests whose maps are exported only after a change.
+// Tests multum export of several maps: output names, tile sets, and manifests. An export with a manifest skips
+// unchanged maps.
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -39,7 +40,7 @@ constexpr char kTwoMaps[] =
     "[[map]]\ninput = \"rock_<UDIM>.png\"\noutput = \"out/rock_<UDIM>.ktx2\"\nroughness = \"orm_<UDIM>.png\"\n"
     "[[map]]\ninput = \"wall.png\"\noutput = \"out/wall\"\nbase_roughness = 0.3\nformat = \"png\"\n";
 
-// The maps have the same content, so they have the same counts, which are those of a single export.
+// The maps have the same content, so their counts equal the counts of a single export.
 TEST_F(ExportManifestTest, EachReportCountsItsOwnLaunches) {
   fs::create_directory(path("out"));
   const auto run = [&](std::vector<std::string> words) {

@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::uintmax_t kSomeRecords = 3'000'000;  // bytes, of about 10 MB in all
+constexpr std::uintmax_t kSomeRecords = 3'000'000;  // in bytes; the whole work takes about 10 MB
 
 class ExportResumeTest : public CliTest {
  protected:
@@ -28,7 +28,7 @@ class ExportResumeTest : public CliTest {
     whole_ = hashes("whole");
   }
 
-  // Exports in several bands of rows.
+  // Exports the map in several bands of rows.
   std::vector<std::string> command(const std::string& folder, const std::vector<std::string>& more) const {
     std::vector<std::string> arguments = {"export",  path("map_normal.png"), "-o",           path(folder), "--memory",
                                           "16M",     "--base-roughness",     "0.25",         "--green",    "up",

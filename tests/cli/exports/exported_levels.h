@@ -22,11 +22,11 @@ struct Picture {
 /// Fails the test if the image cannot be read.
 Picture read_picture(const std::string& path);
 
-/// Returns a level's bytes from a file without supercompression. In KTX2 the index gives their place; in DDS the levels
-/// are in file order.
+/// Returns a level's bytes from a file without supercompression. The index of a KTX2 file gives the place of each
+/// level. In a DDS file, the levels are stored in order.
 std::string level_of(const std::string& bytes, TexelFormat format, int width, int height, int level);
 
-/// Returns texels as a shader reads them, four values each.
+/// Returns the texels as a shader reads them, with four values per texel.
 std::vector<float> decoded_level(const std::string& bytes, TexelFormat format, int width, int height);
 
 }  // namespace multum::testing

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Prints what three.js's KTX2Loader reads from KTX2 files in headless Chromium, as JSON: the names of the extensions
-// for compressed textures, and an object per file. The object has the size, the loader's format and filter, and every
-// level's texels as a shader reads them, floats in base64. For a file that cannot be loaded it has an error instead.
+// for compressed textures, and one object per file. The object has the size, the loader's format and filter, and the
+// texels of every level as a shader reads them (floats in base64). If a file cannot be loaded, its object has an error.
 //
 //   node tests/cli/exports/ktx2_in_three.mjs CHROMIUM FILE...
 import { readFile } from "node:fs/promises";

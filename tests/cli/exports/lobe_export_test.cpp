@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests multum export --lobes: the file as ktx-parse and multum read it, the difference of stored lobes from baked
-// ones, a picture by multum-view, and refusals.
+// Tests multum export --lobes: the file as ktx-parse and multum read it, the difference between stored and baked lobes,
+// a picture that multum-view draws, and the refusals.
 #include <glm/geometric.hpp>
 
 #include <algorithm>
@@ -66,8 +66,8 @@ StorageError storage_error(const MovmfMipmap& baked, const MovmfMipmap& stored) 
 TEST_F(LobeExportTest, StoresTheLobes) {
   const MovmfMipmap baked = read_movmf_mipmap(path("map.ndf.exr"));
   // These errors are expected: 16-bit floats have 11 bits of precision, 8 bits of a lobe's range give 1/255 / sqrt(12)
-  // per channel, and BC4 gives a seventh of a block's span. Blocks of the coarsest levels are not full, so all levels
-  // of a map of 64 x 64 take more than 4/3 of the first level.
+  // per channel, and BC4 gives a seventh of a block's span. The coarsest levels do not fill their blocks, so all levels
+  // of a 64 x 64 map take more than 4/3 of the size of the first level.
   const struct {
     const char* texels;
     double bytes_ratio;

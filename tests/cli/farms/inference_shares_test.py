@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Texture inference by several processes gives the same textures, matrices and manifest as one process, whatever the
-number of shares, their order and repetition. Missing, damaged or hostile records are named, and only these are made
-again.
+"""Tests that texture inference by several processes gives the same textures, matrices and manifest as one process,
+whatever the number, order and repetition of the shares. Messages name missing, damaged or hostile records, and only
+these are made again.
 
   tests/cli/farms/inference_shares_test.py --programs FOLDER --traced-folder PROGRAM
 """
@@ -46,7 +46,7 @@ class InferenceSharesTest(merged_shares.MergedSharesTest):
 
     def report(self, folder):
         report = json.loads((folder / "report.json").read_text())
-        for name in ("seconds", "matrices_measured"):  # two shares may measure the same matrices
+        for name in ("seconds", "matrices_measured"):  # Two shares may measure the same filter matrices.
             report.pop(name)
         return report
 

@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""One map baked by several processes gives the same bytes as one process, whatever the number of shares, their order
-and repetition. Shares that are missing, damaged or of another bake are named and made again.
+"""Tests that several processes that bake one map give the same bytes as one process, whatever the number, order and
+repetition of the shares. Messages name shares that are missing, damaged or from another bake, and these are made
+again.
 
   tests/cli/farms/map_shard_test.py --programs FOLDER
 """
@@ -97,7 +98,8 @@ class MapShardTest(unittest.TestCase):
         words = ("-o", self.output, "--shard")
         self.assertEqual(farm_programs.run("bake", source, *words, "0/2").returncode, 0)
         times = source.stat()
-        os.utime(source, ns=(times.st_atime_ns, times.st_mtime_ns + 10**9))  # only the time has changed: the same hash
+        # Only the modification time has changed, so the hash is the same.
+        os.utime(source, ns=(times.st_atime_ns, times.st_mtime_ns + 10**9))
         self.assertEqual(farm_programs.run("bake", source, *words, "1/2").returncode, 0)
         shutil.copy(self.maps / "map250_normal.png", source)
         done = farm_programs.run("bake", source, *words, "2/2")
@@ -114,11 +116,11 @@ class MapShardTest(unittest.TestCase):
         self.assertIn("unchanged", self.succeed("--shard", "0/2").stdout)
         self.assertEqual(self.share(0, 2).stat().st_mtime_ns, before.st_mtime_ns)
         self.assertIn("written", self.succeed("--shard", "0/2", "--force").stdout)
-        self.assertIn("written", self.succeed("--shard", "0/2", "--lobes", 3).stdout)  # a share of another bake
+        self.assertIn("written", self.succeed("--shard", "0/2", "--lobes", 3).stdout)  # this is a share of another bake
 
     def test_what_is_missing_or_damaged_is_named_and_made_again(self):
         self.succeed(output=self.folder / "whole.ndf.exr")
-        done = self.bake("--shard", "1/3")  # share 1 before share 0, which makes the coarse levels
+        done = self.bake("--shard", "1/3")  # share 1 runs before share 0, which makes the coarse levels
         self.assertEqual(done.returncode, 4)
         self.assertIn("shared.ndf.exr.shard-0-of-3: does not exist", done.stderr)
         self.assertIn("--shard 0/3 makes it", done.stderr)
@@ -137,11 +139,12 @@ class MapShardTest(unittest.TestCase):
         self.share(3, 3).write_bytes(damaged)
         done = self.bake("--merge", 3)
         self.assertEqual(done.returncode, 4)
-        self.assertIn("shared.ndf.exr.shard-3-of-3: has damaged rows", done.stderr)
+        self.assertRegex(done.stderr, r"shared\.ndf\.exr\.shard-3-of-3: rows \d+ to \d+ of level \d+ are damaged")
         self.succeed("--shard", "3/3", "--force")
         self.succeed("--merge", 3)
         self.assertEqual(self.output.read_bytes(), (self.folder / "whole.ndf.exr").read_bytes())
-        self.assertIn("unchanged", self.succeed("--merge", 3).stdout)  # the merge has finished, and the shares are gone
+        # The merge has finished and has removed the shares.
+        self.assertIn("unchanged", self.succeed("--merge", 3).stdout)
 
     def test_shares_of_another_bake_are_refused(self):
         for index in range(3):
@@ -169,16 +172,16 @@ class MapShardTest(unittest.TestCase):
         self.assertFalse([path for path in self.folder.iterdir() if "tmp" in path.name])
 
     def test_refusals(self):
-        for words, expected in ((("--shard", "1/1"), "expected I/N of one map"),
-                                (("--shard", "3/2"), "expected I/N of one map"),
-                                (("--shard", "1-2/2"), "expected I/N of one map"),
+        for words, expected in ((("--shard", "1/1"), "expected a share I/N of one map"),
+                                (("--shard", "3/2"), "expected a share I/N of one map"),
+                                (("--shard", "1-2/2"), "expected a share I/N of one map"),
                                 (("--shard", "0/64"), "--shard has 64 bands, expected fewer"),
                                 (("--shard", "0/2", "--lobes", 1), "plain average"),
                                 (("--shard", "1/2", "--refine"), "--refine"),
                                 (("--merge", 2, "--refine"), "--refine"),
                                 (("--shard", "1/2", "--ndf", "sh"), "expected vMF lobes"),
-                                (("--shard", "1/2", "--merge", 2), "exclude each other"),
-                                (("--merge", 2, "--target-error", "0.1"), "exclude each other")):
+                                (("--shard", "1/2", "--merge", 2), "are mutually exclusive"),
+                                (("--merge", 2, "--target-error", "0.1"), "are mutually exclusive")):
             with self.subTest(words=words):
                 done = self.bake(*words)
                 self.assertEqual(done.returncode, 2, done.stdout + done.stderr)

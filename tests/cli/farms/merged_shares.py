@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Common tests for shares of scenes and of inference: their records are in OUTPUT/shards, and merges check them."""
+"""Contains tests that shares of scenes and shares of inference have in common. The records of shares are in
+OUTPUT/shards, and merges check them."""
 import hashlib
 import itertools
 import json
@@ -12,7 +13,8 @@ import farm_programs
 
 
 def hashes(folder):
-    """Returns hashes of the results by name, without reports, which contain times and so differ between equal runs."""
+    """Returns the hash of each result by its name. Reports are left out, because they contain times and so differ
+    between equal runs."""
     return {str(path.relative_to(folder)): hashlib.sha256(path.read_bytes()).hexdigest()
             for path in sorted(folder.rglob("*"))
             if path.is_file() and not {"shards", "frames", "comparison"} & set(path.relative_to(folder).parts)
@@ -67,7 +69,7 @@ class MergedSharesTest(unittest.TestCase):
         """`of_share_two` is the name of a result that share 2 of 3 makes."""
         for index in (1, 3):
             self.succeed("--shard", f"{index}/3")
-        self.refused("2-of-3.shard: is not there: --shard 2/3 makes it again")
+        self.refused("2-of-3.shard: is missing: --shard 2/3 makes it again")
         self.assertIn("written", self.succeed("--shard", "2/3"))
         times = {path: path.stat().st_mtime_ns for path in self.out.rglob("*") if path.is_file()}
         self.assertNotIn("written", self.succeed("--shard", "1-3/3"))
@@ -86,16 +88,16 @@ class MergedSharesTest(unittest.TestCase):
             self.assertEqual(result.read_bytes(), whole)
             others = {path: path.stat().st_mtime_ns for path in times
                       if path.exists() and path != result and path != self.record(2) and path.suffix != ".json"}
-            self.assertEqual(others, {path: times[path] for path in others})  # no other result was made again
-        for _ in range(2):  # twice, because a farm may repeat the merge
+            self.assertEqual(others, {path: times[path] for path in others})  # no other result was made a second time
+        for _ in range(2):  # merges twice, because a farm may repeat the merge
             self.succeed("--merge", 3)
             self.assertEqual(hashes(self.out), self.whole)
 
     def hostile_records(self, index):
-        """Returns texts that are not a valid record of share `index` of 3, whose valid record exists."""
+        """Returns texts that are not valid records of share `index` of 3. The valid record of this share exists."""
         good = self.record(index).read_text()
         line, _ = good.splitlines()
-        self.assertEqual(signed(line), good)  # so that checks other than the hash refuse too
+        self.assertEqual(signed(line), good)  # so that checks other than the hash check refuse the share
         record = json.loads(line)
         content = record["content"]
         texts = ["", "{", good[:len(good) // 2], good + "\n", signed(""), signed("[" * 100000), signed("\x00" * 64),
@@ -111,7 +113,7 @@ class MergedSharesTest(unittest.TestCase):
 
     def check_hostile_records(self):
         self.succeed("--shard", "1-3/3")
-        # Each share has a third of these texts, because a merge names everything that it refuses.
+        # Each share has a third of these faults. A merge names every fault.
         thirds = [self.hostile_records(index)[index - 1::3] for index in (1, 2, 3)]
         for texts in itertools.zip_longest(*thirds, fillvalue=""):
             with self.subTest(texts=[text[:200] for text in texts]):
@@ -130,7 +132,7 @@ class MergedSharesTest(unittest.TestCase):
 
     def check_refusals(self):
         for more, part in ((("--shard", "0/3"), "expected I/N"), (("--shard", "1/5000"), "at most 4096 shares"),
-                           (("--shard", "1/3", "--merge", "3"), "exclude each other"), (("--merge", "0"), "--merge")):
+                           (("--shard", "1/3", "--merge", "3"), "mutually exclusive"), (("--merge", "0"), "--merge")):
             done = self.run_command(*more)
             self.assertEqual(done.returncode, 2, more)
             self.assertIn(part, done.stderr)

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Runs a job bundle by the specification of Open Job Description ("How Jobs Are Run"): parameters, steps after their
-dependencies, tasks and chunks of tasks, cancelation, and the messages that tasks print."""
+"""Runs a job bundle as the specification of Open Job Description says ("How Jobs Are Run"). Supports parameters, steps
+that run after their dependencies, tasks and chunks of tasks, cancelation, and the messages that tasks print."""
 import dataclasses
 import pathlib
 import re
@@ -13,7 +13,7 @@ import yaml
 
 @dataclasses.dataclass
 class Task:
-    """A task or a chunk of tasks that was run."""
+    """Describes a task or a chunk of tasks that was run."""
     values: dict
     code: int
     text: str
@@ -80,7 +80,7 @@ class Bundle:
         return [resolved(word, everything) for word in [run["command"], *run.get("args", [])]]
 
     def run(self, chunk_size=1, again=(), order=lambda tasks: tasks):
-        """Runs every task once, and those of `again` twice. After a failed task, later steps do not run."""
+        """Runs every task once, and runs the tasks in `again` twice. After a failed task, later steps do not run."""
         tasks = []
         for step in self.steps():
             for values in order(self.task_values(step, chunk_size)):

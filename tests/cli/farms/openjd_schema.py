@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Open Job Description's "Template Schemas", revision 2023-09, sections 1 to 7, and RFC 0001 (TASK_CHUNKING), as JSON
-schemas. They cover the parts that multum's bundles use and refuse everything else in a template."""
+"""Contains JSON schemas for Open Job Description's "Template Schemas", revision 2023-09, sections 1 to 7, and for RFC
+0001 (TASK_CHUNKING). The schemas cover the parts that multum's bundles use, and refuse everything else in a
+template."""
 
 IDENTIFIER = {"type": "string", "pattern": r"^[A-Za-z_][A-Za-z0-9_]{0,63}$"}  # 7.2
 NAME = {"type": "string", "minLength": 1, "maxLength": 128, "pattern": r"^[^\x00-\x1f\x7f-\x9f]+$"}
@@ -50,7 +51,7 @@ TEMPLATE = {"$schema": "http://json-schema.org/draft-07/schema#", **closed(  # 1
     description={"type": "string", "maxLength": 2048},
     parameterDefinitions={"type": "array", "minItems": 1, "maxItems": 50,
                           "items": {"oneOf": [PATH_PARAMETER, STRING_PARAMETER]}})}
-# Paths are absolute, as in job bundles of AWS Deadline Cloud.
+# All paths are absolute, as in the job bundles of AWS Deadline Cloud.
 PATHS = {"type": "array", "items": {"type": "string", "pattern": "^/"}}
 VALUES = closed({"parameterValues": {"type": "array", "items": closed(
     {"name": IDENTIFIER, "value": {"type": "string", "maxLength": 1024}})}})

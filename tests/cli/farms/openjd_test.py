@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Tests multum on render farms. Job bundles of Open Job Description are checked against the published schema and run by
-the specification, and give the same files as without a farm. Also tests shares of several maps, and exit codes.
+"""Tests multum on render farms. Checks job bundles of Open Job Description with the published schema and runs them as
+the specification says. They must give the same files as without a farm. Also tests shares of several maps, and exit
+codes.
 
   tests/cli/farms/openjd_test.py --programs FOLDER --traced-folder PROGRAM
 """
@@ -55,7 +56,7 @@ class FarmTest(unittest.TestCase):
         return done
 
     def baked_here(self):
-        """The results of the manifest's maps without a farm."""
+        """Returns the results for the maps of the manifest without a farm."""
         self.succeed("bake", "--manifest", self.manifest)
         there = contents(self.folder / "out")
         self.assertEqual(len(there), self.maps)
@@ -77,7 +78,7 @@ class FarmTest(unittest.TestCase):
 class SharesTest(FarmTest):
     def test_shares_make_what_one_run_makes(self):
         whole = self.baked_here()
-        for share in ("3/3", "1/3", "2/3", "1/3"):  # in any order, and one of them twice
+        for share in ("3/3", "1/3", "2/3", "1/3"):  # runs the tasks in any order, and one of them twice
             self.succeed("bake", "--manifest", self.manifest, "--shard", share)
         self.assertEqual(contents(self.folder / "out"), whole)
 
@@ -169,7 +170,8 @@ class BundleTest(FarmTest):
         self.assertIn("rock_1002.png", task.failures[0])
 
     def test_a_canceled_task_goes_on_where_it_stopped(self):
-        self.succeed("testmap", self.folder / "large", "--size", 2048)  # takes some seconds; prints one line per second
+        # This task takes some seconds and prints one line per second.
+        self.succeed("testmap", self.folder / "large", "--size", 2048)
         file = self.folder / "out/large.ndf.exr"
         bundle, _ = self.bundle("bake", self.folder / "large_normal.png", "-o", file)
         [step] = bundle.steps()
@@ -264,7 +266,7 @@ class BundleTest(FarmTest):
             self.assertEqual(done.returncode, 2, done.stderr)
             self.assertIn(b"is not UTF-8", done.stderr)
             self.assertFalse((self.folder / "bundle").exists())
-        # The name of a tile in a set is refused too if it is not UTF-8.
+        # The name of a tile in a tile set is also refused if it is not valid UTF-8.
         os.rename(odd, folder + b"/o\xff_1001.png")
         self.assertEqual(subprocess.run(
             [farm_programs.multum(), "openjd", "-o", self.folder / "bundle", "bake", folder + b"/o\xff_<UDIM>.png",
@@ -294,7 +296,8 @@ class BundleTest(FarmTest):
 
 
 class MergedBundleTest(FarmTest):
-    """Runs shares and then a merge. Chunks in any order, one of them twice, give the files of one process."""
+    """Runs shares and then a merge. If chunks run in any order and one of them runs twice, the files must equal those
+    of one process."""
     maps = 3
 
     def check(self, words, shards):
@@ -331,7 +334,7 @@ class MergedBundleTest(FarmTest):
 
 
 class DocumentTest(unittest.TestCase):
-    """Checks docs/how-to/clusters.md: its example for Kubernetes, against the API's reference for batch/v1 Jobs."""
+    """Compares the Kubernetes example in docs/how-to/clusters.md with the API reference for batch/v1 Jobs."""
 
     def test_the_indexed_job(self):
         text = (ROOT / "docs/how-to/clusters.md").read_text()

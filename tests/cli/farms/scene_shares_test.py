@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""A scene baked by several processes gives the same files and the same plan as one process, whatever the number of
-shares, their order and repetition. Missing, damaged or hostile records are named, and only these are made again.
+"""Tests that several processes that bake a scene give the same files and the same plan as one process, whatever the
+number, order and repetition of the shares. Messages name missing, damaged or hostile records, and only these are made
+again.
 
   tests/cli/farms/scene_shares_test.py --programs FOLDER
 """
@@ -27,7 +28,8 @@ class SceneSharesTest(merged_shares.MergedSharesTest):
             farm_programs.run("testmap", cls.folder / f"map{i}", "--size", 32, "--seed", i + 1)
             maps.append((f"wall{i}", f"map{i}", f'albedo = "map{i}_albedo.png"' if i % 2 == 0 else ""))
         cls.scenes = {}
-        # A target chooses lobes by trials. With a common budget for all maps, each share plans all of them.
+        # A target makes the bake choose the number of lobes by trials. If all maps have a common budget, each share
+        # plans all maps.
         for name, budget in (("plain", ""), ("target", "[budget]\ntarget_error = 0.3\n"),
                              ("bytes", "[budget]\nbytes = 90000\n")):
             cls.scenes[name] = cls.folder / f"{name}.toml"

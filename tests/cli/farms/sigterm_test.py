@@ -26,19 +26,19 @@ del sys.argv[at:at + 2]
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "gltf"))
 import gltf_test  # noqa: E402
 
-GRACE_SECONDS = 30  # a farm's grace period; a quarter of it must be enough
+GRACE_SECONDS = 30  # the grace period of a farm; the program must stop within a quarter of it
 SIZE = 128
 
 
 @dataclasses.dataclass
 class Row:
-    """A command. `{out}` in its words is replaced by the folder of its results."""
+    """Describes a command. `{out}` in its words is replaced by its result folder."""
     name: str
     words: tuple
-    keeps: tuple = ()   # prefixes of names, also hidden ones, that may exist after the stop
+    keeps: tuple = ()   # prefixes of file names (hidden files included) that may exist after the stop
     before: tuple = ()  # commands that make its inputs in `out`
-    timed: tuple = ("report.json", "report.html")  # results that contain times and so differ between runs
-    until: str = ""     # a stage that must have begun before the stop
+    timed: tuple = ("report.json", "report.html")  # results that differ between runs because they contain times
+    until: str = ""     # the stage that must have begun before the stop
     share: float = 0.3  # the share of its run time after which it is stopped
 
 
@@ -47,7 +47,7 @@ LARGE = ("{maps}/large_normal.png",)
 ONE = ("-o", "{out}/map.ndf.exr", "--no-measure")
 PARTIAL = (".multum-partial-",)
 ROWS = (
-    # Includes the measuring stage.
+    # The run includes the measuring stage.
     Row("bake", ("bake", *MAP, "-o", "{out}/map.ndf.exr", "--resume"), PARTIAL),
     Row("bake gmm", ("bake", *MAP, *ONE, "--ndf", "gmm", "--resume"), PARTIAL),
     Row("bake refine", ("bake", *MAP, *ONE, "--refine", "--resume"), PARTIAL),
@@ -84,7 +84,8 @@ ROWS = (
     # Stops while multum-view draws.
     Row("tradeoff drawing", ("tradeoff", *MAP, "-o", "{out}/costs.html", "--context", "osmesa"), until="draw"),
     Row("gltf", ("gltf", "{maps}/model.glb", "-o", "{out}/model.glb", "--format", "rgba8")),
-    # Stages are reported once per second: on a fast machine the small model would be done by then.
+    # Stages are reported once per second. On a fast machine, the export of the small model would end before the first
+    # report.
     Row("gltf lobes", ("gltf", "{maps}/large.glb", "-o", "{out}/model.glb", "--format", "rgba8", "--lobes"),
         until="lobes"),
     Row("export", ("export", *MAP, "-o", "{out}/engine")),
@@ -165,7 +166,7 @@ class SigtermTest(unittest.TestCase):
         for row in ROWS:
             with self.subTest(row.name):
                 whole, pauses = {}, (0.0,) if row.until else (0.2, 0.05, 0.0)
-                if row.keeps:  # other commands begin again, as in the first run
+                if row.keeps:  # other commands begin again as in the first run
                     whole_out = self.out_of(row, "whole")
                     begin = time.monotonic()
                     self.prepare(*self.words_of(row.words, whole_out))

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Draws models with three.js in headless Chromium, far and near. Compares each far picture with the mean of many
-// samples
-// per pixel of the first model, which shows its highlights without mips.
+// Draws models with three.js in headless Chromium, from far and from near. Compares each picture from far with a
+// reference of the first model, which averages many samples per pixel and so shows the highlights without mips.
 //
 //   node gltf_drawing.mjs CHROMIUM SCREENSHOT PLAN
 //
@@ -28,7 +27,7 @@ import { GLTFLoader } from "three/addons/loaders/GLTFLoader.js";
 import { KTX2Loader } from "three/addons/loaders/KTX2Loader.js";
 import { compared } from "./linear_pictures.js";
 const plan = ${JSON.stringify({ ...plan, models: plan.models.map((file, i) => `model${i}/${path.basename(file)}`) })};
-const SIDE = 64, SAMPLES = 12; // pixels per side of a picture; samples per pixel in each direction
+const SIDE = 64, SAMPLES = 12; // the pixels per side of a picture, and the samples per pixel in each direction
 const renderer = new THREE.WebGLRenderer({ antialias: false });
 renderer.outputColorSpace = THREE.LinearSRGBColorSpace;
 const ktx2 = new KTX2Loader().setTranscoderPath("./three/examples/jsm/libs/basis/").detectSupport(renderer);
@@ -43,7 +42,7 @@ function draw(scene, camera, side) {
   target.dispose();
   return pixels;
 }
-// Returns means of SAMPLES x SAMPLES pixels.
+// Returns a picture in which each pixel is the mean of SAMPLES x SAMPLES drawn pixels.
 function averaged(pixels) {
   const side = SIDE * SAMPLES, made = new Float32Array(4 * SIDE * SIDE);
   for (let y = 0; y < side; ++y)

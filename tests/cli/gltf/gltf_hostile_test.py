@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Damaged and malicious models: each is refused with a message that names the problem, and no file is left behind.
+"""Tests damaged and malicious models. Each model is refused with a message that names the problem, and no file is left
+behind.
 
   gltf_hostile_test.py MULTUM [unittest's arguments]
 """
@@ -16,7 +17,7 @@ from gltf_test import INPUT_REFUSED, USAGE, ENVIRONMENT, packed, plain_model
 from model_writing import bumps, glb_of
 
 MULTUM = ""
-BROKEN_FILES = 60  # runs of the last test, one process each
+BROKEN_FILES = 60  # the number of runs of the last test, each in its own process
 
 
 class HostileTest(unittest.TestCase):
@@ -45,7 +46,7 @@ class HostileTest(unittest.TestCase):
         os.remove(self.path(name))
 
     def changed(self, change):
-        """Returns a valid model's GLB after `change(json)`."""
+        """Returns the GLB of a valid model after `change(json)`."""
         model = plain_model()
         model.glb()
         change(model.json)

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
 """Tests `multum gltf --lobes`: the extension MULTUM_lobes of materials (docs/reference/gltf.md, "The extension
-MULTUM_lobes"), the unchanged rest, and the results of gltf-validator, three.js and @multum/three.
+MULTUM_lobes"), the parts that stay unchanged, and the results of gltf-validator, three.js and @multum/three.
 
   gltf_lobes_test.py MULTUM [unittest's arguments]
 """
@@ -30,7 +30,7 @@ NAME = "MULTUM_lobes"
 
 
 def key_of(data, key=b"multumLobes"):
-    """Returns the form of a KTX2 file, its layers, and the JSON of its key."""
+    """Returns the format of a KTX2 file, its number of layers, and the JSON of its key."""
     assert data[:12] == b"\xabKTX 20\xbb\r\n\x1a\n"
     form, _, _, _, _, layers, _, _, scheme = struct.unpack("<9I", data[12:48])
     at, length = struct.unpack("<2I", data[56:64])
@@ -74,7 +74,7 @@ class GltfLobesTest(FolderCase):
         self.assertNotIn(NAME, after.json["extensionsRequired"])
         extension = after.json["materials"][0]["extensions"][NAME]
         self.assertEqual(extension, {"lobes": 0, "roughnessFactor": 0.5, "metallicRoughnessTexture": {"index": 1}})
-        # The surface's own roughness image stays unchanged in its place.
+        # The roughness image of the material stays unchanged in its place.
         self.assertEqual(after.json["textures"][1], before["textures"][1])
         self.assertEqual(after.image(1), packed(16, 8))
         form, layers, scheme, key = key_of(self.lobes_of(after, 0))
@@ -83,7 +83,7 @@ class GltfLobesTest(FolderCase):
         self.assertEqual((key["wrapS"], key["wrapT"], len(key["lobes"])), ("periodic", "periodic", 4))
         self.assertEqual(report["textures"][0]["bytes"]["lobes"], len(self.lobes_of(after, 0)))
         self.assertTrue(report["lobes"])
-        # Without the extension, the material equals the result of a run without --lobes.
+        # Apart from the extension, the material is the same as after a run without --lobes.
         here, there = after.json["materials"][0], plain.json["materials"][0]
         self.assertEqual(set(here) - set(there), {"extensions"})
         for place in (("normalTexture",), ("pbrMetallicRoughness", "metallicRoughnessTexture"), ("occlusionTexture",)):
@@ -142,7 +142,7 @@ class GltfLobesTest(FolderCase):
                                       {"lobes": 1, "roughnessFactor": 0.7}, None])
         self.assertEqual(len(report["textures"]), 2)
         self.assertEqual(key_of(self.lobes_of(after, 1))[3]["wrapT"], "clamp")
-        self.assertEqual(self.lobes_of(after, 0), self.lobes_of(after, 1))  # the same map, without roughness in it
+        self.assertEqual(self.lobes_of(after, 0), self.lobes_of(after, 1))  # the same map without roughness
 
     def coloured(self, *colours):
         """Converts steep facets with one material for each of `colours`. With "with", facets that face right are
@@ -204,7 +204,7 @@ class GltfLobesTest(FolderCase):
     @unittest.skipUnless(shutil.which("node") and (MODULES / "three").is_dir(),
                          "no npm packages: tools/install_dependencies test")
     def test_colours_of_lobes_are_drawn(self):
-        """Readers that do not support the lobes have a higher error."""
+        """Programs that do not support the lobes have a higher error."""
         self.coloured("with")
         known = self.read("out.glb")
         self.assertEqual(known.count(b'"colours"'), 1)
@@ -277,7 +277,7 @@ class GltfLobesTest(FolderCase):
         self.draw()
 
     def drawn(self, plan):
-        """Returns the output of model_pictures.mjs for a plan's pictures."""
+        """Returns the output of model_pictures.mjs for the pictures of a plan."""
         with open(self.path("plan.json"), "w", encoding="utf-8") as file:
             json.dump(plan, file)
         subprocess.run([MULTUM, "shaders", "-o", self.path("shaders"), "--quiet"], check=True)

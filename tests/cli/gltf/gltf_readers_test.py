@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Models of `multum gltf` in other programs: gltf-validator and ktx-parse read them, and three.js draws them in
-Chromium, far and near, next to the original model.
+"""Tests the models of `multum gltf` in other programs. gltf-validator and ktx-parse read them, and three.js draws them
+in Chromium, from far and near, next to the original model.
 
   gltf_readers_test.py MULTUM [unittest's arguments]
 
-Pictures go to the folder that MULTUM_SCREENSHOTS names, if it is set. With MULTUM_SHARED_DATA real models are converted
-too, one of them a Khronos sample model.
+If MULTUM_SCREENSHOTS names a folder, the pictures are stored there. If MULTUM_SHARED_DATA is set, real models are also
+converted. One of them is a Khronos sample model.
 """
 import json
 import math
@@ -40,7 +40,7 @@ def browser():
 
 
 def ridges(width, height):
-    """Smooth bumps of several sizes, steep enough to split a highlight."""
+    """Returns smooth bumps of several sizes, which are steep enough to split a highlight."""
     def slope(x, y):
         turn = 2 * math.pi
         return (0.35 * math.sin(turn * x / 8) + 0.25 * math.sin(turn * (3 * x + y) / 32),
@@ -86,7 +86,8 @@ class ReadersTest(FolderCase):
         return json.loads(run.stdout)
 
     def assert_valid(self, read):
-        """The validator does not support KTX2 and warns about each such image twice; it must report nothing else."""
+        """The validator does not support KTX2 and prints two warnings about each such image. It must not report any
+        other problem."""
         expected = [f"{code} /images/{number}{place}" for code, place in
                     (("VALUE_NOT_IN_LIST", "/mimeType"), ("IMAGE_UNRECOGNIZED_FORMAT", ""))
                     for number in range(len(read["textures"]))]
@@ -128,7 +129,7 @@ class ReadersTest(FolderCase):
         near, far = self.draw("plate.png", {"models": [self.path(name) for name in names[:3]], "distances": [0.15, 5.5],
                                             "angle": 20, "light": [1, 0.6, 1.5], "intensity": 3})
         print("near", near, "far", far)
-        # From near, level 0 is drawn. From far, a pixel covers many bumps, and only fitted levels have the right
+        # From near, level 0 is drawn. From far, a pixel covers many bumps, and only fitted levels show the right
         # highlights.
         for one in near[1:]:
             self.assertAlmostEqual(one["energy"], near[0]["energy"], delta=0.1)
@@ -161,8 +162,8 @@ class ReadersTest(FolderCase):
         self.assertEqual([texture["size"] for texture in read["textures"]], [[32, 20]] * 2)
 
     def test_uastc_is_taken_where_it_shows_little(self):
-        """Smooth bumps stay UASTC. Noise does not suit UASTC and gets 8 bits per channel, and an image for other
-        loaders."""
+        """Smooth bumps are stored as UASTC. Noise does not suit UASTC, so it is stored with 8 bits per channel and
+        with an additional image for other loaders."""
         draw = random.Random(54)
         noise = [bytes((draw.randrange(64, 192), draw.randrange(64, 192), 230)) for _ in range(64 * 64)]
         swell = png(64, 64, lambda x, y:
@@ -240,7 +241,7 @@ class ReadersTest(FolderCase):
                 self.assertEqual(after["errors"], 0, after)
                 new = set(after["messages"]) - set(before["messages"])
                 self.assertEqual({message.split()[0] for message in new},
-                                 {"VALUE_NOT_IN_LIST", "IMAGE_UNRECOGNIZED_FORMAT"})  # allowed by assert_valid()
+                                 {"VALUE_NOT_IN_LIST", "IMAGE_UNRECOGNIZED_FORMAT"})  # assert_valid() allows these
                 self.assertEqual(len(after["textures"]), 2 * len(report["textures"]))
                 self.draw(stem + ".png", {"models": [source, self.path(stem + ".glb")], "distances": distances,
                                           "from": [1, 0.4, 0.5] if "ship" in name else [0.3, 0.2, 1],

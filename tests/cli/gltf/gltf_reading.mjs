@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Prints what independent readers find in GLB files: gltf-validator's issues, and for each KTX2 image what ktx-parse
-// reads. Prints a JSON array with one object per file.
+// Prints what independent readers find in GLB files: the issues that gltf-validator reports, and the contents of each
+// KTX2 image as ktx-parse reads them. The output is a JSON array with one object per file.
 //
 //   node gltf_reading.mjs FILE...
 import { readFileSync } from "node:fs";

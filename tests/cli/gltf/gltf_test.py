@@ -31,7 +31,7 @@ def packed(width, height, texel=None):
 
 
 def plain_model(normal=None, surface=None, **factors):
-    """One material with a normal map and a metallic-roughness texture."""
+    """Returns a model of one material with a normal map and a metallic-roughness texture."""
     model = Model()
     model.square()
     sampler = model.sampler(magFilter=LINEAR, minFilter=LINEAR, wrapS=REPEAT, wrapT=REPEAT)
@@ -93,7 +93,7 @@ class GltfTest(FolderCase):
         self.assertEqual(len(after.json["bufferViews"]), len(before["bufferViews"]))
         self.assertEqual(after.json["samplers"], [{**before["samplers"][0], "minFilter": MIPMAPPED}])
         self.assertEqual(after.json["extensionsRequired"], ["KHR_texture_basisu"])
-        # The old images are removed from the bytes; the mesh data is unchanged.
+        # The old images are removed from the buffer, and the mesh data is unchanged.
         self.assertNotIn(b"IHDR", after.bytes)
         source = Glb(self.read("in.glb"))
         for accessor in before["accessors"]:
@@ -103,7 +103,7 @@ class GltfTest(FolderCase):
         normal, surface = after.levels(0), after.levels(1)
         self.assertEqual([(level.width, level.height) for level in normal],
                          [(16, 8), (8, 4), (4, 2), (2, 1), (1, 1)])
-        # Level 0 has the images' values. Later levels are rougher; their occlusion and metalness are averages.
+        # Level 0 has the images' values. Later levels are rougher, and their occlusion and metalness are averages.
         self.assertEqual(surface[0].at(4, 2)[:3], (255 - 12, 60, 0))
         self.assertEqual(surface[0].at(5, 2)[:3], (255 - 15, 100, 255))
         for channel in (0, 2):
@@ -118,7 +118,7 @@ class GltfTest(FolderCase):
         self.assertIn("KHR_texture_basisu, does not allow", self.messages)
 
     def test_level_0_of_normals_stays_as_it_was(self):
-        """Includes vectors that are not unit vectors, whose directions another rounding would change."""
+        """The vectors include some that are not unit vectors. A second rounding would change their directions."""
         def texel(x, y):
             length = 0.93 + 0.01 * x
             return code(0.3 * length), code(0.1 * (y % 3) * length), code(0.93 * length)
@@ -164,7 +164,7 @@ class GltfTest(FolderCase):
         levels = after.levels(1)
         self.assertEqual(levels[0].at(3, 3)[:3], (255, 102, 255))
         self.assertGreater(levels[3].at(0, 0)[1], 130)
-        # A texture without a sampler gets one that repeats, which is glTF's default.
+        # A texture without a sampler gets a sampler that repeats, which is the default of glTF.
         self.assertEqual(after.json["samplers"], [{"magFilter": LINEAR, "minFilter": MIPMAPPED}])
 
     def test_a_dull_surface_needs_no_roughness(self):
@@ -187,7 +187,7 @@ class GltfTest(FolderCase):
         model = plain_model()
         model.json["textures"][1]["sampler"] = model.sampler(wrapS=CLAMP)
         self.assert_kept(model, "wraps")
-        # A transform that both textures have is kept. An identity transform counts as no transform.
+        # A texture transform is kept if both textures have it. An identity transform counts as no transform.
         for both in (transform, {"extensions": {"KHR_texture_transform": {}}}):
             model = plain_model()
             model.json["materials"][0]["normalTexture"].update(both)
@@ -262,7 +262,7 @@ class GltfTest(FolderCase):
         first = model.json["materials"][0]
         model.json["materials"] += [copy.deepcopy(first) for _ in range(3)]
         model.json["materials"][2]["pbrMetallicRoughness"]["roughnessFactor"] = 0.5
-        # Another texture with the same image and an equal sampler counts as the same texture.
+        # Two textures with the same image and equal samplers count as the same texture.
         model.json["materials"][3]["normalTexture"]["index"] = model.texture(0, sampler=0)
         after, report = self.convert(model)
         self.assertEqual([one["textures"] for one in report["materials"]], [0, 0, 1, 0])
@@ -303,7 +303,7 @@ class GltfTest(FolderCase):
     def test_what_is_not_known_is_not_touched(self):
         model = plain_model()
         before_views = len(model.json["bufferViews"])
-        for index in (0, before_views - 2):  # index of a texture; of a buffer view
+        for index in (0, before_views - 2):  # the index of a texture, and the index of a buffer view
             with self.subTest(index=index):
                 model = plain_model()
                 model.json["extensionsUsed"] = ["ACME_thing"]
@@ -385,8 +385,8 @@ class GltfTest(FolderCase):
             after, report = self.convert(model)
             level = after.levels(1)[0]
             self.assertEqual((level.width, level.height), (8, 8))
-            # The point is a quarter of a texel beyond the border, so it shows either the border itself or the opposite
-            # side.
+            # The point is a quarter of a texel beyond the border, so a lookup there shows either the border texel or
+            # the opposite side.
             self.assertAlmostEqual(level.at(0, 3)[1], expected, delta=1)
             self.assertAlmostEqual(level.at(2, 3)[1], 160, delta=1)
             self.assertIn("one size", report["materials"][0]["notes"][0])
@@ -426,7 +426,7 @@ class GltfTest(FolderCase):
                 model.json["materials"][0]["pbrMetallicRoughness"]["metallicRoughnessTexture"].update(turned)
                 after, report = self.convert(model, "--anisotropy")
                 self.assertNotIn("extensions", after.json["materials"][0])
-                self.assertIn("no anisotropy", report["materials"][0]["notes"][0])
+                self.assertIn("anisotropy was left out", report["materials"][0]["notes"][0])
 
     def test_a_smooth_map_keeps_its_own_textures(self):
         model = plain_model(normal=bumps(64, 64, steepness=0.005), surface=packed(64, 64, lambda x, y: (255, 150, 255)))
@@ -450,7 +450,8 @@ class GltfTest(FolderCase):
         for plain, chosen in zip(errors["plain"], errors["chosen"]):
             self.assertLessEqual(chosen, plain + 0.11)
         self.assertLess(sum(errors["chosen"]), 0.95 * sum(errors["plain"]))
-        # The textures hold the chosen values: the roughness of the coarsest level is above the map's own.
+        # The textures hold the chosen values, so the roughness of the coarsest level is higher than the roughness of
+        # the map.
         surface = after.json["materials"][0]["pbrMetallicRoughness"]["metallicRoughnessTexture"]["index"]
         roughness = [level.mean(1) for level in after.levels(surface)]
         self.assertEqual(roughness[0], 60)

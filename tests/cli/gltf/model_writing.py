@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Writes glTF models for tests, and reads GLB and RGBA KTX2 files, with only Python's standard library."""
+"""Writes glTF models for tests, and reads GLB files and RGBA KTX2 files. Uses only Python's standard library."""
 import base64
 import json
 import math
@@ -11,7 +11,7 @@ FLOAT, UNSIGNED_SHORT = 5126, 5123
 
 
 def png(width, height, texel):
-    """Returns an 8-bit RGB PNG; `texel(x, y)` returns three codes."""
+    """Returns an 8-bit RGB PNG. `texel(x, y)` returns three codes."""
     rows = b"".join(b"\0" + bytes(code for x in range(width) for code in texel(x, y)) for y in range(height))
 
     def chunk(kind, data):
@@ -161,7 +161,7 @@ class Level:
 
 
 def rgba_levels(data):
-    """Returns all levels of an RGBA KTX2 file with 8 bits per channel; the file must hold a full mip chain."""
+    """Returns all levels of an RGBA KTX2 file with 8 bits per channel. The file must contain a full mip chain."""
     assert data[:12] == b"\xabKTX 20\xbb\r\n\x1a\n"
     form, _, width, height, _, _, _, count, scheme = struct.unpack("<9I", data[12:48])
     assert (form, scheme) == (37, 0)

@@ -1,8 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Reads OpenEXR files and baked ones by docs/reference/file_format.md and the OpenEXR file layout, with only Python's
-standard library.
-Supports scan lines, tiles, several parts and levels, uncompressed or with RLE, ZIPS or ZIP. Does not support deep data
-or subsampling."""
+"""Reads OpenEXR files and baked files as the OpenEXR file layout and docs/reference/file_format.md say, with only
+Python's standard library. Supports scan lines, tiles, several parts and several levels, which are uncompressed or
+compressed with RLE, ZIPS or ZIP. Does not support deep data or subsampling."""
 import hashlib
 import math
 import struct
@@ -43,8 +42,8 @@ def run_lengths_decoded(data):
 
 
 def expanded(data, compression, size):
-    """Returns a chunk's bytes. Compressed chunks store differences of bytes, even bytes before odd ones; chunks that do
-    not shrink are stored unchanged."""
+    """Returns a chunk's bytes. Compressed chunks store differences of bytes, first the even bytes and then the odd
+    ones. Chunks that do not get smaller are stored unchanged."""
     if compression == 0 or len(data) == size:
         return data
     packed = bytearray(run_lengths_decoded(data) if compression == 1 else zlib.decompress(data))
@@ -63,7 +62,8 @@ class Part:
         self.left, self.top = box[:2]
         self.width, self.height = box[2] - box[0] + 1, box[3] - box[1] + 1
         self.compression = attributes["compression"][1][0]
-        self.channels, at, listed = [], 0, attributes["channels"][1]  # (name, type) in the order of a row
+        # (name, type) of each channel, in the order within a row.
+        self.channels, at, listed = [], 0, attributes["channels"][1]
         while listed[at]:
             name, at = text_at(listed, at)
             self.channels.append((name, struct.unpack_from("<i", listed, at)[0]))
@@ -95,7 +95,7 @@ class Part:
         return struct.unpack("<i" if kind == "int" else "<f", data)[0]
 
     def add_chunk(self, data, at):
-        """Reads a chunk after its part number."""
+        """Reads the part of a chunk that follows its part number."""
         if self.tile is None:
             level, left = 0, 0
             top = struct.unpack_from("<i", data, at)[0] - self.top
@@ -180,7 +180,8 @@ def finest_z(x, y, encoding):
 
 
 class Baked:
-    """Reads level 0 of a baked file: `normals` [texel][3], shorter than 1 with roughness; `colours`; `weights`."""
+    """Reads level 0 of a baked file: `normals` [texel][3], `colours`, and `weights`. With roughness, normals are
+    shorter than 1."""
 
     def __init__(self, data):
         parts = {part.text("name"): part for part in read_exr(data)}

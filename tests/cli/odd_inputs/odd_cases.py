@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Makes the odd inputs: about 570 small maps from a seed, each with the result that docs/reference/input_maps.md
-promises."""
+"""Makes the odd inputs, which are about 570 small maps from a seed. For each map, also gives the result that
+docs/reference/input_maps.md promises."""
 import math
 import struct
 import zlib
@@ -15,17 +15,17 @@ from odd_tiff import Layout, read_tiff, write_tiff
 
 SIZES = ((8, 8), (9, 13), (17, 11), (33, 17), (16, 16), (12, 20), (31, 9), (5, 7), (8, 33), (1, 1), (1, 16), (16, 1),
          (2, 3), (3, 1))
-LARGE = ((17, 11), (33, 17), (16, 16), (12, 20), (31, 19), (14, 33))  # the direction of green is recognisable
+LARGE = ((17, 11), (33, 17), (16, 16), (12, 20), (31, 19), (14, 33))  # the direction of green can be recognised
 NAN, INF = math.nan, math.inf
 
 
 @dataclass
 class Beside:
-    """A map that accompanies the normals: colours, roughness, gloss or weights."""
+    """Describes a map that accompanies the normals: colours, roughness, gloss or weights."""
     option: str
     data: bytes
     extension: str
-    expected: list  # [texel], as in the baked file
+    expected: list  # indexed by [texel], as in the baked file
     channel: str = ""
 
 
@@ -34,11 +34,11 @@ class Case:
     kind: str
     data: bytes
     extension: str
-    picture: Picture = None  # decoded by these tests' own decoder; None if it is refused
+    picture: Picture = None  # the values that the decoder of these tests reads; None if the file is refused
     meaning: Meaning = field(default_factory=Meaning)
     options: tuple = ()
-    warns: tuple = ()  # each must be in one of the warnings
-    refused: tuple = ()  # each must be in the message
+    warns: tuple = ()  # each of these texts must be in a warning
+    refused: tuple = ()  # each of these texts must be in the message
     beside: tuple = ()
     tolerance: float = 1e-5
     movmf: bool = False
@@ -76,7 +76,7 @@ class Generator:
         return self.random.choice(sizes)
 
     def normals(self, kind="uint", bits=8, sizes=SIZES, is_signed=None):
-        """Returns normals of a surface as a picture, and their expected meaning."""
+        """Returns the normals of a surface as a picture, and the normals that are expected from it."""
         width, height = self.size(sizes)
         is_signed = kind == "int" if is_signed is None else is_signed
         return picture_of(surface(width, height, self.random), width, height, kind, bits, is_signed), \
@@ -109,7 +109,7 @@ class Generator:
                         self.add("PNG normals", data, "png", read_png(data), meaning)
 
     def few_normals(self, count):
-        """Returns `count` 8-bit normals around +Z: the entries of a colour map."""
+        """Returns `count` 8-bit normals around +Z, which are the entries of a colour map."""
         normals = surface(16, 16, self.random)
         chosen = self.random.sample(normals, count)
         return [[rounded(c / 2 + 0.5, "uint", 8) for c in v] for v in chosen]
@@ -123,7 +123,7 @@ class Generator:
                 picture = Picture(width, height, 1, "uint", depth, indices)
                 data = self.png(picture, 3, palette=palette, interlace=variant == 1,
                                 transparent=bytes([0, 128]) if variant == 2 else None)
-                # Facets in random order may have only two kinds, which lean to one side.
+                # Facets in random order may be of only two kinds, both of which lean to the same side.
                 self.add("PNG palettes", data, "png", read_png(data), options=("--bumpformat", "normal"))
 
     def png_chunks(self):
@@ -139,7 +139,7 @@ class Generator:
                 picture, meaning = self.normals(bits=bits)
                 data = self.png(picture, 2, chunks=chunks)
                 self.add("PNG chunks", data, "png", read_png(data), meaning)
-            picture, meaning = self.normals(bits=bits)  # one colour is transparent, another the background
+            picture, meaning = self.normals(bits=bits)  # one colour is transparent, and another is the background
             data = self.png(picture, 2, transparent=struct.pack(">3H", *picture.samples[:3]),
                             chunks=[(b"bKGD", struct.pack(">3H", largest, 0, 0))])
             self.add("PNG chunks", data, "png", read_png(data), meaning)
@@ -161,7 +161,7 @@ class Generator:
                 data = write_tiff(picture, Layout(is_planar=is_planar, photometric=tiff.BLACK_IS_ZERO, extra=(0,)))
                 self.add("two channels", data, "tif", read_tiff(data),
                          Meaning(is_two_channel=True, is_signed=kind != "uint"))
-        width, height = 9, 13  # printed for a map that uses blue for something else
+        width, height = 9, 13  # this warning is printed for a map that does not store z in blue
         picture = picture_of(surface(width, height, self.random), width, height, "uint", 8, False)
         data = self.png(picture, 2)
         self.add("two channels", data, "png", read_png(data), Meaning(is_two_channel=True), ("--two-channel",))
@@ -192,15 +192,15 @@ class Generator:
             vectors = [(x, -y, z) for x, y, z in surface(width, height, self.random, steepness)]
             return picture_of(vectors, width, height, "uint", 16, False)
 
-        for _ in range(6):  # the program finds the direction
+        for _ in range(6):  # the program finds the direction of green
             data = self.png(down(LARGE), 2)
             self.add("green", data, "png", read_png(data), Meaning(green=-1))
-        for _ in range(4):  # the option says the direction
+        for _ in range(4):  # the option states the direction of green
             data = self.png(down(SIZES), 2)
             self.add("green", data, "png", read_png(data), Meaning(green=-1), ("--green", "down"))
         data = self.png(down(LARGE), 2)
         self.add("green", data, "png", read_png(data), Meaning(), ("--green", "up"), ("green was set to up",))
-        for size in ((5, 7), (8, 8)):  # too small for statistics, so green is read as up
+        for size in ((5, 7), (8, 8)):  # the map is too small for statistics, so green is read as up
             data = self.png(down((size,)), 2)
             self.add("green", data, "png", read_png(data), Meaning(), (), ("--green up or --green down",))
         picture, meaning = self.normals(bits=16)
@@ -228,7 +228,7 @@ class Generator:
                            ("float", 32), ("float", 64)):
             for i in range(9):
                 is_signed = kind == "int" or kind == "float" and i % 2 == 0
-                # Rows and tiles of doubles are refused unless they are in planes.
+                # Rows and tiles of 64-bit floats are refused unless each channel has its own plane.
                 is_double = (kind, bits) == ("float", 64)
                 sizes = SIZES if not is_double else [size for size in SIZES if size[1] > 1]
                 picture, meaning = self.normals(kind, bits, sizes, is_signed)
@@ -276,7 +276,7 @@ class Generator:
             number = tiff.SAMPLE_FORMAT[kind]
             data = data.replace(format_entry, struct.pack("<HHIH", 339, 3, 1, number))
             self.add("TIFF, refused", data, "tif", refused=(f"{bits} bits", "expected"))
-        picture = scalar_picture(heights(9, 13, self.random), 9, 13, "uint", 1)  # no supported depth is one bit
+        picture = scalar_picture(heights(9, 13, self.random), 9, 13, "uint", 1)  # a depth of one bit is not supported
         self.add("TIFF, refused", write_tiff(picture, Layout(left_out=258)), "tif",
                  refused=("BitsPerSample", "expected"), options=("--bumpformat", "height"))
 
@@ -291,7 +291,7 @@ class Generator:
                 layout = self.layout(picture, photometric=tiff.PALETTE, colour_map=colour_map, is_planar=False)
                 data = write_tiff(picture, layout)
                 self.add("TIFF palettes", data, "tif", read_tiff(data), options=("--bumpformat", "normal"))
-        entries = self.few_normals(256)  # 16-bit values that 8 bits cannot hold: the loss is reported
+        entries = self.few_normals(256)  # 8 bits cannot hold these 16-bit values, so the loss is reported
         words = [min(65535, entries[i][c] * 257 + self.random.randrange(257)) for c in range(3) for i in range(256)]
         picture = Picture(9, 13, 1, "uint", 8, [self.random.randrange(256) for _ in range(9 * 13)])
         data = write_tiff(picture, Layout(photometric=tiff.PALETTE, colour_map=words))
@@ -319,7 +319,7 @@ class Generator:
                 self.add("TIFF pages", data, "tif", read_tiff(data), meaning, warns=(warning,))
 
     def tiff_strips(self):
-        """Adds strips that hold all rows: the number of rows is left out, or it is the largest possible."""
+        """Adds strips that hold all rows. The number of rows is left out or is the largest possible number."""
         for kind, bits in (("uint", 8), ("uint", 16), ("float", 32), ("float", 64)):
             for rows in (-1, 2**32 - 1, 2**31 - 1):
                 for compression in (tiff.NONE, tiff.DEFLATE):
@@ -369,10 +369,10 @@ class Generator:
                 wide = self.with_alpha(picture) if photometric == tiff.CMYK else picture
                 self.add("TIFF, refused", write_tiff(wide, Layout(photometric=photometric)), "tif",
                          refused=("PhotometricInterpretation", "expected"))
-        picture, meaning = self.normals(bits=16)  # a camera's linear numbers, read unchanged
+        picture, meaning = self.normals(bits=16)  # linear values of a camera, which are read unchanged
         data = write_tiff(picture, Layout(photometric=34892))
         self.add("TIFF normals", data, "tif", read_tiff(data), meaning)
-        for count in (1, 2, 4):  # channels besides colour and alpha
+        for count in (1, 2, 4):  # channels in addition to colour and alpha
             picture, meaning = self.normals(bits=16)
             data = write_tiff(self.with_alpha(picture, count), Layout(extra=(0,) * count))
             decoded = read_tiff(data)
@@ -447,7 +447,7 @@ class Generator:
                 self.add("EXR parts", data, "exr", exr_picture(data, "RGB"), meaning, warns=("2 parts",))
 
     def contents(self):
-        """Adds normals that need repair or care: broken, short, black, below the horizon, flat."""
+        """Adds normals that need repair or care: invalid, short, black, below the horizon, or flat."""
         def add(picture, meaning, warns=(), options=(), name="contents", tolerance=1e-5):
             kind = "float" if picture.kind == "float" else "uint"
             data = self.exr_file(picture, "RGB", compression=3) if kind == "float" else self.png(picture, 2)
@@ -522,7 +522,7 @@ class Generator:
                  options=("--bumpformat", "height", "--height-scale", "3"))
 
     def beside(self, width, height, *besides, kind="beside", **keys):
-        """Adds a case of plain normals with other maps."""
+        """Adds a case of ordinary normals with accompanying maps."""
         picture = picture_of(surface(width, height, self.random), width, height, "uint", 16, False)
         data = self.png(picture, 2)
         self.add(kind, data, "png", read_png(data), Meaning(), beside=besides, **keys)
@@ -668,7 +668,7 @@ class Generator:
         data = self.exr_file(nan, "RGB")
         add(data, "exr", "NaN", "column 2, row 1", "expected", options=("--checknan",))
         add(data, "exr", "NaN", "column 2, row 1", "expected", options=("--fixnan", "none"))
-        nan.samples[0:21] = [INF] * 21  # NaN in all channels would mean texels that were never written
+        nan.samples[0:21] = [INF] * 21  # NaN in all channels would mean that a texel was never written
         add(self.exr_file(nan, "RGB"), "exr", "8 of 561", "expected")
         black, _ = self.normals(sizes=((33, 17),))
         black.samples[:3 * 300] = [0] * 900

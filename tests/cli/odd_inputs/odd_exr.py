@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Writes OpenEXR files of odd layouts: windows, channels, parts, line orders, tiles; uncompressed, RLE, ZIPS and ZIP.
-exr_reading reads them again."""
+"""Writes OpenEXR files with unusual windows, channels, parts, line orders and tiles, which are uncompressed or
+compressed with RLE, ZIPS or ZIP. exr_reading reads them again."""
 import struct
 import zlib
 from dataclasses import dataclass, field
@@ -13,13 +13,13 @@ LINES = {0: 1, 1: 1, 2: 1, 3: 16}
 class ExrPart:
     width: int
     height: int
-    channels: dict  # name: (type, values row by row)
+    channels: dict  # maps each name to its type and to its values, row by row
     origin: tuple = (0, 0)
     display: tuple = ()  # left, top, right, bottom; empty for the data window
     compression: int = 0
     decreasing: bool = False
     tile: int = 0
-    more: list = field(default_factory=list)  # (name, type, bytes) of additional attributes
+    more: list = field(default_factory=list)  # the name, type and bytes of each additional attribute
 
 
 def run_lengths(data):
@@ -109,7 +109,7 @@ def write_exr(parts):
     for i, part in enumerate(parts):
         offsets = {}
         order = reversed(range(len(chunks[i]))) if part.decreasing else range(len(chunks[i]))
-        for k in order:  # chunks in file order; the table of offsets is in the order of rows
+        for k in order:  # The chunks are in file order; the offset table is in the order of the rows.
             offsets[k] = at + len(body)
             body += (struct.pack("<i", i) if is_multi else b"") + chunks[i][k]
         table += b"".join(struct.pack("<Q", offsets[k]) for k in sorted(offsets))

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Pictures as numbers, and PNG: a writer of every colour type, depth, filter and interlacing, and a separate decoder
-(W3C PNG). The two share only the tables of the standard."""
+"""Contains pictures as numbers, and code for PNG (W3C PNG): a writer for every colour type, depth, filter and
+interlacing, and a separate decoder. Writer and decoder share only the tables of the standard."""
 import struct
 import zlib
 from dataclasses import dataclass, field
@@ -8,14 +8,14 @@ from dataclasses import dataclass, field
 
 @dataclass
 class Picture:
-    """Numbers as in a file: interleaved, rows from the top."""
+    """Holds numbers as in a file: interleaved, with rows from the top."""
     width: int
     height: int
     channels: int
     kind: str  # "uint", "int" or "float"
     bits: int
     samples: list = field(repr=False)
-    colours: int = 0  # number of leading channels without alpha; 0 for all
+    colours: int = 0  # the number of leading channels that are not alpha; 0 means all channels
 
     def values(self):
         """Returns unsigned integers as 0..1, signed ones as -1..1, and floats unchanged."""
@@ -32,7 +32,7 @@ class Picture:
 
 
 def pack_bits(samples, bits):
-    """Packs one row, with the first sample in the highest bits. Multiples of 8 bits are big-endian."""
+    """Packs one row, with the first sample in the highest bits. Samples of 16 and more bits are big-endian."""
     number = 0
     for sample in samples:
         number = number << bits | sample
@@ -55,8 +55,8 @@ def png_chunk(kind, body):
 
 
 def paeth(a, b, c):
-    """Returns the Paeth predictor (W3C PNG, 9.4): the neighbour closest to a + b - c; ties go to left, then above, then
-    upper left."""
+    """Returns the Paeth predictor (W3C PNG, 9.4): the neighbour that is closest to a + b - c. If there is a tie, left
+    is preferred to above, and above to upper left."""
     p = a + b - c
     return min((abs(p - a), 0, a), (abs(p - b), 1, b), (abs(p - c), 2, c))[2]
 
@@ -86,8 +86,8 @@ def passes_of(width, height, is_interlaced):
 
 def write_png(width, height, colour_type, depth, samples, random, palette=None, transparent=None, chunks=(),
               interlace=False):
-    """`samples` are interleaved codes, or indices for palettes. `chunks` are pairs (kind, body) to write between header
-    and palette."""
+    """`samples` are interleaved codes, or indices for palettes. `chunks` are pairs (kind, body), which are written
+    between the header and the palette."""
     n = CHANNELS[colour_type]
     data = b""
     for columns, rows in passes_of(width, height, interlace):

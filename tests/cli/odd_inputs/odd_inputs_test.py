@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Bakes about 570 odd inputs and compares level 0 with an independent decoding, texel by texel. Inputs that need a
-refusal or a warning must get it, and the message must say why.
+"""Bakes about 570 odd inputs and compares level 0 with an independent decoding, texel by texel. If an input must cause
+an error or a warning, the message must say why.
 
   odd_inputs_test.py MULTUM [--seed N] [--only WORD] [--keep FOLDER]
 
@@ -24,8 +24,9 @@ from odd_cases import generated
 from odd_maps import mean_cosine, normals_of
 
 WORKERS = 2
-BATCH = 16  # maps per command: for a single map, starting the process and OpenCL would take most of the time
-INPUT_REFUSED = 3  # exit code, docs/reference/commands.md
+BATCH = 16  # the number of maps per command; with one map per command, starting the process and OpenCL would take most
+            # of the time
+INPUT_REFUSED = 3  # the exit code in docs/reference/commands.md
 COMPRESSIONS = ("none", "rle", "zips", "zip:1")
 
 
@@ -37,7 +38,7 @@ class Run:
         return os.path.join(self.folder, name)
 
     def write(self, number, case):
-        """Returns the files of a case: NUMBER.EXTENSION, and its accompanying maps."""
+        """Returns the files of a case, which are NUMBER.EXTENSION and the accompanying maps."""
         case.file = f"{number:03}.{case.extension}"
         case.output = self.path(os.path.join("out", f"{number:03}.ndf.exr"))
         files = [(case.file, case.data)]
@@ -51,7 +52,7 @@ class Run:
                 file.write(data)
 
     def bake(self, cases, arguments, output):
-        """Runs one command for all of them. Returns its exit code and stderr."""
+        """Runs one command for all cases of the group. Returns the exit code and stderr."""
         first = cases[0]
         kind = [] if first.movmf else ["--ndf", "moments"]
         if "-d" not in arguments and not first.movmf:
@@ -63,8 +64,8 @@ class Run:
         return result.returncode, result.stderr
 
     def commands(self, cases):
-        """Groups cases that one command bakes. A case that must be refused is baked in its own command, for its exit
-        code."""
+        """Groups cases that one command bakes. A case that must be refused has its own command, so that its exit code
+        is known."""
         alike, alone = collections.defaultdict(list), []
         for case in cases:
             if case.refused or case.beside:
@@ -87,7 +88,7 @@ def difference(found, expected):
 
 
 def held_difference(case):
-    """Returns the largest difference of a texel's normals, colours and weights from the expected ones."""
+    """Returns the largest difference between the normals, colours and weights of a texel and the expected values."""
     with open(case.output, "rb") as file:
         baked = Baked(file.read())
     assert (baked.width, baked.height) == (case.picture.width, case.picture.height), "size"
@@ -103,7 +104,7 @@ def held_difference(case):
 
 
 def verdict(case):
-    """Returns ("held" or "refused", worst difference, the error text or "")."""
+    """Returns "held" or "refused", the largest difference, and the error text or ""."""
     is_there = os.path.exists(case.output)
     messages = [line for line in case.lines if "warning: " not in line and line.startswith("multum: ")]
     if case.refused:

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The contents of the odd maps and their meaning by docs/reference/input_maps.md: converts normals of surfaces and
-heights to numbers of any type, and back to unit normals. It shares no formula with the program."""
+"""Makes the contents of the odd maps. Converts normals of surfaces and heights to numbers of any type, and back to
+unit normals as docs/reference/input_maps.md says. Does not share any formula with the program."""
 import math
 import struct
 from dataclasses import dataclass
@@ -17,7 +17,7 @@ def unit(v):
 
 
 def heights(width, height, random):
-    """A smooth periodic surface without symmetries, 0 to 1."""
+    """Returns the heights (0 to 1) of a smooth periodic surface without symmetries."""
     modes = [(kx, ky, random.uniform(0.5, 1.0) / math.hypot(kx, ky), random.uniform(0, 2 * math.pi))
              for kx, ky in ((1, 0), (0, 1), (1, 1), (1, -1), (2, 1))]
     rows = [[sum(a * math.cos(2 * math.pi * (kx * x / width + ky * y / height) + phase) for kx, ky, a, phase in modes)
@@ -27,8 +27,8 @@ def heights(width, height, random):
 
 
 def surface(width, height, random, steepness=0.4):
-    """Unit normals of such a surface, +Y up, with this rms slope. Single rows and texels get slightly tilted
-    normals."""
+    """Returns the unit normals of such a surface with this rms slope and with +Y up. Single rows and texels get
+    slightly tilted normals."""
     if min(width, height) < 3:
         tilts = [(random.uniform(-0.25, 0.25), random.uniform(-0.25, 0.25)) for _ in range(width * height)]
         return [unit((x, y, 1.0)) for x, y in tilts]
@@ -142,8 +142,8 @@ def heights_to_normals(picture, meaning):
             values[i] = sum(near) / len(near) if near and meaning.fixnan == "box3" else 0.0
 
     def beyond(place, size, mode):
-        """Returns a neighbour's position, None beyond the surface's end (clamp, mirror), or "black" where the value is
-        0."""
+        """Returns the position of a neighbour. Returns None beyond the end of the surface (clamp, mirror), and "black"
+        where the value is 0."""
         if 0 <= place < size:
             return place
         return {"periodic": place % size, "black": "black"}.get(mode)
@@ -174,7 +174,7 @@ def linear_from_srgb(v):
 
 
 def colours_of(picture, transfer):
-    """Returns [texel] of linear (r, g, b); values that are not a reflectance become 0."""
+    """Returns the linear (r, g, b) of each texel. Values that are not a reflectance become 0."""
     def linear(v):
         return transfer(v) if math.isfinite(v) and v >= 0.0 else 0.0
 
@@ -183,6 +183,6 @@ def colours_of(picture, transfer):
 
 
 def mean_cosine(roughness):
-    """Implements docs/reference/file_format.md, "Roughness and weights": how much a texel's roughness shortens its
-    normal."""
+    """Computes how much the roughness of a texel shortens its normal (docs/reference/file_format.md, "Roughness and
+    weights")."""
     return 1.0 - roughness**4 / 2

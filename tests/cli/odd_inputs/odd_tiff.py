@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""TIFF of every layout: a writer and a separate decoder (TIFF 6.0; BigTIFF; Adobe's TIFF Technical Note 3 for
-predictor 3). LZW is the only compression that both implement themselves."""
+"""Contains a writer and a separate decoder for TIFF of every layout (TIFF 6.0, BigTIFF, and Adobe's TIFF Technical
+Note 3 for predictor 3). LZW is the only compression that both implement with their own code."""
 import struct
 import zlib
 from dataclasses import dataclass, field
@@ -19,21 +19,21 @@ class Layout:
     is_big: bool = False  # BigTIFF
     is_planar: bool = False
     tile: tuple = ()  # width, height
-    rows_per_strip: int = 0  # 0 for one strip; -1 omits the tag
+    rows_per_strip: int = 0  # 0 writes one strip; -1 omits the tag
     compression: int = NONE
     predictor: int = 1
-    photometric: int = -1  # by default chosen from the number of channels
+    photometric: int = -1  # by default, the number of channels decides
     extra: tuple = ()  # 0: unspecified, 1: associated alpha, 2: unassociated alpha
-    colour_map: list = field(default_factory=list)  # 16-bit words: all red, all green, all blue
+    colour_map: list = field(default_factory=list)  # 16-bit words: first all red values, then all green, then all blue
     orientation: int = 0
     subfile: int = -1
     more_pages: int = 0
-    left_out: int = 0  # a tag to leave out
+    left_out: int = 0  # a tag that is left out
 
 
 def lzw_encoded(data):
-    """TIFF 6.0, section 13: codes of 9 to 12 bits, highest bit first. The length of codes grows one code earlier than
-    needed."""
+    """Implements TIFF 6.0, section 13. Codes have 9 to 12 bits, highest bit first. The length of codes increases one
+    code earlier than necessary."""
     codes, table, size, text = [(256, 9)], {bytes([i]): i for i in range(256)}, 258, b""
     width = 9
     for byte in data:
@@ -118,8 +118,8 @@ def encoded_row(samples, picture, layout, step):
     codes = float_row(samples, bits) if picture.kind == "float" else [sample % (1 << bits) for sample in samples]
     if layout.predictor == 2:
         codes = [(code - (codes[i - step] if i >= step else 0)) % (1 << bits) for i, code in enumerate(codes)]
-    if layout.predictor == 3:  # stores the highest bytes of all samples, then the next ones, and takes differences of
-                               # these bytes
+    if layout.predictor == 3:  # stores the highest bytes of all samples, then the next bytes, and so on; then stores
+                               # the differences between these bytes
         planes = b"".join(bytes(code >> bits - 8 - 8 * k & 255 for code in codes) for k in range(bits // 8))
         return bytes(byte - (planes[i - step] if i >= step else 0) & 255 for i, byte in enumerate(planes))
     if bits % 8 == 0:
@@ -139,7 +139,8 @@ def block_size(picture, layout):
 
 
 def blocks_of(picture, layout):
-    """Strips or tiles, plane by plane, each compressed. Tiles hold arbitrary numbers beyond the picture's edge."""
+    """Returns compressed strips or tiles, plane by plane. Beyond the edge of the picture, tiles contain arbitrary
+    numbers."""
     width, height = block_size(picture, layout)
     n = picture.channels
     for plane in range(n) if layout.is_planar else (None,):
@@ -261,8 +262,8 @@ def expanded(data, compression):
 
 
 def read_tiff(data):
-    """Decodes the first page. Looks up colour maps (v from v * 256 or v * 257) and inverts pictures with 0 for
-    white."""
+    """Decodes the first page. Looks up colours in colour maps (v from v * 256 or v * 257), and inverts pictures in
+    which 0 is white."""
     order = "<" if data[:2] == b"II" else ">"
     is_big = struct.unpack_from(order + "H", data, 2)[0] == 43
     tags = read_directory(data, order, is_big)

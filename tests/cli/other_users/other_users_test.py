@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Tests two users of one machine. One plants links, folders and pipes where the other bakes. The other user loses no
-file, and no output is redirected to another place. Needs root to become both users; otherwise it says so and is skipped
-(exit code 77).
+"""Tests two users of one machine. One user plants links, folders and pipes where the other user bakes. The other user
+must not lose a file, and no output may be redirected to another place. The test needs root to become both users.
+Without root, it prints a message and is skipped (exit code 77).
 
   other_users_test.py MULTUM [unittest's arguments]
 """
@@ -21,7 +21,7 @@ from model_writing import Model, bumps  # noqa: E402  pylint: disable=wrong-impo
 MULTUM = ""
 SKIPPED = 77
 ENVIRONMENT, USAGE = 4, 2
-BAKER, ATTACKER = 12345, 54321  # user numbers that need no account
+BAKER, ATTACKER = 12345, 54321  # user ids that do not need an account
 PRECIOUS = "weeks of work"
 
 
@@ -105,7 +105,8 @@ class OtherUsersTest(unittest.TestCase):
             self.assertEqual(file.read(), PRECIOUS)
 
     def commands(self, folder):
-        """Command lines that keep unfinished work next to their outputs, and the name of that folder."""
+        """Returns command lines that keep unfinished work next to their outputs, and the name of the folder with this
+        work."""
         def at(name):
             return os.path.join(folder, name)
         return [(["bake", "map.png", "-o", at("a.ndf.exr")], at(".multum-partial-a.ndf.exr")),
@@ -175,7 +176,7 @@ class OtherUsersTest(unittest.TestCase):
         self.assertIn(output, run.stderr)
 
     def test_names_of_temporary_files_are_stolen_as_they_appear(self):
-        """The other user replaces each temporary file by a link, as fast as it can read names."""
+        """The attacking user replaces each temporary file by a link, as fast as it can read names."""
         folder = self.shared["open"]
         thesis = os.path.join(self.precious, "thesis.txt")
         thief = os.fork()

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Decodes every chunk of a packed field with tools/multum_wasm, for tests. Writes the texture of each chunk and sample,
-// in the index's order, as 32-bit floats and then as 16-bit floats.
+// Decodes every chunk of a packed field with tools/multum_wasm, for tests. Writes the texture of each chunk and sample
+// in the order of the index, first as 32-bit floats and then as 16-bit floats.
 //   node decode_in_node.mjs FOLDER_OF_MODULE FILE OUTPUT      prints a line of JSON about what it read
 import { readFileSync, writeFileSync } from 'node:fs'
 import { pathToFileURL } from 'node:url'

@@ -26,10 +26,10 @@ class CosineStream:
         for number in range(self.columns * self.rows):
             row, column = divmod(number, self.columns)
             self.groups[row // 4 * self.group_columns + column // 4].append(number)
-        self.before = None  # the image that was decoded last
+        self.before = None  # the most recently decoded image
 
     def image(self, parent, level):
-        """Returns [plane]{block number: values}; blocks of zeros are left out."""
+        """Returns [plane]{block number: values}. Blocks of zeros are left out."""
         planes = [{}, {}, {}]
         for p, blocks in enumerate(planes):
             if self.coder.bit(("plane",)):
@@ -90,7 +90,7 @@ class CosineStream:
                                                  ("coded b", plane, level, 0 if luma is None else 1),
                                                  ("coded c", chroma, level, beside)], ("coded", chroma)):
             return None
-        had, before = 0, 0  # in the previous band, in any earlier band
+        had, before = 0, 0  # the counts in the previous band and in all earlier bands
         for k in range(len(self.bands)):
             has = 1
             if k + 1 < len(self.bands) or before:

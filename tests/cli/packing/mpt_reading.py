@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Reads packed fields, NAME.mpt, by docs/reference/packed_fields.md, "Packed fields", with only Python and numpy.
+"""Reads packed fields, NAME.mpt, as docs/reference/packed_fields.md, "Packed fields", says. Uses only Python and
+numpy.
 
 As a program it writes 32-bit floats one after another:
     mpt_reading.py FILE OUTPUT           the texture of every sample of every chunk, in the index's order, gamma-coded,
@@ -71,7 +72,7 @@ class Section:
 
 
 class PackedField:
-    """Has `sections` and a `description`; `chunk()` decodes one chunk."""
+    """Holds `sections` and a `description`. `chunk()` decodes one chunk."""
 
     def __init__(self, data):
         self.data, reader = data, ByteReader(data)
@@ -137,7 +138,7 @@ class PackedField:
 # Chunks.
 
 class TextureChunk:
-    """Has `width`, `height` and `sizes` of the block; texture() returns the texture of a sample."""
+    """Holds `width`, `height` and `sizes` of the block. texture() returns the texture of a sample."""
 
     def __init__(self, data):
         reader = ByteReader(data)
@@ -167,7 +168,7 @@ class TextureChunk:
             self.steps = np.array([eighths(codes[band_of(u)] + codes[classes + band_of(v)])
                                    for v in range(self.side) for u in range(self.side)], SINGLE)
         self.scales, self.levels, parents = [], [], []
-        self.terms = [[] for _ in range(self.count)]  # (image, weight) for each sample
+        self.terms = [[] for _ in range(self.count)]  # a list of (image, weight) for each sample
         if has_basis:
             self.plan_basis(basis, parents)
         else:
@@ -198,7 +199,7 @@ class TextureChunk:
                     parents.append(None)
                     continue
                 at = np.unravel_index(number, [self.cells(d, t) for d, t in enumerate(times)])
-                inside = [int(i) << t for i, t in zip(at, times)]  # a sample in the image's cell
+                inside = [int(i) << t for i, t in zip(at, times)]  # a sample that is in the cell of this image
                 parents.append(first[level - 1] + self.image_at(halvings[level - 1], inside))
             for sample in range(self.count):
                 at = [int(i) for i in np.unravel_index(sample, self.sizes)]
@@ -268,7 +269,7 @@ def radiance(texture):
 
 
 def box_weights(fine):
-    """[floor(fine / 2)][fine]: the weights of fine texels in each coarse texel along an axis."""
+    """Returns the weights of fine texels in each coarse texel along an axis, as [floor(fine / 2)][fine]."""
     coarse = max(1, fine // 2)
     weights = np.zeros((coarse, fine))
     for i in range(coarse):

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Reads the symbols of packed fields by docs/reference/packed_fields.md, "Symbols": range coder, contexts and mixers,
-with only integers."""
+"""Reads the symbols of packed fields as docs/reference/packed_fields.md, "Symbols", says. Implements the range coder,
+the contexts and the mixers with only integers."""
 
 LOGISTIC = [22, 28, 36, 47, 60, 77, 98, 126, 162, 208, 267, 342, 439, 562, 720, 922, 1179, 1506, 1921, 2446, 3108, 3938,
             4971, 6249, 7812, 9702, 11955, 14595, 17625, 21025, 24743, 28693, 32768, 36843, 40793, 44511, 47911, 50941,
@@ -26,7 +26,7 @@ STRETCH = stretch_table()
 
 
 def quotient(a, b):
-    """Divides and rounds towards zero; b > 0."""
+    """Divides and rounds towards zero. b must be > 0."""
     return a // b if a >= 0 else -(-a // b)
 
 

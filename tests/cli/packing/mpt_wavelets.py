@@ -36,7 +36,8 @@ def wavelet_bands(width, height):
 
 
 class WaveletPlane:
-    """Holds the integers of a plane, and trees[band], which are levels of nodes, finest first."""
+    """Holds the integers of a plane, and for each band trees[band], which are the levels of nodes with the finest
+    level first."""
 
     def __init__(self, width, height, bands):
         self.width, self.trees = width, []
@@ -62,7 +63,7 @@ class WaveletStream:
         self.coarser = [places.get((depth + 1, kind)) for _, _, _, _, depth, kind in self.bands]
 
     def image(self, parent, _level):
-        """Returns one item per plane, which is None if the plane has no coefficients."""
+        """Returns one item per plane. The item is None if the plane has no coefficients."""
         planes = [None, None, None]
         for p in range(3):
             bit_planes = min(self.coder.number(("bit planes", min(p, 1))), 20)

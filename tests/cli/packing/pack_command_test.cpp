@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests multum pack, unpack, info and verify on a small inferred animation: unpacked textures, targets, the same bytes
-// for any number of threads, and the effect of damage.
+// Tests multum pack, unpack, info and verify on a small inferred animation: unpacked textures, targets, and the effect
+// of damage. Also tests that the bytes do not depend on the number of threads.
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -48,7 +48,7 @@ class PackCommandTest : public TracedSceneTest {
       values.insert(values.end(), drawn.channels.at(c).begin(), drawn.channels.at(c).end());
     return values;
   }
-  // Returns the mean squared difference of the frames drawn from both folders over all samples, in 8-bit units at gamma
+  // Draws frames from both folders and returns their mean squared difference over all samples, in 8-bit units at gamma
   // 2.2.
   double drawn_mse(const std::string& folder) const {
     double sum = 0.0, count = 0.0;
@@ -103,12 +103,12 @@ TEST_F(PackCommandTest, WhatIsUnpackedDrawsWhatWasPacked) {
   EXPECT_LT(fs::file_size(path("coarse.mpt")), fs::file_size(path("fine.mpt")) / 2);
   ASSERT_EQ(unpack("fine.mpt", "fine").exit_code, 0);
   ASSERT_EQ(unpack("coarse.mpt", "coarse").exit_code, 0);
-  for (const char* sample : {"0,1", "2,0"})  // drawing without unpacking gives the same bits
+  for (const char* sample : {"0,1", "2,0"})  // drawing directly from the packed file gives the same bits
     EXPECT_EQ(frame("coarse.mpt", sample), frame("coarse", sample)) << sample;
   const double fine = drawn_mse("fine"), coarse = drawn_mse("coarse");
   EXPECT_LT(fine, 2.0);
   EXPECT_GT(coarse, 2.0 * fine);
-  // The manifest is unchanged except for names of textures and facts about its making.
+  // The manifest is unchanged, except for the names of textures and the entries about how it was made.
   const InferredManifest before = read_inferred_manifest(path("out/inferred.json"));
   const InferredManifest after = read_inferred_manifest(path("fine/inferred.json"));
   EXPECT_EQ(after.parameters, before.parameters);
@@ -120,7 +120,7 @@ TEST_F(PackCommandTest, WhatIsUnpackedDrawsWhatWasPacked) {
     for (std::size_t l = 0; l < before.objects[k].layers.size(); ++l) {
       const auto& was = before.objects[k].layers[l].textures;
       const auto& is = after.objects[k].layers[l].textures;
-      // Samples that shared a texture still share one.
+      // Samples that shared a texture still share a texture.
       for (std::size_t s = 0; s < was.size(); ++s)
         for (std::size_t t = 0; t < was.size(); ++t) EXPECT_EQ(is[s] == is[t], was[s] == was[t]);
     }
@@ -132,7 +132,7 @@ TEST_F(PackCommandTest, WhatIsUnpackedDrawsWhatWasPacked) {
   EXPECT_EQ(verified.exit_code, 0) << verified.out << verified.err;
 }
 
-// The coder's estimate of the loss in drawn frames is within half of the measured loss.
+// The coder estimates the loss in drawn frames. The estimate differs from the measured loss by at most a half of it.
 TEST_F(PackCommandTest, TargetsAreMet) {
   ASSERT_EQ(pack("any.mpt", {"--lambda", "30"}).exit_code, 0);
   const auto bytes = fs::file_size(path("any.mpt")) * 3 / 4;
@@ -151,7 +151,7 @@ TEST_F(PackCommandTest, TargetsAreMet) {
   EXPECT_FALSE(fs::exists(path("none.mpt")));
 }
 
-// At 384:1, six small samples get 324 bytes, less than the size of their description.
+// At a ratio of 384:1, six small samples get 324 bytes, which is less than the size of their description.
 TEST_F(PackCommandTest, TheDefaultRatioGivesWayToTheError) {
   const std::string times = "times the error of the inferred textures";
   const ProgramResult packed = pack("default.mpt", {});
@@ -161,7 +161,7 @@ TEST_F(PackCommandTest, TheDefaultRatioGivesWayToTheError) {
   const double inferred = inferred_mse(), added = drawn_mse("default.mpt");
   EXPECT_LT(added, 3.0 * inferred);
   EXPECT_GT(added, 0.05 * inferred);  // the error is not needlessly low
-  // The requested size is met, and the error is printed.
+  // The file has the requested size, and the error is printed.
   const auto bytes = fs::file_size(path("default.mpt")) / 2;
   const ProgramResult small = pack("small.mpt", {"--bytes", std::to_string(bytes)});
   ASSERT_EQ(small.exit_code, 0) << small.err;
@@ -171,7 +171,7 @@ TEST_F(PackCommandTest, TheDefaultRatioGivesWayToTheError) {
   EXPECT_EQ(by_error.err.find("warning"), std::string::npos) << by_error.err;
   expect_refusal(pack("none.mpt", {"--ratio", "384"}), kUsage,
                  {"a ratio of 384 (324 bytes) cannot be reached", "--mse-max"});
-  // Without a report the allowed error is unknown.
+  // Without a report, the allowed error is not known.
   fs::remove(path("out/report.json"));
   expect_refusal(pack("none.mpt", {}), kUsage, {"a ratio of 384", "cannot be reached", "--ratio", "--mse-max"});
 }
@@ -192,7 +192,7 @@ TEST_F(PackCommandTest, BytesAreTheSameForAnyNumberOfThreadsAndBlocksAreCut) {
 TEST_F(PackCommandTest, BlocksAreStaggeredWhenAsked) {
   for (const char* folder : {"renders", "out"}) fs::remove_all(path(folder));
   TracedScene scene;
-  scene.views = scene.lights = 3;  // textures of both objects vary with the light
+  scene.views = scene.lights = 3;  // the textures of both objects vary with the light
   infer_scene(scene);
   ASSERT_EQ(pack("no.mpt", {"--lambda", "50"}).exit_code, 0);
   ASSERT_EQ(pack("whole.mpt", {"--lambda", "50", "--stagger", "yes"}).exit_code, 0);
@@ -201,7 +201,7 @@ TEST_F(PackCommandTest, BlocksAreStaggeredWhenAsked) {
   ASSERT_EQ(pack("two.mpt", {"--lambda", "1", "--block", "2", "--stagger", "yes", "--threads", "2"}).exit_code, 0);
   EXPECT_EQ(read_bytes(path("one.mpt")), read_bytes(path("two.mpt")));
   const PackedFieldFile packed(path("one.mpt"));
-  std::map<std::size_t, std::set<int>> borders;  // block borders of objects along the light
+  std::map<std::size_t, std::set<int>> borders;  // the objects' block borders along the light parameter
   for (const PackedLayer& layer : packed.description().layers)
     for (const FieldBlock& block : layer.blocks)
       if (block.begin[1] > 0) borders[layer.object].insert(block.begin[1]);
@@ -326,7 +326,7 @@ TEST_F(PackCommandTest, DamagedCutAndOtherFilesAreRefused) {
   };
   refused(whole.substr(0, whole.size() - 10), {"bad.mpt", fmt::format("has {} bytes", whole.size() - 10), "section"});
   refused(whole.substr(0, 20), {"bad.mpt", "cut short within its index"});
-  refused(whole + "x", {"bad.mpt", fmt::format("its index says {}", whole.size())});
+  refused(whole + "x", {"bad.mpt", fmt::format("its index states {}", whole.size())});
   refused("MPTF", {"bad.mpt", "cut short"});
   refused("some text, longer than a head", {"bad.mpt", "not a packed field"});
   std::string damaged = whole;
@@ -349,7 +349,7 @@ TEST_F(PackCommandTest, DamagedCutAndOtherFilesAreRefused) {
 }
 
 TEST_F(PackCommandTest, CancelledLeavesNothing) {
-  // Stops when the first chunk is finished, or before it is started.
+  // Stops the packing when the first chunk is finished, or before it is started.
   const auto stops_in = [](const std::string& stage, std::uint64_t units) {
     return Progress(
         [=](const ProgressEvent& event) { return !(event.stage.starts_with(stage) && event.units_done >= units); });

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests multum pack within a memory limit and after a stop. The command gives the same bytes, whatever it reads again
-// or reuses.
+// Tests multum pack within a memory limit and after a stop. The command gives the same bytes, whichever inputs it reads
+// again and whichever results it reuses.
 #include <signal.h>
 
 #include <chrono>
@@ -79,7 +79,7 @@ TEST_F(PackResumeTest, WhatWasCodedIsTakenUp) {
   how.resume = true;
   stop_after(5, how);
   ASSERT_TRUE(fs::exists(partial("field.mpt") + "/chunks"));
-  stop_after(8, how);  // includes the five earlier chunks
+  stop_after(8, how);  // this number includes the five earlier chunks
   const FieldPackReport report = pack_field(how, nullptr);
   EXPECT_GE(report.chunks_resumed, 7u);
   EXPECT_EQ(read_bytes(how.output), whole);
@@ -127,7 +127,7 @@ TEST_F(PackResumeTest, AKilledPackingGoesOn) {
   ProgramResult result = multum(
       {"pack", path("out"), "-o", path("field.mpt"), "--resume", "--mse-max", "0.002", "-v", "--pyramid", "greedy"});
   ASSERT_EQ(result.exit_code, 0) << result.err;
-  expect_says(result.out, {"taken from an interrupted packing"});
+  expect_says(result.out, {"reused from an interrupted run"});
   EXPECT_EQ(multum({"verify", path("field.mpt")}).exit_code, 0);
 }
 

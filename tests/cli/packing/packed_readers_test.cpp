@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Tests packed fields with independent readers: a reader in Python by docs/reference/packed_fields.md (mpt_reading.py),
-// and the decoder as WebAssembly in Node (tools/wasm_decoder). They read chunks of every kind that a file may have, and
-// a field that multum packed.
+// and the decoder as WebAssembly in Node (tools/wasm_decoder). Both read chunks of every kind that a file may contain,
+// and a field that multum packed.
 #include <fmt/format.h>
 #include <half.h>
 
@@ -41,8 +41,8 @@ std::vector<ChunkKind> all_kinds() {
     kinds.push_back({width, height, std::move(sizes), settings});
     return kinds.back().settings;
   };
-  // Makes magnitudes up to some thousands, odd sizes and single rows, and coarse images whose planes and bands are
-  // empty.
+  // Makes images with magnitudes up to some thousands, images of odd sizes and single rows, and coarse images whose
+  // planes and bands are empty.
   add(21, 9, {3, 2}, ImageCoder::kDct, 8, 0.01).levels = plain_levels({3, 2});
   add(40, 19, {5}, ImageCoder::kDct, 16, 2.0).levels = {{3}, {1}, {0}};
   kinds.back().settings.linear = true;
@@ -106,7 +106,7 @@ class PackedReadersTest : public TracedSceneTest {
   void write_all_kinds() {
     std::vector<std::vector<std::uint8_t>> chunks;
     for (const ChunkKind& kind : all_kinds()) chunks.push_back(chunk_of(kind, 7 + chunks.size()));
-    std::vector<SectionSource> sections = {{9, 3, 4, {1, 2, 3}}};  // a section kind of later versions
+    std::vector<SectionSource> sections = {{9, 3, 4, {1, 2, 3}}};  // a kind of section that later versions may add
     for (std::size_t i = 0; i < chunks.size(); ++i)
       sections.push_back({1, static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(200 * i), chunks[i]});
     const std::vector<std::uint8_t> file = packed_file(sections);
@@ -132,7 +132,7 @@ std::vector<float> floats_of(const std::string& bytes) {
   return values;
 }
 
-// Both decoders compute in single precision and in the same order. A tolerance of 0.001, where the full range is 255,
+// Both decoders compute in single precision and in the same order. The full range is 255, so a tolerance of 0.001
 // allows hundreds of roundings.
 TEST_F(PackedReadersTest, PythonDecodesChunksOfEveryKind) {
   if (std::string(MULTUM_NUMPY_PYTHON).empty()) GTEST_SKIP() << "no numpy (Debian package python3-numpy)";
@@ -153,9 +153,9 @@ TEST_F(PackedReadersTest, PythonDecodesChunksOfEveryKind) {
   EXPECT_EQ(at, found.size());
 }
 
-// Compares every texture of every sample of the field's description, with its mip levels, with `multum unpack`. The
-// tolerance covers 16-bit floats, whose error is 2^-11 of a value, or 2^-25 for values below 2^-14. The other steps use
-// single precision.
+// Compares every texture of every sample in the field's description, including its mip levels, with the result of
+// `multum unpack`. The tolerance covers 16-bit floats, whose error is 2^-11 of a value, or 2^-25 for values below
+// 2^-14. The other steps use single precision.
 TEST_F(PackedReadersTest, PythonFindsTheTexturesThatAreUnpacked) {
   if (std::string(MULTUM_NUMPY_PYTHON).empty()) GTEST_SKIP() << "no numpy (Debian package python3-numpy)";
   pack_traced_scene();
@@ -176,7 +176,7 @@ TEST_F(PackedReadersTest, PythonFindsTheTexturesThatAreUnpacked) {
       }
   EXPECT_EQ(at, found.size());
   EXPECT_GE(textures, manifest.samples.size());
-  // Damage is noticed.
+  // The reader notices damage.
   std::string bytes = read_bytes(path("field.mpt"));
   bytes[bytes.size() - 5] = static_cast<char>(bytes[bytes.size() - 5] ^ 1);
   write_bytes(path("bad.mpt"), bytes);
@@ -185,7 +185,7 @@ TEST_F(PackedReadersTest, PythonFindsTheTexturesThatAreUnpacked) {
   EXPECT_NE(bad.err.find("damaged"), std::string::npos) << bad.err;
 }
 
-// Decodes a file natively, and returns the bytes that the module's test in Node would write.
+// Decodes a file with the native decoder, and returns the bytes that decode_in_node.mjs would write.
 std::string native_bytes(const std::string& path) {
   const std::string file = read_bytes(path);
   MultumPackedField* field = multum_open(reinterpret_cast<const std::uint8_t*>(file.data()), file.size());

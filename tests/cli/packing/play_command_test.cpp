@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests multum-view play on a small animation that the test infers and packs: the same frames as `sample` for any
-// number of threads, cameras between samples, damage, too little memory, refusals.
+// Tests multum-view play on a small animation that the test infers and packs: the same frames as `sample` with any
+// number of threads, cameras between samples, damage, too little memory, and refusals.
 #include <filesystem>
 
 #include <fmt/format.h>
@@ -43,7 +43,7 @@ class PlayCommandTest : public TracedSceneTest {
     return read_small_picture(frame_path(frames, number), 1000);
   }
   Png8Image sample(const std::string& at) const {
-    view({"sample", path("field.mpt"), "--at", at, "-o", path("sample.png")});  // draws a damaged field too
+    view({"sample", path("field.mpt"), "--at", at, "-o", path("sample.png")});  // also draws a damaged field
     return read_small_picture(path("sample.png"), 1000);
   }
   json statistics(const std::string& frames) const {
@@ -162,7 +162,8 @@ TEST_F(PlayCommandTest, WithoutWaitingWhatIsThereIsDrawn) {
   ASSERT_EQ(played.exit_code, 0) << played.err;
   const json found = statistics("frames");
   for (const json& one : found["frames"]) EXPECT_LE(one["images_missing"], one["images_needed"]);
-  // By the end of the path, most images are decoded. At least the last sample's images are decoded on every machine.
+  // By the end of the path, most images are decoded. On every machine, at least the images of the last sample are
+  // decoded.
   EXPECT_LE(found["bytes_most"], found["memory_max"]);
   double sum = 0.0, count = 0.0;
   const Png8Image shown = frame("frames", 29), exact = sample("2,1");

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Kills every writing command at some moments (kill -9), runs it on a disk that fills up, and runs the daemon on such a
-disk. No complete output is lost, no half-written file has an output's name, the next run writes the same bytes, and no
-hidden file remains after it. Full disks are small file systems in memory, which only root may mount; for other users
-these tests are skipped with a message.
+"""Kills every writing command at some moments (kill -9), runs it on a disk that becomes full, and runs the daemon on
+such a disk. No complete output may be lost, no half-written file may have the name of an output, the next run must
+write the same bytes, and no hidden file may remain after it. The full disks are small file systems in memory, which
+only root may mount. For other users, these tests are skipped with a message.
 
   kills_and_disks_test.py MULTUM [--all] [unittest's arguments]
 
@@ -32,7 +32,7 @@ SKIPPED = 77
 
 
 def contents(folder):
-    """Returns the SHA-256 of every file by its name in the folder. Reports hold times, so only their names are
+    """Returns the SHA-256 of every file in the folder by its name. Reports contain times, so only their names are
     compared."""
     found = {}
     for above, _, names in os.walk(folder):
@@ -104,7 +104,7 @@ class SweepTest(unittest.TestCase):
         os.mkdir(self.out)
 
     def assert_whole(self, expected, where=None):
-        """Checks that files with an output's name are complete."""
+        """Checks that every file with the name of an output is complete."""
         for name, digest in contents(where or self.out).items():
             if not any(part.startswith(".") for part in name.split("/")):
                 self.assertEqual(digest, expected.get(name), name)
@@ -166,8 +166,8 @@ class SweepTest(unittest.TestCase):
         self.assertEqual(contents(self.out), expected)
 
     def disk(self, kibibytes):
-        """Returns words to put before a command, which mount a disk of that size at out. Files that remain are copied
-        to left."""
+        """Returns words that are put before a command and mount a disk of that size at out. The remaining files are
+        copied to left."""
         script = ('mount -t tmpfs -o size="$1"k,mode=0755 tmpfs out && shift && status=0 && { "$@" || status=$?; } && '
                   'cp -a out/. left && exit $status')
         return ["unshare", "-m", "bash", "-c", "mount --make-rprivate / && " + script, "bash", str(kibibytes)]

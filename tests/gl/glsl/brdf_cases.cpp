@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Defines the numerical cases of brdf/ and vmf_zonal.glsl, with facets at their peak, at grazing angles and facing
+// Defines the numerical cases of brdf/ and vmf_zonal.glsl. The facets are at their peak, at grazing angles, and facing
 // away.
 #include <fmt/format.h>
 
@@ -101,7 +101,7 @@ void schlick_ends(const GlFunctions& gl, const Edits& edits, WorstError& worst) 
           worst);
 }
 
-// Tests a term with d, q and e in a.xyz. Compares the ratio to the peak, and the peak.
+// Tests a term whose d, q and e are in a.xyz. Compares the peak, and the value as a fraction of the peak.
 void terms_of_every_spread(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   GlslComparison c{
       "vec4(multum_term(a.x, a.y, a.z) / multum_term(a.x, a.y, 0.0), multum_term(a.x, a.y, 0.0) * a.w, 0.0, "
@@ -123,8 +123,8 @@ void terms_of_every_spread(const GlFunctions& gl, const Edits& edits, WorstError
 
 double nothing(double) { return 0.0; }
 
-// Describes the shader functions of one BRDF: V, F, and f of one normal and of a lobe, relative to the peak of f.
-// `flags` select the BRDF.
+// Describes the shader functions of one BRDF: V, F, f of a single normal, and f of a lobe, all relative to the peak of
+// f. `flags` select the BRDF.
 struct FacetsOf {
   std::vector<std::string> flags;
   std::string visibility, fresnel;  // expressions that contain the cosine c = b.w
@@ -198,12 +198,13 @@ void cook_torrance_facets(const GlFunctions& gl, const Edits& edits, WorstError&
   }
 }
 
-// Tests two terms, one of negative weight. Far from the peak, the negative term is larger than the positive term.
+// Tests two terms, one of which has a negative weight. Far from the peak, the negative term is larger than the positive
+// term.
 void facets_of_terms(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   const glm::vec3 weights[] = {glm::vec3(1.5f), glm::vec3(-0.5f)};
   const float spreads[] = {0.01f, 0.3f};
   FacetsOf f{{"MULTUM_MEASURED", "MULTUM_TERM_COUNT 2"}, "0.0", "0.0", 20.0};
-  f.formulas = brdf_shader_text("measured.glsl");  // the table in this file stays black
+  f.formulas = brdf_shader_text("measured.glsl");  // the shader's table stays black here
   f.facets = nothing;
   f.lobe_facets = [=](double spread, double theta) {
     double sum = 0.0;
@@ -250,7 +251,7 @@ double ggx_facet_kappa(double alpha, double kappa, double e) {
   return facets;
 }
 
-// Tests a lobe that is opposite to h and as sharp as the facets, so the lobe and the facets cancel.
+// Tests a lobe that is opposite to h and as sharp as the facets, so that the lobe and the facets cancel each other.
 void facet_kappa_of_opposite_lobes(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   GlslComparison c{"vec4(multum_ggx_facet_kappa(a.x, a.y, a.z) / b.x, 0.0, 0.0, 0.0)", {}, {}};
   for (const float alpha : {0.0025f, 0.5f, 1.0f})
@@ -270,7 +271,7 @@ void facet_kappa_of_opposite_lobes(const GlFunctions& gl, const Edits& edits, Wo
 struct HighlightOf {
   std::vector<std::string> flags;
   std::vector<glm::dvec2> terms;                                   // weight and kappa of each term
-  std::function<double(double spread, double theta)> lobe_facets;  // for a single term with its own formula
+  std::function<double(double spread, double theta)> lobe_facets;  // used for a single term with its own formula
   std::function<void(const ShaderProgram&)> set_uniforms;
 };
 
@@ -448,7 +449,7 @@ void charlie_highlights(const GlFunctions& gl, const Edits& edits, WorstError& w
   }
 }
 
-// The table entries are their own indices, so each value read is the index that the shader used.
+// Each table entry contains its own index, so each value that the shader reads is the index that it used.
 void measured_tables(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   constexpr int kFacets = 90, kDifferences = 19;
   GlslComparison c{"vec4(multum_facets(vec3(0.0, 0.0, 1.0), b.xyz).x, multum_fresnel(b.w).x, 0.0, 0.0)", {}, {}};
@@ -474,11 +475,10 @@ void measured_tables(const GlFunctions& gl, const Edits& edits, WorstError& wors
 }
 
 std::vector<GlslCase> facet_cases() {
-  const std::string
-      longer = "a lobe vector longer than its amplitude makes the highlight narrower than the BRDF allows",
-      unit = "of the peak (the errors of the visibility V and the Fresnel term F are absolute)",
-      reason =
-          "kappa is computed with an error of 2.3e-4, which changes both the peak and the exponent of the highlight";
+  const std::string longer =
+                        "a lobe vector longer than its amplitude makes the highlight narrower than the BRDF allows",
+                    unit = "of the peak (the errors of the visibility V and the Fresnel term F are absolute)",
+                    reason = "the error of kappa (2.3e-4) changes both the peak and the exponent of the highlight";
   const SourceEdit unclamped = glsl_unclamped_spread();
   const std::string of_all_directions =
       "if normals are spread evenly over all directions, computing |r| / kappa divides 0 by 0";
@@ -501,7 +501,8 @@ std::vector<GlslCase> facet_cases() {
        {"multum_facets", "multum_lobe_facets", "multum_visibility", "multum_ggx_lobe_shape",
         "multum_ggx_lobe_density"}},
       {{"glsl-facet-kappa-of-opposite-lobes", "ggx_lobe.glsl",
-        "facets and an opposite lobe of equal sharpness cancel, and normalising their sum divides by zero",
+        "the vectors of the facets and of an opposite lobe of equal sharpness cancel, so normalising their sum divides "
+        "by zero",
         "the squared length of the sum is at least 1e-12", 3e-3, "relative error",
         "the sum of two opposite lobes cancels to 1e-7 of its terms"},
        {glsl_edit("sqrt(max(sum * sum - 2.0 * facets * kappa * e, 1e-12))",
@@ -521,7 +522,7 @@ std::vector<GlslCase> facet_cases() {
        {"multum_charlie", "multum_facets", "multum_lobe_facets", "multum_movmf_charlie", "multum_lobe_projection",
         "multum_visibility"}},
       {{"glsl-sheens-at-grazing-angles", "charlie.glsl",
-        "if both cosines are 0, dividing 0.25 by zero gives infinity, which is multiplied by 0",
+        "if both cosines are 0, then 0.25 is divided by 0, and the resulting infinity is multiplied by 0",
         "the denominator is at least 1e-6", 2e-6, "absolute error", "only one sum of floats is rounded"},
        {glsl_edit("0.25 / max(n_l + n_v - n_l * n_v, 1e-6)", "0.25 / (n_l + n_v - n_l * n_v)")},
        sheen_grazing,
@@ -543,11 +544,11 @@ std::vector<GlslCase> facet_cases() {
        highlights_of_hard_lobes,
        {"multum_lobe_highlight"}},
       {{"glsl-measured-tables-at-their-ends", "measured.glsl",
-        "rounding gives a cosine such as 1.0001, whose arc cosine is undefined, so the table index is out of range",
-        "v . h is clamped to the range 0 to 1, indices are clamped to the table, and facets that face away reflect "
+        "a rounded cosine such as 1.0001 has no arc cosine, so the table index is out of range",
+        "the shader clamps v . h to the range 0 to 1 and indices to the table, and facets that face away reflect "
         "nothing",
         3e-2, "absolute error of the index",
-        "the GL's arc functions have errors of 5e-4 radians, and one radian spans 57 indices"},
+        "the GL's inverse trigonometric functions have errors of 5e-4 radians, and one radian spans 57 indices"},
        {glsl_edit("acos(clamp(v_h, 0.0, 1.0))", "acos(v_h)")},
        measured_tables,
        {"multum_facets", "multum_fresnel"}},
@@ -559,22 +560,22 @@ std::vector<GlslCase> facet_cases() {
 std::vector<GlslCase> glsl_brdf_cases() {
   std::vector<GlslCase> cases = {
       {{"glsl-ggx-at-its-peak", "ggx.glsl",
-        "near the cosine t = 1, the difference 1 - t^2 (1 - alpha^2) cancels, with errors of a few per cent at "
-        "roughness 0.05",
+        "near t = 1 (t is a cosine), the difference 1 - t^2 (1 - alpha^2) loses digits by cancellation, which causes "
+        "errors of a few per cent at roughness 0.05",
         "the shader computes alpha^2 t^2 + e (2 - e) with e = 1 - t, which is a sum of small terms", 5e-6,
         "relative error", "only two squares are rounded in float"},
        {glsl_edit("x * t * t + e * (2.0 - e)", "1.0 - t * t * (1.0 - x)")},
        ggx_peak,
        {"multum_ggx"}},
       {{"glsl-smith-at-grazing-angles", "ggx.glsl",
-        "if both cosines are 0, dividing 0.5 by zero gives infinity, which is multiplied by 0",
+        "if both cosines are 0, then 0.5 is divided by 0, and the resulting infinity is multiplied by 0",
         "the denominator is at least 1e-6", 2e-6, "absolute error",
-        "only a root and four products are rounded in float"},
+        "only a square root and four products are rounded in float"},
        {glsl_edit("0.5 / max(masking + shadowing, 1e-6)", "0.5 / (masking + shadowing)")},
        smith_grazing,
        {"multum_smith_visibility"}},
       {{"glsl-grooves-at-grazing-angles", "cook_torrance.glsl",
-        "dividing by a cosine of 0 gives infinity, which is multiplied by 0",
+        "a division by a cosine of 0 gives infinity, which is then multiplied by 0",
         "the divisors are the product of the cosines (at least 1e-8) and the larger cosine (at least 1e-4)", 2e-6,
         "absolute error", "only three products are rounded in float"},
        {},
@@ -604,11 +605,9 @@ std::vector<GlslCase> glsl_brdf_cases() {
        schlick_ends,
        {"multum_schlick"}},
       {{"glsl-terms-of-every-spread", "terms.glsl",
-        "1 minus the mean cosine of the convolution loses its digits if it is computed as 1 - |r| A, where A is the "
-        "mean cosine of the term",
+        "the number 1 - |r| A, where A is the mean cosine of the term, loses digits by cancellation",
         "the shader computes d + (1 - d) q with d = 1 - |r| and q = 1 - A, which is a sum of small terms", 6e-4,
-        "of the peak",
-        "kappa is computed with an error of 2.3e-4, which changes both the peak and the exponent of the highlight"},
+        "of the peak", "the error of kappa (2.3e-4) changes both the peak and the exponent of the highlight"},
        {glsl_edit("d + (1.0 - d) * term_spread", "1.0 - (1.0 - d) * (1.0 - term_spread)")},
        terms_of_every_spread,
        {"multum_term"}},

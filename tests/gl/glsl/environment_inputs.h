@@ -18,7 +18,7 @@ ShaderHarnessInput environment_variant(const std::string& texts);
 /// Makes a texture with `value` in every texel of every level.
 Texture flat_texture(const GlFunctions& gl, const glm::vec4& value);
 
-/// L(l) = mean + linear . l + l . Q l, grey; Q has no trace.
+/// Grey light: L(l) = mean + linear . l + l . Q l, where the trace of Q is 0.
 struct SmoothLight {
   double mean;
   glm::dvec3 linear;
@@ -33,10 +33,11 @@ void set_smooth_light(const ShaderProgram& program, const SmoothLight& light);
 constexpr int kLevelCount = 5;
 constexpr float kLevelSpreads[kLevelCount] = {1e-3f, 1e-2f, 0.1f, 0.5f, 0.9f};
 
-/// Sets the uniforms of the levels and of one term of the facets.
+/// Sets the uniforms for the levels and for one term of the facets.
 void set_levels(const ShaderProgram& program);
 
-/// Light that is equal from every direction, on a surface that reflects the share highlight() / radiance.
+/// Describes light that is equal from every direction, and a surface that reflects the fraction highlight() / radiance
+/// of this light.
 class ConstantLight {
  public:
   explicit ConstantLight(const GlFunctions& gl);

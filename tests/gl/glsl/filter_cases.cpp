@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Defines the numerical cases of pyramids and of the lookups in texture_filter.glsl.
+// Defines the numerical cases of pyramids, and those of the lookups in texture_filter.glsl.
 
 #include <algorithm>
 #include <cmath>
@@ -48,7 +48,7 @@ void normals_straight_away(const GlFunctions& gl, const Edits& edits, WorstError
   compare_glsl(gl, edits, c, worst);
 }
 
-// Computes the footprint of the shader from two derivatives in double.
+// Computes the shader's footprint from two derivatives, in double precision.
 glm::dvec4 exact_footprint(const glm::dvec4& a, int taps_max, double size, double bias) {
   const glm::dvec2 along_x(a.x, a.y), along_y(a.z, a.w);
   const double x = glm::length(along_x), y = glm::length(along_y), longer = std::max(x, y), shorter = std::min(x, y);
@@ -92,7 +92,7 @@ void footprints_of_no_width(const GlFunctions& gl, const Edits& edits, WorstErro
   }
 }
 
-// Compares only the longer length, with one tap and with all taps.
+// Compares only the longer side of the footprint, with one tap and with all taps.
 void longer_lengths(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   constexpr float kBias = -0.5f;
   for (const int taps_max : {1, 4, 16}) {
@@ -125,8 +125,8 @@ void footprints_on_another_size(const GlFunctions& gl, const Edits& edits, Worst
   compare_glsl(gl, edits, c, worst);
 }
 
-// Returns the columns and rows of the grid. Halves the number of points along the longer side while the parts stay
-// longer than wide.
+// Returns the number of columns and rows of the grid. Divides the longer side into halves again and again, as long as
+// the parts are longer than wide.
 glm::dvec2 exact_grid(double count, double along_x, double along_y) {
   const double ratio = std::max(along_x, along_y) / std::max(std::min(along_x, along_y), 1e-20);
   double across = 1.0;
@@ -171,45 +171,45 @@ std::vector<GlslCase> glsl_filter_cases() {
   const std::string file = "texture_filter.glsl";
   return {
       {{"glsl-level-of-no-extent", "pyramid.glsl",
-        "if texture coordinates are constant across pixels, the mip level is the logarithm of 0",
+        "if texture coordinates do not change between pixels, the mip level is the logarithm of 0",
         "the squared length is at least 1e-30", 1e-4, "absolute error of the level",
-        "the log2 function of the GL has an error of its own"},
+        "the GL's log2 function is not exact"},
        {glsl_edit("max(max(dot(along_x, along_x), dot(along_y, along_y)), 1e-30)",
                   "max(dot(along_x, along_x), dot(along_y, along_y))")},
        level_of_no_extent,
        {"multum_mip_level"}},
       {{"glsl-normals-straight-away", "pyramid.glsl",
-        "for normals that face away, 1 + z loses its digits by cancellation, and the projection of (0, 0, -1) divides "
-        "0 by 0",
+        "for normals that face away, 1 + z loses digits by cancellation, and the projection of (0, 0, -1) is 0 divided "
+        "by 0",
         "the length of the projection is computed from 1 - z, and the normal (0, 0, -1) maps to a corner", 1e-4,
         "absolute error of s and t",
-        "the z of a normal has a rounding error of up to 6e-8, and a few more roundings follow"},
+        "the z of a normal has a rounding error of up to 6e-8, and the shader rounds a few more times"},
        {glsl_edit("if (n.z > 0.0) return", "if (true) return")},
        normals_straight_away,
        {"multum_reflectance_place"}},
       {{"glsl-footprints-of-no-width", file, "a footprint of length 0 causes a division by 0 and a logarithm of 0",
         "lengths are at least 1e-15", 2e-4, "absolute error of steps, taps and levels",
-        "the GL computes log2 of lengths down to 1e-15, and such large logarithms are rounded more coarsely"},
+        "the logarithms of lengths down to 1e-15 are large in magnitude, so they are rounded more coarsely"},
        {glsl_edit("log2(max(width, 1e-15))", "log2(width)")},
        footprints_of_no_width,
        {"multum_footprint_of"}},
       {{"glsl-footprints-on-another-size", file,
-        "a level that was computed for one texture is used for a texture of another size",
-        "the shader adds log2 of the ratio of the textures' longer sides to the level", 1e-4,
-        "absolute error of the level", "the log2 function of the GL has an error of its own"},
+        "the shader uses a level that was computed for a texture of another size",
+        "the shader adds to the level the log2 of the ratio between the longer sides of both textures", 1e-4,
+        "absolute error of the level", "the GL's log2 function is not exact"},
        {glsl_edit("footprint.level + octaves", "footprint.level")},
        footprints_on_another_size,
        {"multum_footprint_on"}},
       {{"glsl-longer-lengths-of-footprints", file,
-        "a footprint of one tap has a step of 0, whose logarithm is infinite",
-        "the shader returns the level of the tap", 2e-4, "absolute error of the level",
-        "the GL computes log2 of lengths down to 1e-15, and such large logarithms are rounded more coarsely"},
+        "a footprint of one tap has a step of 0, and the logarithm of 0 is infinite",
+        "for one tap, the shader returns the level of this tap", 2e-4, "absolute error of the level",
+        "the logarithms of lengths down to 1e-15 are large in magnitude, so they are rounded more coarsely"},
        {glsl_edit("if (footprint.tap_count == 1) return footprint.level;", "")},
        longer_lengths,
        {"multum_footprint_longer_lod"}},
       {{"glsl-points-of-no-width", "evaluations.glsl",
-        "a length of 0 is used as a divisor, which gives infinity or NaN", "lengths are at least 1e-20", 1e-4,
-        "absolute error of points, positions and alpha", "only a few rounding errors contribute"},
+        "the shader divides by a length of 0, which gives infinity or NaN", "lengths are at least 1e-20", 1e-4,
+        "absolute error of points, positions and alpha", "only a few operations are rounded"},
        {glsl_edit("max(min(along_x, along_y), 1e-20)", "min(along_x, along_y)")},
        points_of_no_width,
        {"multum_lobe_points", "multum_point_grid", "multum_point_place", "multum_geometry_variance",

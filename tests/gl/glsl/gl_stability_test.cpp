@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests the numerical cases of the GLSL formulas with Mesa's software renderer. Every case stays within its bound, and
-// exceeds its bound without its guard. Every shader function needs a case that notices when the function is broken. If
-// the environment has MULTUM_STABILITY_JSON=FILE, writes the verdicts to FILE for docs/contributing/STABILITY.md.
+// Tests the numerical cases of the GLSL formulas with Mesa's software renderer. Every case must stay within its bound,
+// and must exceed the bound without its guard. For every shader function there must be a case that fails if the
+// function is broken. If MULTUM_STABILITY_JSON=FILE is set in the environment, the test writes the verdicts to FILE for
+// docs/contributing/STABILITY.md.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -57,7 +58,7 @@ TEST(GlslCases, HoldWithTheirGuardsAndBreakWithout) {
   if (const char* path = std::getenv("MULTUM_STABILITY_JSON")) write_text_file(path, case_json(run));
 }
 
-// A function of runtime_gl/shaders, by its file, its name, and its text before the brace.
+// Identifies a function of runtime_gl/shaders by its file, its name, and its text before the brace.
 struct Formula {
   std::string file, name, type, head;
 };
@@ -85,7 +86,7 @@ bool is_of(const GlslCase& c, const Formula& f) {
          std::find(c.functions.begin(), c.functions.end(), f.name) != c.functions.end();
 }
 
-// Functions whose faults appear only in pictures, and the tests of these pictures.
+// Lists the functions whose faults appear only in pictures, and the tests of these pictures.
 const std::map<std::string, std::string> kByPictures = {
     {"texture_filter.glsl multum_footprint", "TextureFilterTest, TapsAreTheirsInDouble"},
     {"texture_filter.glsl multum_first_tap", "TextureFilterTest, TapsAreTheirsInDouble"},

@@ -19,7 +19,8 @@ namespace {
 
 using Edits = std::vector<SourceEdit>;
 
-constexpr int kUnrolledOrder = 4;  // a low order, because compilers unroll the loops; tests/agreement tests order 20
+constexpr int kUnrolledOrder = 4;  // The order is low because compilers unroll the loops. tests/agreement tests order
+                                   // 20.
 
 // Contains sets of directions and a texture of their coefficients. The texture has one row per set.
 struct Harmonics {
@@ -95,8 +96,8 @@ GlslInputs sets_and_directions(std::size_t set_count) {
   return inputs;
 }
 
-// Compares both shading functions with the series in double, also at the poles. Errors are relative to the peak of one
-// tilt.
+// Compares both shading functions with the series in double precision, also at the poles. Errors are relative to the
+// peak of one tilt.
 void harmonics_of_opposite_tilts(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   for (const double s : {12.0, 500.0}) {
     const ZonalCoefficients of_brdf = zonal_blinn_phong(kUnrolledOrder, s), of_lambert = zonal_lambert(kUnrolledOrder);
@@ -166,11 +167,11 @@ std::vector<GlslCase> glsl_harmonic_cases() {
   const std::string file = "sh_shading.glsl";
   return {
       {{"glsl-harmonics-of-opposite-tilts", file,
-        "the sum must be correct at the poles, and for directions and means that are not unit vectors",
-        "no guard is needed, because the series handles poles and vectors of any length", 2e-5,
+        "the sum is wrong at the poles, and for directions and means that are not unit vectors",
+        "the series needs no guard, because it handles poles and vectors of any length", 2e-5,
         "of the peak of one tilt",
-        "the basis functions have errors both in the coefficients and in the evaluation, weighted by the coefficients "
-        "of the lobe"},
+        "the basis functions have rounding errors in the coefficients and in the evaluation, which the coefficients of "
+        "the lobe weight"},
        {glsl_edit("float rotated = c * w.x - s * w.y;", "float rotated = c * w.x;")},
        harmonics_of_opposite_tilts,
        {"multum_sh_coefficient", "multum_sh_bands", "multum_sh_facets", "multum_sh_lambert"}},
@@ -180,8 +181,9 @@ std::vector<GlslCase> glsl_harmonic_cases() {
        {glsl_edit("return max(sum, vec3(0.0));\n}", "return sum;\n}")},
        harmonics_ring_below_0},
       {{"glsl-moments-of-harmonics", file,
-        "the matrix of second moments, E[n n^T], lacks its constant part, which is 1/3 of the unit matrix",
-        "the shader adds the constant part, so the trace is 1, and a series of order 1 has only the constant part",
+        "the matrix of second moments, E[n n^T], lacks its constant part, which is one third of the identity matrix",
+        "the shader adds the constant part, so the trace is 1; for a series of order 1, the matrix is only the "
+        "constant part",
         1e-6, "absolute error", "only three sums of a few floats are rounded"},
        {glsl_edit("(parts[1].y / 0.31539157 + 1.0) / 3.0", "(parts[1].y / 0.31539157) / 3.0")},
        moments_of_harmonics,

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Defines the numerical cases of light/. The inputs contain directions at the poles of an environment and along the
-// view, tables and levels at their ends, light from exactly behind, and light from a point on the surface.
+// Defines the numerical cases of light/. The inputs include directions at the poles of an environment, directions along
+// the view, positions at the ends of tables and levels, light from exactly behind, and a light at a point on the
+// surface.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -68,8 +69,8 @@ void irradiance_behind_the_light(const GlFunctions& gl, const Edits& edits, Wors
   }
 }
 
-// Entries contain their own position, so each value read shows the position that the shader used, and whether another
-// plane is mixed in.
+// Each entry contains its own position. Hence a value that the shader reads shows which position it used, and whether
+// it mixed in another plane.
 void table_at_its_ends(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   constexpr int kColumns = 32, kRows = 24, kPlanes = 3;
   std::vector<glm::vec4> texels;
@@ -112,7 +113,7 @@ void levels_beyond_their_ends(const GlFunctions& gl, const Edits& edits, WorstEr
 }
 
 // Tests equal light from every direction: a lobe of any width reflects exactly this light. The inputs include views
-// along the lobe, where v and mu span no plane.
+// along the lobe, for which v and mu do not span a plane.
 void seen_along_the_lobe(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   const ConstantLight light(gl);
   GlslComparison c{"", {}, {}};
@@ -244,7 +245,7 @@ void directions_at_the_pole(const GlFunctions& gl, const Edits& edits, WorstErro
   compare_glsl(gl, edits, c, worst);
 }
 
-// Tests light opposite to the view, and normals that face away from the viewer, so there is no half vector.
+// Tests light opposite to the view, which has no half vector, and normals that face away from the viewer.
 void a_sample_straight_behind(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   constexpr double kAlpha = 0.02, kExponent = 10.0;
   const Texture map = flat_texture(gl, glm::vec4(kTexelRadiance));
@@ -310,8 +311,8 @@ void light_straight_behind(const GlFunctions& gl, const Edits& edits, WorstError
   compare_glsl(gl, edits, c, worst);
 }
 
-// Tests a light at the lit point itself, which has no direction. Elsewhere, its irradiance decreases with the squared
-// distance.
+// Tests a light at the lit point itself. Such a light has no direction. Elsewhere, its irradiance decreases with the
+// squared distance.
 void a_light_on_the_surface(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   for (const glm::vec3& point : {glm::vec3(0.0f), glm::vec3(0.0f, 3.0f, 4.0f), glm::vec3(0.0f, 0.0f, -1e-3f)}) {
     GlslComparison c{"vec4(multum_lights(test_surface(a), mat3(1.0), vec3(0.0), b.xyz), 0.0)", {}, {}};
@@ -331,16 +332,16 @@ std::vector<GlslCase> sample_cases() {
   const std::string file = "environment_samples.glsl";
   return {
       {{"glsl-densities-at-their-ends", file,
-        "if the view is perpendicular to the half vector, a density is divided by v . h = 0",
-        "v . h counts as at least 1e-6", 2e-2, "error, relative to the peak or absolute",
+        "if the view v is perpendicular to the half vector h, a density is divided by v . h = 0",
+        "v . h counts as at least 1e-6", 2e-2, "error (relative to the peak, or absolute)",
         "1 - (n . h)^2 is rounded in float, and a highlight with exponent 1e5 is so narrow that the rounding is "
         "visible"},
        {glsl_edit("(4.0 * max(v_h, 1e-6))", "(4.0 * v_h)")},
        densities_at_their_ends,
        {"multum_half_density", "multum_cosine_density", "multum_light_density", "multum_light_hash"}},
       {{"glsl-directions-at-the-pole", file,
-        "rounding makes the cosine larger than 1, so the sine is the root of a negative number",
-        "the squared sine is at least 0", 1e-5, "absolute error", "the GL's sine and cosine have errors of their own"},
+        "rounding makes the cosine larger than 1, so the sine is the square root of a negative number",
+        "the squared sine is at least 0", 1e-5, "absolute error", "the GL's sine and cosine functions are not exact"},
        {glsl_edit("sqrt(max(1.0 - cosine * cosine, 0.0))", "sqrt(1.0 - cosine * cosine)")},
        directions_at_the_pole,
        {"multum_direction"}},
@@ -384,10 +385,9 @@ std::vector<GlslCase> light_cases() {
 std::vector<GlslCase> glsl_light_cases() {
   std::vector<GlslCase> cases = {
       {{"glsl-environment-at-its-poles", "environment_frame.glsl",
-        "rounding gives a height such as 1.0001, whose arc cosine is undefined, and the azimuth straight up is atan(0, "
-        "0)",
+        "a rounded height such as 1.0001 has no arc cosine, and the azimuth of the direction straight up is atan(0, 0)",
         "heights are clamped to the range -1 to 1, and the directions straight up and straight down map to s = 0.5",
-        1e-3, "absolute error of s and t", "the GL's arc functions have errors of their own"},
+        1e-3, "absolute error of s and t", "the GL's inverse trigonometric functions are not exact"},
        {glsl_edit("acos(clamp(d.y, -1.0, 1.0))", "acos(d.y)")},
        places_at_the_poles,
        {"multum_environment_st", "multum_set_environment_frame"}},
@@ -401,9 +401,9 @@ std::vector<GlslCase> glsl_light_cases() {
        irradiance_behind_the_light,
        {"multum_irradiance"}},
       {{"glsl-reflection-table-at-its-ends", "environment.glsl",
-        "filtering at the end of one plane mixes in values of the next plane",
-        "coordinates stay between the centres of the first and last texels", 1e-1, "absolute error of the index",
-        "texture filter weights have only 8 bits, and the table has 24 rows"},
+        "the filter mixes values of the next plane into the last texels of a plane",
+        "the shader clamps coordinates to the range between the centres of the first and the last texel", 1e-1,
+        "absolute error of the index", "texture filter weights have only 8 bits, and the table has 24 rows"},
        {glsl_edit("0.5 + pow(spread, 1.0 / 3.0)", "pow(spread, 1.0 / 3.0)")},
        table_at_its_ends,
        {"multum_reflection_entry"}},
@@ -418,15 +418,15 @@ std::vector<GlslCase> glsl_light_cases() {
       {{"glsl-environment-seen-along-the-lobe", "environment.glsl, environment_levels.glsl",
         "if the view direction v is parallel to the lobe's direction mu, they span no plane, and normalisation divides "
         "by zero",
-        "the shader uses an arbitrary plane that contains mu", 1e-4, "absolute error",
-        "the result is a sum of nine equal texels, whose weights are rounded"},
+        "if v and mu are parallel, the shader uses an arbitrary plane that contains mu", 1e-4, "absolute error",
+        "the result is the sum of nine equal texels, whose weights are rounded"},
        {glsl_edit("if (dot(side, side) < 1e-6) side =", "if (false) side =")},
        seen_along_the_lobe,
        {"multum_environment_lobe", "multum_environment_specular", "multum_term_light"}},
       {{"glsl-environment-harmonics-of-no-light", "environment_sh.glsl",
         "an environment without light has a weight of 0, and the shader divides by the weight",
         "the divisor is at least 1e-6", 5e-4, "absolute error",
-        "kappa is computed with an error of 2.3e-4, which affects each of eight bands"},
+        "the error of kappa (2.3e-4) affects each of eight bands"},
        {glsl_edit("weight / max(plain, 1e-6)", "weight / plain")},
        harmonics_of_half_vectors,
        {"multum_half_vector_light", "multum_environment_specular"}},

@@ -17,7 +17,7 @@ namespace {
 
 using Edits = std::vector<SourceEdit>;
 
-// Describes three things: a lobe along +z (so that (a r, a) is exact in float), a direction in the plane y = 0, and a
+// Holds a lobe along +z (so that (a r, a) is exact in single precision), a direction in the plane y = 0, and a
 // parameter.
 struct Point {
   double amplitude, spread, theta, parameter;
@@ -31,7 +31,7 @@ glm::vec4 direction_of(const Point& p) {
           static_cast<float>(p.parameter)};
 }
 
-// Returns the angle between the float vectors of the shader, whose lengths are not exactly 1.
+// Returns the angle between the shader's vectors of floats, whose lengths are not exactly 1.
 double angle_seen(const Point& p) {
   const glm::vec4 w = direction_of(p);
   const double x = static_cast<double>(w.x), z = static_cast<double>(w.z) - 1.0;
@@ -53,7 +53,7 @@ std::vector<double> evaluated(const GlFunctions& gl, const Edits& edits, const s
   return values;
 }
 
-// Adds the relative errors of a function of one number, `b.w`, for all `inputs`.
+// Adds the relative errors of a function of the single number `b.w` for all `inputs`.
 void add_function(const GlFunctions& gl, const Edits& edits, const std::string& expression,
                   const std::vector<double>& inputs, const std::function<double(double)>& exact, WorstError& worst) {
   std::vector<Point> points;
@@ -166,8 +166,8 @@ void amplitude_to_0(const GlFunctions& gl, const Edits& edits, WorstError& worst
   }
 }
 
-// Tests the paper's rule, which is kept for comparison. It must match its own formula, but can differ from the
-// reference.
+// Tests the paper's rule, which is kept for comparison. The shader must match the formula of the rule, but can differ
+// from the reference.
 void papers_rule(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   std::vector<Point> points;
   for (const double s : {1.0, 100.0, 1e5})
@@ -200,8 +200,8 @@ void torrance_sparrow(const GlFunctions& gl, const Edits& edits, WorstError& wor
 }
 
 // Tests lobes from single directions to lobes without a direction, and facets from mirrors to facets of the whole
-// sphere. Half vectors are along, across and opposite to the lobe. The sum of two opposite vMFs of equal kappa has no
-// direction.
+// sphere. Half vectors are parallel, perpendicular and opposite to the lobe. The sum of two opposite vMFs of equal
+// kappa has no direction.
 void highlight_cosines(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   const glm::dvec3 l = glm::normalize(glm::dvec3(0.3, -0.5, 0.8)), up(0.0, 0.0, 1.0);
   GlslComparison c{
@@ -266,8 +266,8 @@ void magnified(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   compare_glsl(gl, edits, c, worst);
 }
 
-// Tests lobes that were shortened for the width of a BRDF, with every mean cosine. Their lengths range from 0 to
-// above their amplitude.
+// Tests lobes that were shortened for the width of a BRDF, with every mean cosine. The lengths of these lobes range
+// from 0 to more than their amplitude.
 void roughness_taken_out(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   GlslComparison c{"multum_movmf_without_roughness(a, b.x)", {}, {}};
   for (const float amplitude : {0.0f, 1e-30f, 1e-6f, 0.5f, 1.0f})
@@ -288,8 +288,8 @@ std::vector<GlslCase> function_cases() {
       {{"glsl-vmf-spread-12-decades", file,
         "near kappa = 0, the difference 1/kappa - 2/(exp(2 kappa) - 1) loses its digits by cancellation",
         "below kappa = 0.1, two terms of the series are used", 2e-5, "relative error",
-        "at kappa = 0.1, both terms are near 10 and their difference is near 1, which makes rounding errors and errors "
-        "of the GL's exp ten times larger"},
+        "at kappa = 0.1, two terms near 10 have a difference near 1, so rounding errors and errors of the GL's exp "
+        "grow ten times"},
        {glsl_edit("if (kappa < 0.1) return", "if (false) return")},
        vmf_spread,
        {"multum_vmf_spread"}},
@@ -310,12 +310,12 @@ std::vector<GlslCase> function_cases() {
        {"multum_vmf_density"}},
       {{"glsl-log-of-one-minus-e", "blinn_phong.glsl",
         "the cosine t = 1 - e has a rounding error of 6e-8, which the highlight exponent s = 1e5 multiplies",
-        "below e = 0.1, log(1 - e) is computed as the series of -2 atanh(e / (2 - e))", 1e-6, "relative error",
+        "below e = 0.1, log(1 - e) is computed by the series of -2 atanh(e / (2 - e))", 1e-6, "relative error",
         "the omitted terms of the series add only 3e-9, and the GL's log adds a small error"},
        {glsl_edit("if (e > 0.1) return", "if (true) return")},
        log_one_minus,
        {"multum_log_one_minus"}},
-      {{"glsl-normal-map-share", file, "an extreme level of detail gives the normal map a share of -1e30 or 1e30",
+      {{"glsl-normal-map-share", file, "at an extreme level of detail, the normal map gets a share of -1e30 or 1e30",
         "the share is clamped to the range 0 to 1", 1e-6, "absolute error", "the shader only copies the share"},
        {glsl_edit("clamp(-lod, 0.0, 1.0)", "(-lod)")},
        normal_map_share,
@@ -323,8 +323,9 @@ std::vector<GlslCase> function_cases() {
       {{"glsl-magnified-normal-map", file,
         "normals can cancel, so normalising their sum gives NaN, and the variance can exceed the length that filtering "
         "removed",
-        "means shorter than 1e-6 stay unchanged, and the variance is at most the length that filtering removed", 1e-6,
-        "absolute error", "only a length and two quotients are rounded"},
+        "the shader does not normalise means shorter than 1e-6, and limits the variance to the length that filtering "
+        "removed",
+        1e-6, "absolute error", "only a length and two quotients are rounded"},
        {glsl_edit("if (size <= MULTUM_AMPLITUDE_MIN) return lobe;", ""), glsl_edit("min(map_lod, 0.5)", "map_lod")},
        magnified,
        {"multum_movmf_magnified"}},
@@ -340,10 +341,8 @@ std::vector<GlslCase> function_cases() {
 }
 
 std::vector<GlslCase> lobe_cases() {
-  const std::string
-      file = "movmf_shading.glsl",
-      reason =
-          "kappa is computed with an error of 2.3e-4, which changes both the peak and the exponent of the highlight";
+  const std::string file = "movmf_shading.glsl",
+                    reason = "the error of kappa (2.3e-4) changes both the peak and the exponent of the highlight";
   return {
       {{"glsl-exponents-to-1e5", "movmf_shading.glsl, blinn_phong.glsl",
         "1 - mu . h has a rounding error of 6e-8, which the highlight exponent s = 1e5 multiplies",
@@ -353,7 +352,7 @@ std::vector<GlslCase> lobe_cases() {
        exponents_to_1e5,
        {"multum_one_minus_cosine", "multum_movmf_mean_direction", "multum_movmf_blinn_phong"}},
       {{"glsl-the-horizon-and-below", "blinn_phong.glsl",
-        "the computed power of a negative cosine is positive, so surfaces that face away are lit",
+        "the computed power of a negative cosine is positive, so surfaces that face away from the light are lit",
         "the result is 0 if the cosine t is 0 or negative", 6e-4, "of the peak", reason},
        {glsl_edit("return e < 1.0 ?", "return true ?")},
        horizon_and_below,
@@ -365,11 +364,12 @@ std::vector<GlslCase> lobe_cases() {
        longer_than_amplitude,
        {"multum_movmf_spread"}},
       {{"glsl-no-direction", file, "normalising a mean r of length 0 divides by zero",
-        "a fixed direction is used, because the result does not depend on it", 6e-4, "of the peak", reason},
+        "the shader uses a fixed direction, because the result does not depend on it", 6e-4, "of the peak", reason},
        {glsl_edit("size > 1e-12 ? lobe.xyz / size : vec3(0.0, 0.0, 1.0)", "lobe.xyz / size")},
        no_direction},
-      {{"glsl-amplitude-to-0", file, "an empty lobe is divided by its amplitude, which is 0, or reflects light",
-        "lobes with amplitudes up to 1e-6, 1/30 of the smallest stored amplitude, are ignored", 6e-4,
+      {{"glsl-amplitude-to-0", file,
+        "the vector of an empty lobe is divided by the lobe's amplitude, which is 0, or the empty lobe reflects light",
+        "the shader ignores lobes with amplitudes up to 1e-6, a thirtieth of the smallest stored amplitude", 6e-4,
         "of the peak times the amplitude (light that must be 0 counts as an error of 1)", reason},
        {glsl_edit("if (lobe.w <= MULTUM_AMPLITUDE_MIN) return 0.0;", "")},
        amplitude_to_0},
@@ -380,21 +380,21 @@ std::vector<GlslCase> lobe_cases() {
        papers_rule,
        {"multum_movmf_blinn_phong_paper"}},
       {{"glsl-torrance-sparrow-of-every-sigma", "torrance_sparrow.glsl",
-        "the approximation 1 - 1/kappa of the mean cosine is wrong for rough facets",
+        "for rough facets, the approximation 1 - 1/kappa of the mean cosine is inaccurate",
         "both terms of the mean cosine are used, and the argument of exp is at most 80, where the second term vanishes",
         6e-4, "of the peak", reason},
        {glsl_edit("1.0 / kappa - 2.0 / (exp(min(2.0 * kappa, 80.0)) - 1.0)", "1.0 / kappa")},
        torrance_sparrow,
        {"multum_movmf_torrance_sparrow"}},
       {{"glsl-lambert-of-every-spread", file, "the paper's approximation max(mu . l, 0) ignores the spread of the lobe",
-        "the mean of a folded normal distribution is used, which is exact for single directions and for lobes without "
-        "a direction",
+        "the formula uses the mean of a folded normal distribution, which is exact for single directions and for lobes "
+        "without a direction",
         2.5e-3, "absolute error", "the model of the mean cosine has an error of 0.22 % (tools/lab/fit_shading.py)"},
        {glsl_edit("return 0.5 * (m + sqrt(m * m + v * exp(-g)));", "return max(t, 0.0);")},
        lambert,
        {"multum_movmf_lambert", "multum_vmf_mean_cosine"}},
       {{"glsl-highlight-cosines-of-every-width", file,
-        "facets and an opposite lobe of equal sharpness cancel, so their sum has no direction",
+        "the vectors of the facets and of an opposite lobe of equal sharpness cancel, so their sum has no direction",
         "the divisor is at least 1e-6", 2.5e-3, "absolute error",
         "the model of the mean cosine has an error of 0.22 %"},
        {glsl_edit("max(size, 1e-6)", "size")},

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Defines the numerical cases of planar Gaussians and of slope moments. Includes the inputs of the kernels with the
-// same formulas (host/lab/selftest), and inputs that occur only in shaders.
+// Defines the numerical cases of planar Gaussians and of slope moments. The inputs include those of the kernels that
+// use the same formulas (host/lab/selftest), and inputs that occur only in shaders.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -36,7 +36,7 @@ void planar_variance_below_0(const GlFunctions& gl, const Edits& edits, WorstErr
   compare_glsl(gl, edits, c, worst);
 }
 
-// Tests means that rounding left outside the unit circle, with lobes of every amplitude.
+// Tests lobes of every amplitude whose means are outside the unit circle because of rounding.
 void planar_means_beyond_the_rim(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   GlslComparison c{"vec4(multum_gmm_lambert(a, b.xyz), multum_gmm_lifted(a.xy / max(a.w, 1e-6)))", {}, {}};
   for (const double length : {0.0, 0.5, 0.9999, 1.0, 1.0001, 1.5})
@@ -62,7 +62,8 @@ void planar_amplitude_to_0(const GlFunctions& gl, const Edits& edits, WorstError
   compare_glsl(gl, edits, c, worst);
 }
 
-// Tests the Gaussian of a mean normal, which can have length 0, and the facet variance for means of every length.
+// Tests the Gaussian of a mean normal. The mean normal can have any length, including 0. Also tests the facet variance
+// of such means.
 void planar_mean_normals(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   GlslComparison c{"vec4(multum_gmm_normal_map(a).zw, multum_gmm_facet_variance(a, b.x), 0.0)", {}, {}};
   for (const double amplitude : {0.0, 1e-40, 1e-30, 1e-5, 0.5, 1.0})
@@ -106,8 +107,8 @@ glm::vec4 half_at(double s, double t, double cross_moment) {
   return with(glm::normalize(glm::dvec3(-s, -t, 1.0)), cross_moment);
 }
 
-// Tests second moments below the square of the mean, for slopes up to the largest slope. No value exceeds the peak of
-// the BRDF.
+// Tests second moments below the square of the mean, for slopes up to the largest allowed slope. No value exceeds the
+// peak of the BRDF.
 void slope_variance_below_0(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   for (const double s : {1.0, 100.0, 1e5}) {
     GlslInputs inputs;
@@ -190,23 +191,25 @@ std::vector<GlslCase> gaussian_cases() {
         "rounding and filtering make the mean square smaller than the squared mean, so the variance is negative",
         "the lobe's variance is at least 0, so in the worst case only the facets' variance remains", 2e-3,
         "of 2 pi times the peak of an upright lobe",
-        "two roundings of a mean near 1 change a variance of 1e-4 by up to 1.2e-7, which is 0.12 %"},
+        "a mean near 1 is rounded twice, which changes a variance of 1e-4 by up to 1.2e-7, or 0.12 %"},
        {glsl_edit("max(0.5 * (lobe.z - dot(mean, lobe.xy)) / max(lobe.w, MULTUM_AMPLITUDE_MIN), 0.0)",
                   "(0.5 * (lobe.z - dot(mean, lobe.xy)) / max(lobe.w, MULTUM_AMPLITUDE_MIN))")},
        planar_variance_below_0,
        {"multum_gmm_mean", "multum_gmm_variance", "multum_gmm_facet_variance", "multum_gmm_density"}},
       {{"glsl-planar-means-beyond-the-rim", file,
-        "the z of a mean outside the unit circle is the root of a negative number", "the mean is moved to the equator",
-        1e-3, "absolute error", "the z of a mean on the unit circle is the root of a rounding error of 1.2e-7"},
+        "the z of a mean outside the unit circle is the square root of a negative number",
+        "the shader moves the mean to the equator", 1e-3, "absolute error",
+        "the z of a mean on the unit circle is the square root of a rounding error of 1.2e-7"},
        {glsl_edit("sqrt(max(1.0 - dot(p, p), 0.0))", "sqrt(1.0 - dot(p, p))")},
        planar_means_beyond_the_rim,
        {"multum_gmm_lifted", "multum_gmm_lambert"}},
-      {{"glsl-planar-amplitude-to-0", file, "an empty lobe is divided by its amplitude, which is 0",
+      {{"glsl-planar-amplitude-to-0", file,
+        "the vector of an empty lobe is divided by the lobe's amplitude, which is 0",
         "lobes with amplitudes up to 1e-6 are ignored", kNothingWrong, "absolute error", "the result must be exact"},
        {glsl_edit("max(lobe.w, MULTUM_AMPLITUDE_MIN)", "lobe.w")},
        planar_amplitude_to_0,
        {"multum_gmm_density", "multum_gmm_lambert"}},
-      {{"glsl-planar-mean-normals", file, "an empty mean is divided by its share, which is 0",
+      {{"glsl-planar-mean-normals", file, "the mean normal of an empty level is divided by its share, which is 0",
         "the divisor is at least 1e-6", 1e-6, "absolute error", "only two products and a quotient are rounded"},
        {glsl_edit("mean.z * mean.z / max(mean.w, MULTUM_AMPLITUDE_MIN)", "mean.z * mean.z / mean.w")},
        planar_mean_normals,
@@ -221,25 +224,24 @@ std::vector<GlslCase> moment_cases() {
         "a mean normal longer than 1 gives a gloss above 1 or below 0, and normalising a mean of length 0 divides 0 by "
         "0",
         "the shader uses max(1 - length, 0), and a mean of length 0 reflects nothing", 1e-5, "of 2 pi times the peak",
-        "the mean direction mu and the half vector h have rounding errors of up to 6e-8, and the exponent multiplies "
-        "the error of the "
-        "angle"},
+        "the mean direction mu and the half vector h have rounding errors of up to 6e-8, which the exponent "
+        "multiplies"},
        {glsl_edit("max(1.0 - size, 0.0)", "(1.0 - size)")},
        toksvig_of_every_length,
        {"multum_moments_toksvig"}},
       {{"glsl-slope-variance-below-0", file,
         "rounding makes the mean squared slope smaller than the square of the mean slope, and the root of the negative "
         "determinant is NaN",
-        "variances are at least 0", 2e-6, "excess over the peak, or negative light, relative to the peak",
-        "only a root, a division and an exponential are rounded"},
+        "variances are at least 0", 2e-6, "amount of light above the peak or below 0, relative to the peak,",
+        "only three operations are rounded: a square root, a division and an exponential"},
        {glsl_edit("max(slopes.zw - slopes.xy * slopes.xy, vec2(0.0))", "(slopes.zw - slopes.xy * slopes.xy)")},
        slope_variance_below_0,
        {"multum_moments_lean"}},
       {{"glsl-slopes-along-a-line", file,
-        "the determinant of the covariance Sigma plus I/s, computed as a difference, has no correct digit at exponent "
-        "s = 1e5",
+        "if the determinant of Sigma + I/s (Sigma is the covariance) is computed as a difference, it has no correct "
+        "digit at exponent s = 1e5",
         "the determinant of Sigma is kept at or above 0, and the positive term 1/s (1/s + trace) is added to it", 5e-6,
-        "relative error", "only a root, a division and four products are rounded"},
+        "relative error", "only a square root, a division and four products are rounded"},
        {glsl_edit("base * (base + variance.x + variance.y) +\n"
                   "                      max(variance.x * variance.y - covariance * covariance, 0.0)",
                   "(base + variance.x) * (base + variance.y) - covariance * covariance")},
@@ -247,16 +249,15 @@ std::vector<GlslCase> moment_cases() {
       {{"glsl-steep-slopes-under-sharp-highlights", file,
         "16-bit floats near 400 have steps of 0.25, but a highlight with exponent s = 1e5 needs moments in steps of "
         "1e-5",
-        "moments are stored in 32 bits, so at slope b, rounding makes the highlight wider by at most 2^-22 s b^2 times "
-        "its width",
+        "moments are stored in 32 bits, so rounding widens a highlight at slope b by at most 2^-22 s b^2 times its "
+        "width",
         1.0, "times the allowed error, which is 2^-22 (s b^2 + sqrt(s) (1 + b)) + 1e-6 of the peak at slope b",
         "the mean squared slope and the square of the mean slope each have a rounding error of up to 2^-24 b^2"},
        {glsl_edit("max(slopes.zw - slopes.xy * slopes.xy, vec2(0.0))",
                   "max(floor(slopes.zw * 4.0 + 0.5) * 0.25 - slopes.xy * slopes.xy, vec2(0.0))")},
        steep_and_sharp},
       {{"glsl-half-vectors-at-the-horizon", file,
-        "the slope of a half vector at the horizon is infinite, and the distance between slopes is infinity minus "
-        "infinity",
+        "a half vector at the horizon has an infinite slope, so the distance between slopes is infinity minus infinity",
         "half vectors with z up to 1e-4 reflect nothing", kNothingWrong, "deviation of light that must be 0",
         "the result must be exact"},
        {glsl_edit("if (h.z <= 1e-4) return 0.0;", "")},

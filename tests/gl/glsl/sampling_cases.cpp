@@ -19,7 +19,7 @@ namespace {
 
 using Edits = std::vector<SourceEdit>;
 
-// Tests lobes of every width in every direction. For lobes that point downwards, the shader chooses other tangents.
+// Tests lobes of every width in every direction. For lobes that point downwards, the shader chooses different tangents.
 void normals_drawn(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   GlslComparison c{"vec4(multum_movmf_drawn_normal(a, b.xy), 0.0)", {}, {}};
   for (const double tilt : {0.0, 40.0, 90.0, 140.0, 180.0})
@@ -40,8 +40,8 @@ void normals_drawn(const GlFunctions& gl, const Edits& edits, WorstError& worst)
   compare_glsl(gl, edits, c, worst);
 }
 
-// Tests a pixel in many frames. Some frame numbers are so large that their product has no fraction in float. `map`
-// contains quarters.
+// Tests a pixel in many frames. Some frame numbers are so large that their product has no fractional part in single
+// precision. `map` contains quarters.
 void numbers_of_the_millionth_frame(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   constexpr int kSide = 64;
   std::vector<float> texels;
@@ -112,7 +112,7 @@ std::uint32_t hash(std::uint32_t v) {
   return (word >> 22u) ^ word;
 }
 
-// Uses the index of each element as the number of its pixel.
+// Uses the index of each element as its pixel number.
 void places_of_the_billionth_sample(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   constexpr std::uint32_t kSteps[] = {3859688306u, 3468523225u, 3117001274u, 2801104767u, 2517223198u, 2262111973u};
   for (const int sample : {0, 1, 1000003, 2147483647}) {
@@ -128,7 +128,8 @@ void places_of_the_billionth_sample(const GlFunctions& gl, const Edits& edits, W
   }
 }
 
-// Tests that only texels that a filter mixes at one position are chosen, for positions inside the map and far outside.
+// Tests that the shader chooses only texels that a filter would mix at this position. The positions are inside the map
+// and far outside.
 void footprints_of_one_place(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   constexpr int kWidth = 37, kHeight = 21;
   constexpr WrapMode kModes[] = {WrapMode::kBlack, WrapMode::kClamp, WrapMode::kPeriodic, WrapMode::kMirror};
@@ -165,36 +166,38 @@ void footprints_of_one_place(const GlFunctions& gl, const Edits& edits, WorstErr
 std::vector<GlslCase> glsl_sampling_cases() {
   return {
       {{"glsl-normals-drawn-from-any-lobe", "movmf_shading.glsl",
-        "rounding moves a random normal beyond the opposite direction, and the root of a negative number is NaN",
+        "rounding gives a random normal a cosine below -1, and the square root of a negative number is NaN",
         "1 - cosine is clamped to the range 0 to 2", 3e-2, "absolute error of a unit vector",
-        "a lobe that fills the sphere needs the logarithm of a number near 1, whose rounding error is divided by the "
-        "small kappa"},
+        "for a lobe that fills the sphere, the logarithm of a number near 1 is divided by a small kappa, which "
+        "magnifies its rounding error"},
        {glsl_edit("clamp(-log(max(1.0 - xi.x * (1.0 - exp(-2.0 * kappa)), 1e-30)) / kappa, 0.0, 2.0)",
                   "(-log(max(1.0 - xi.x * (1.0 - exp(-2.0 * kappa)), 1e-30)) / kappa)")},
        normals_drawn,
        {"multum_movmf_drawn_normal"}},
       {{"glsl-numbers-of-the-millionth-frame", "blue_noise.glsl",
-        "a large product in float has no fractional part, so all frames use the same random number",
-        "frame numbers are reduced modulo 1024", 1e-4, "absolute error",
+        "a large product has no fractional digits in float, so all frames use the same random number",
+        "the shader reduces frame numbers modulo 1024", 1e-4, "absolute error",
         "the largest product is 772, which has a rounding error of up to 6e-5"},
        {glsl_edit("frame - MULTUM_BLUE_NOISE_FRAMES * floor(frame / MULTUM_BLUE_NOISE_FRAMES)", "frame")},
        numbers_of_the_millionth_frame,
        {"multum_blue_noise"}},
       {{"glsl-texels-far-outside", "footprint.glsl",
-        "truncating quotients towards 0 selects wrong texels to the left of the map", "quotients are rounded down",
-        kNothingWrong, "texels of difference", "texel coordinates are whole numbers"},
+        "quotients that are truncated towards 0 select wrong texels to the left of the map",
+        "quotients are rounded down", kNothingWrong, "texels of difference",
+        "texel coordinates are whole numbers and must be exact"},
        {glsl_edit("(i >= 0 ? i / period : -1 - (-1 - i) / period)", "(i / period)")},
        texels_far_outside,
        {"multum_wrapped"}},
       {{"glsl-places-of-the-billionth-sample", "footprint.glsl",
-        "a large product in float has no fractional part, so all samples have the same position",
-        "integer products wrap modulo 2^32", kNothingWrong, "absolute error", "every bit must agree"},
+        "a large product has no fractional digits in float, so all samples have the same position",
+        "integer products wrap modulo 2^32", kNothingWrong, "absolute error", "every bit must be equal"},
        {glsl_edit("float((pixel + uint(u_sample) * steps[n]) >> 8u) / 16777216.0",
                   "fract(float(pixel) / 4294967296.0 + float(u_sample) * (float(steps[n]) / 4294967296.0))")},
        places_of_the_billionth_sample,
        {"multum_hash", "multum_random"}},
       {{"glsl-footprints-of-one-place", "footprint.glsl", "the shader reads a texel beyond a black border",
-        "texels beyond a black border are not read", kNothingWrong, "wrong texels", "no wrong texel is allowed"},
+        "the shader does not read texels beyond a black border", kNothingWrong, "wrong texels",
+        "no wrong texel is allowed"},
        {glsl_edit("if (min(texel.x, texel.y) < 0) return MULTUM_NO_TEXEL;", "")},
        footprints_of_one_place,
        {"multum_footprint_texel"}},

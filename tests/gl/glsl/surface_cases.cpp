@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Defines the numerical cases of surface/ and of the tangent frame of a mesh. Compares every representation of a
-// single normal with the normal in double. Views are from above, from below and from exactly behind. Also tests an
-// empty material.
+// Defines the numerical cases of surface/ and of the tangent frame of a mesh. Compares every representation of a single
+// normal with the normal in double precision. The views are from above, from below and from exactly behind. Also tests
+// an empty material.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -105,8 +105,8 @@ void single_normals_as_lobes(const GlFunctions& gl, const Edits& edits, WorstErr
   compare_surface(gl, edits, test, worst);
 }
 
-// Tests `d h + mu / s` with a half vector opposite to mu, so the terms cancel. Also tests other sums without a
-// direction.
+// Tests `d h + mu / s` with a half vector opposite to mu, so that the two terms cancel. Also tests other sums that have
+// no direction.
 void visibility_of_opposite_half_vectors(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   SurfaceTest test{kCookTorrance, lobe_texts(), "", true};
   GlslComparison c{"vec4(test_highlight(a, vec3(0.0, 1.0, 0.0), vec3(1.0, 0.0, 0.0), b.xyz), 0.0, 0.0, 0.0)", {}, {}};
@@ -148,7 +148,8 @@ void single_normals_as_gaussians(const GlFunctions& gl, const Edits& edits, Wors
   compare_surface(gl, edits, test, worst);
 }
 
-// Tests the normal as one normal (MIP) and by Toksvig's rule, which also stores the roughness in the normal's length.
+// Tests the shading of one normal (MIP), and Toksvig's rule, which also stores the roughness in the length of the
+// normal.
 void single_normals_as_means(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   for (const char* mode : {"MULTUM_MIP", "MULTUM_TOKSVIG"}) {
     SurfaceTest test{kBlinnPhongFlags, shader_surface_normals_glsl,
@@ -158,7 +159,7 @@ void single_normals_as_means(const GlFunctions& gl, const Edits& edits, WorstErr
   }
 }
 
-// Converts the exponents of a roughness map to variances, from mirrors to the roughest texel.
+// Tests the conversion of a roughness map's exponents to variances, from mirrors to the roughest texel.
 void exponents_of_roughness(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   constexpr double kMirrorExponent = 1e5;
   GlslComparison c{"test_variances(a.x)", {}, {}};
@@ -183,7 +184,7 @@ void exponents_of_roughness(const GlFunctions& gl, const Edits& edits, WorstErro
   compare_glsl(gl, edits, c, worst);
 }
 
-// Contains shader statements that store the basis functions of the normal up to order 2, as a file stores them.
+// Contains shader statements that set the basis functions of the normal up to order 2, as a file stores them.
 constexpr char kFillHarmonics[] =
     "  vec3 n = a.xyz;\n"
     "  surface.parts[0] = a.w * vec4(0.48860251 * n.yzx, 1.09254843 * n.x * n.y);\n"
@@ -266,7 +267,7 @@ void means_in_an_environment(const GlFunctions& gl, const Edits& edits, WorstErr
   }
 }
 
-// Tests light from all directions, and light made of two bands. Both need only E[n] and E[n n^T].
+// Tests light from all directions, and light that consists of two bands. Both depend only on E[n] and E[n n^T].
 void harmonics_in_an_environment(const GlFunctions& gl, const Edits& edits, WorstError& worst) {
   SurfaceTest test{kBlinnPhongFlags, std::string(shader_common_sh_shading_glsl) + shader_surface_sh_glsl,
                    kFillHarmonics, false};
@@ -326,7 +327,7 @@ void tangents_along_the_normal(const GlFunctions& gl, const Edits& edits, WorstE
 std::vector<GlslCase> environment_cases() {
   const std::string none = "a material without lobes reflects light from all directions, or gives NaN",
                     unit = "absolute error",
-                    reason = "the result is a sum of nine equal texels, whose weights are rounded";
+                    reason = "the result is the sum of nine equal texels, whose weights are rounded";
   return {
       {{"glsl-lobes-in-an-environment", "movmf.glsl", none, "lobes with amplitudes up to 1e-6 are ignored", 1e-4, unit,
         reason},
@@ -337,7 +338,7 @@ std::vector<GlslCase> environment_cases() {
                   "reflection.specular = multum_environment_specular(mu, d, v);"),
         glsl_edit("if (lobe.w <= MULTUM_AMPLITUDE_MIN) return reflection;", "")}},
       {{"glsl-means-in-an-environment", "normals.glsl", none,
-        "a mean shorter than 1e-12 counts as a material that reflects nothing", 1e-4, unit, reason},
+        "a material with a mean shorter than 1e-12 reflects nothing", 1e-4, unit, reason},
        {glsl_edit("if (length(mean) <= MULTUM_MEAN_MIN) return", "if (false) return")},
        means_in_an_environment,
        {"multum_reflect_environment"}},
@@ -356,16 +357,16 @@ std::vector<GlslCase> environment_cases() {
 std::vector<GlslCase> glsl_surface_cases() {
   const std::string
       unit = "absolute error",
-      behind = "light from straight behind, or a material without lobes, causes a division of 0 by 0",
-      reason = "the exponent 16 multiplies errors of 6e-8 in n and h, and visibility is divided by cosines near 0";
+      behind = "light from straight behind and materials without lobes cause divisions of 0 by 0",
+      reason = "the exponent 16 multiplies errors of 6e-8 in n and h, and the visibility is divided by cosines near 0";
   std::vector<GlslCase> cases = {
       {{"glsl-single-normals-as-lobes", "movmf.glsl", behind,
-        "divisors are at least 1e-6, and lobes with amplitudes up to 1e-6 are ignored", 2e-4, unit, reason},
+        "divisors are at least 1e-6, and the shader ignores lobes with amplitudes up to 1e-6", 2e-4, unit, reason},
        {glsl_edit("sum / max(length(sum), 1e-6)", "normalize(sum)")},
        single_normals_as_lobes,
        {"multum_reflect", "multum_lobe_visibility"}},
       {{"glsl-visibility-of-opposite-half-vectors", "movmf.glsl",
-        "the visibility is computed with the mean of the lobe as n, although the facets that reflect light have "
+        "the shader computes the visibility with the mean of the lobe as n, but the facets that reflect light have "
         "normals near h",
         "n . h is computed with a direction between h and the mean, and if h and the mean cancel, the divisor is at "
         "least 1e-6",
@@ -375,20 +376,20 @@ std::vector<GlslCase> glsl_surface_cases() {
                   "multum_movmf_mean_direction(lobe) / u_exponent")},
        visibility_of_opposite_half_vectors,
        {"multum_lobe_visibility"}},
-      {{"glsl-single-normals-as-gaussians", "gmm.glsl", "an empty lobe is divided by its amplitude, which is 0",
-        "the divisor is at least 1e-6", 1e-3, unit,
-        "the z of a mean near the unit circle is the root of a number with a rounding error of 1.2e-7"},
+      {{"glsl-single-normals-as-gaussians", "gmm.glsl",
+        "the vector of an empty lobe is divided by the lobe's amplitude, which is 0", "the divisor is at least 1e-6",
+        1e-3, unit,
+        "the z of a mean near the unit circle is the square root of a number with a rounding error of 1.2e-7"},
        {glsl_edit("max(lobe.w, MULTUM_AMPLITUDE_MIN)", "lobe.w")},
        single_normals_as_gaussians,
        {"multum_reflect", "multum_gmm_visibility"}},
       {{"glsl-single-normals-as-means", "normals.glsl", "light from below the horizon makes the highlight negative",
-        "cosines are at least 0, and a mean shorter than 1e-12 counts as a material that reflects nothing", 2e-5, unit,
-        reason},
+        "cosines are at least 0, and a material with a mean shorter than 1e-12 reflects nothing", 2e-5, unit, reason},
        {glsl_edit("float n_l = max(dot(n, l), 0.0);", "float n_l = dot(n, l);")},
        single_normals_as_means,
        {"multum_mean_cosine", "multum_reflect_mean", "multum_reflect_texel", "multum_reflect"}},
       {{"glsl-exponents-of-roughness", "normals.glsl", "a roughness of 0 gives an infinite exponent",
-        "the exponent is at most the exponent that represents a mirror", 1e-6, unit,
+        "the exponent is limited to the exponent that represents a mirror", 1e-6, unit,
         "a variance near 1/2 has a rounding error of at most 6e-8"},
        {glsl_edit("clamp(2.0 / max(alpha * alpha, 1e-12) - 2.0, 0.0, u_exponent)", "2.0 / (alpha * alpha) - 2.0")},
        exponents_of_roughness,
@@ -401,7 +402,7 @@ std::vector<GlslCase> glsl_surface_cases() {
       {{"glsl-tangents-along-the-normal", "reflection.glsl",
         "normalising a tangent that is parallel to the normal or has length 0 divides 0 by 0",
         "an arbitrary tangent perpendicular to the normal is used", 2e-6, unit,
-        "only three roots and a cross product are rounded"},
+        "only three square roots and a cross product are rounded"},
        {glsl_edit("if (dot(t, t) <= 1e-12 * max(dot(tangent.xyz, tangent.xyz), 1e-20))", "if (false)")},
        tangents_along_the_normal,
        {"multum_tangent_frame"}},

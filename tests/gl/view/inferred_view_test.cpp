@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests multum-view as texture inference uses it: probe writes measured matrices to files, and sample draws a manifest
-// with textures from files. The matrix A that probe writes, times the texture x, equals the picture that sample draws.
+// Tests multum-view as texture inference uses it. `probe` writes measured matrices to files, and `sample` draws the
+// textures that a manifest names. The matrix A that `probe` writes, times the texture x, must equal the picture that
+// `sample` draws.
 #include <OpenImageIO/imageio.h>
 #include <gtest/gtest.h>
 #include <half.h>
@@ -59,17 +60,17 @@ std::string scene_obj() {
   return out.str();
 }
 
-// If the board has moved, the waves have other coordinates, as in another block of the parameter space.
+// If the board has moved, the waves have different texture coordinates, as in another block of the parameter space.
 TextureMapping mapping_of(const std::string& object, const std::string& view = "still") {
   TextureMapping mapping;
-  if (object == "waves") {  // turned and smaller than the texture; sides are not powers of two
+  if (object == "waves") {  // the mapping is rotated and smaller than the texture, and the sides are not powers of two
     mapping.linear = glm::dmat2(0.0, 0.875, 0.75, 0.0);
     mapping.offset = {0.125, 0.0625};
     mapping.width = 77;
     mapping.height = 41;
     if (view == "moved") mapping.linear *= 0.75;
     if (view == "moved") mapping.width = 50;
-  } else {  // beyond the border on all sides
+  } else {  // this mapping extends beyond the border on all sides
     mapping.linear = glm::dmat2(2.5, 0.0, 0.0, 2.5);
     mapping.wrap_s = WrapMode::kPeriodic;
     mapping.width = 32;
@@ -118,7 +119,7 @@ class InferredViewTest : public ::testing::Test {
   FilterMatrix matrix(const std::string& view, const std::string& object) const {
     return read_filter_matrix(path(view + "_" + object + ".filter"));
   }
-  /// Expects the exit code and the message, and that no file was written, not even in part.
+  /// Expects this exit code and message, and that no file was written, not even in part.
   void expect_refusal(const std::vector<std::string>& arguments, int code,
                       const std::vector<std::string>& parts) const {
     const Names before = folder_.names();
@@ -275,8 +276,8 @@ Floats read_floats(const std::string& path) {
   return floats;
 }
 
-// There are two samples; the board has moved in the second. The waves have two layers in the first sample. The board
-// has no texture in the second sample.
+// There are two samples. The board has moved in the second sample. The waves have two layers in the first sample. The
+// board has no texture in the second sample.
 class InferredPictureTest : public InferredViewTest {
  protected:
   void SetUp() override {
@@ -308,7 +309,7 @@ class InferredPictureTest : public InferredViewTest {
     arguments.insert(arguments.begin(), {"sample", folder_.path()});
     return run_view(arguments);
   }
-  /// Adds an object's A x, weighted by its coverage, and adds its coverage.
+  /// Adds A x of an object, weighted by the object's coverage, and adds the coverage.
   void add(const std::string& view, const std::string& object, const std::vector<std::string>& layers,
            std::vector<double>& rgba) const {
     const FilterMatrix m = matrix(view, object);
@@ -350,7 +351,7 @@ TEST_F(InferredPictureTest, PicturesAreMatrixTimesTexture) {
   add("still", "waves", {"waves_0", "waves_shine_0"}, still);
   add("still", "board", {"board_0"}, still);
   add("moved", "waves", {"waves_1"}, moved);
-  add("moved", "board", {}, moved);  // black, and hides the waves behind it
+  add("moved", "board", {}, moved);  // the board is black and hides the waves behind it
   const ChildResult result = draw({"--at", "2,0", "-o", path("still.exr"), "--at", "2,1", "-o", path("moved.exr"),
                                    "--at", "still", "-o", path("again.exr")});
   ASSERT_EQ(result.exit_code, 0) << result.output;

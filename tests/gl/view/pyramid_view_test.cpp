@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests pyramids in the runtime. Compares our choice of level with the driver's choice and with double precision, and
-// highlights with the pyramid with highlights without it. Also tests surfaces at a level of detail, a model's own
-// materials, and multum-view's modes for pyramids.
+// Tests pyramids in the runtime. Compares our choice of level with the driver's choice and with double precision.
+// Compares highlights drawn with and without the pyramid. Also tests surfaces at a level of detail, the materials of a
+// model, and the modes of multum-view for pyramids.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -30,7 +30,8 @@ namespace {
 
 using testing::TemporaryFolder;
 
-/// Makes a pyramid with a box filter; sides are powers of two, and `value(x, y, channel)` gives level 0.
+/// Makes a pyramid with a box filter. The sides are powers of two, and `value(x, y, channel)` returns the values of
+/// level 0.
 template <typename Value>
 Pyramid make_pyramid(PyramidKind kind, int size, WrapMode wrap, const Value& value) {
   Pyramid pyramid;
@@ -108,8 +109,9 @@ glm::dvec2 texels_at(const gl::PyramidScene& scene, double x, double y, int widt
   return glm::dvec2(hit.x / 60.0 + 0.5, 1.0 - hit.y / 60.0) * (static_cast<double>(scene.uv_scale) * size);
 }
 
-// Differences between the fragments of a quad replace derivatives. On a plane in perspective their error is a few per
-// cent of a level. Mesa's own choice follows the same rule with its own log2; both are within 0.1 levels.
+// The GL uses differences between the fragments of a quad instead of derivatives. On a plane in perspective, this
+// changes the level by a few hundredths. Mesa follows the same rule with its own log2. The two levels differ by at most
+// 0.1.
 TEST_F(PyramidViewTest, TheLevelIsWilliamsAndTheDriversIsNear) {
   constexpr int kSize = 64, kWidth = 128, kHeight = 96;
   const Pyramid pyramid =
@@ -126,7 +128,7 @@ TEST_F(PyramidViewTest, TheLevelIsWilliamsAndTheDriversIsNear) {
     for (int column = 0; column < kWidth; ++column) {
       const float* const pixel = &levels.rgba[static_cast<std::size_t>(4 * (row * kWidth + column))];
       if (pixel[3] == 0.0f) continue;
-      // The middle of the quad of fragments whose differences are taken.
+      // This is the middle of the quad of fragments whose differences are used.
       const double x = column / 2 * 2 + 1, y = (kHeight - 1 - row) / 2 * 2 + 1;
       const auto at = [&](double dx, double dy) { return texels_at(scene, x + dx, y + dy, kWidth, kHeight, kSize); };
       const glm::dvec2 along_x = at(0.5, 0.0) - at(-0.5, 0.0), along_y = at(0.0, 0.5) - at(0.0, -0.5);
@@ -144,7 +146,7 @@ TEST_F(PyramidViewTest, TheLevelIsWilliamsAndTheDriversIsNear) {
               worst_driver);
 }
 
-// textureLod at our level equals the reference's trilinear filter, across borders of both kinds.
+// textureLod at our level equals the trilinear filter of the reference, also across both kinds of borders.
 TEST_F(PyramidViewTest, SamplesAreTheReferences) {
   constexpr int kSize = 16, kWidth = 64, kHeight = 48;
   for (const WrapMode wrap : {WrapMode::kPeriodic, WrapMode::kClamp}) {
@@ -163,7 +165,7 @@ TEST_F(PyramidViewTest, SamplesAreTheReferences) {
         const auto first = static_cast<std::size_t>(4 * (row * kWidth + column));
         if (levels.rgba[first + 3] == 0.0f) continue;
         const glm::dvec2 texel = texels_at(scene, column + 0.5, kHeight - row - 0.5, kWidth, kHeight, kSize);
-        // st = (u, 1 - v) * repeats, since the plane's v grows upwards.
+        // st = (u, 1 - v) * repeats, because v increases upwards on the plane.
         const double s = texel.x / kSize, t = texel.y / kSize;
         const PyramidSample expected = sample_pyramid(pyramid, s, t, static_cast<double>(levels.rgba[first]));
         for (std::size_t c = 0; c < 3; ++c)
@@ -182,7 +184,7 @@ std::vector<gl::Light> nine_lights_less_one() {
   return lights;
 }
 
-// Makes a map of the lights by the reference in double, with 2 x 2 normals per texel.
+// Makes a map of the lights with the reference in double precision, which uses 2 x 2 normals per texel.
 Pyramid reflectance_of(const gl::PhongLights& lights, int size) {
   const ReflectanceFrame frame;
   std::vector<reference::DistantLight> distant;
@@ -215,7 +217,8 @@ class HighlightTest : public PyramidViewTest {
   gl::PyramidScene scene;
 };
 
-// On a large ball every lookup shows the same light as shading in the fragment, up to the map's resolution.
+// On a large ball, every lookup gives the same light as shading in the fragment shader, within the resolution of the
+// map.
 TEST_F(HighlightTest, AMapShowsWhatItsLightsDo) {
   const Pyramid map = reflectance_of(lights, 256);
   const gl::Mesh mesh(gl(), ball(48));
@@ -227,7 +230,8 @@ TEST_F(HighlightTest, AMapShowsWhatItsLightsDo) {
   }
 }
 
-// On a ball of 16 pixels, normals turn by some degrees per pixel. This measures what Williams's figures 18 and 19 show.
+// On a ball of 16 pixels, normals turn by some degrees per pixel. This test measures the effect that Williams shows in
+// figures 18 and 19.
 TEST_F(HighlightTest, ThePyramidAntialiases) {
   const Pyramid map = reflectance_of(lights, 256);
   const gl::Mesh mesh(gl(), ball(48));
@@ -244,7 +248,7 @@ TEST_F(HighlightTest, ThePyramidAntialiases) {
     before.push_back(renderer.draw(mesh, nearest, gl::PyramidLookup::kBilinear, true, scene));
     after.push_back(renderer.draw(mesh, nearest, gl::PyramidLookup::kLevel, true, scene));
   }
-  // No map antialiases silhouettes, so only pixels that the ball covers completely are compared.
+  // Maps do not antialias silhouettes, so only pixels that the ball covers completely are compared.
   for (std::size_t k = 0; k < references.size(); ++k)
     for (std::size_t i = 0; i < references[k].rgba.size(); i += 4)
       if (references[k].rgba[i + 3] < 1.0f)
@@ -285,8 +289,8 @@ TEST(PyramidSurfaceTest, LevelsAreSmootherAndFewer) {
   EXPECT_NEAR(n.z, std::sqrt(0.5f), 1e-3f);
 }
 
-// Draws a surface of height 0, seen face-on from one unit above through a lens that maps one unit to 64 pixels. The
-// surface's finest points, 64 per side, are 64 / 63 pixels apart, because 64 points have 63 gaps.
+// Draws a surface of height 0, which is seen face-on from one unit above through a lens that maps one unit to 64
+// pixels. The finest points of the surface are 64 / 63 pixels apart, because there are 64 points and 63 gaps per side.
 TEST(PyramidSurfaceTest, TheProjectionsLevelKeepsPointsApart) {
   const Pyramid flat = make_pyramid(PyramidKind::kHeight, 64, WrapMode::kClamp, [](int, int, int) { return 0.0; });
   const auto level = [&](double distance, double spacing) {
@@ -302,7 +306,7 @@ TEST(PyramidSurfaceTest, TheProjectionsLevelKeepsPointsApart) {
 }
 
 TEST(PyramidSurfaceTest, PatchesAreTheSplineOfTheirControlPoints) {
-  // If control points are on a plane, the patches are in the plane and reach the border of the control points.
+  // If the control points are in a plane, the patches are in the same plane and reach the border of the control points.
   const Pyramid ramp =
       make_pyramid(PyramidKind::kHeight, 16, WrapMode::kClamp, [](int x, int, int) { return (x + 0.5) / 16.0; });
   const PyramidSurface points = surface_at_level(ramp, 1.0), plane = patches_at_level(ramp, 1.0, 4);
@@ -320,11 +324,11 @@ TEST(PyramidSurfaceTest, PatchesAreTheSplineOfTheirControlPoints) {
   const auto found = [&](int i) { return static_cast<std::size_t>(10 * spline.columns + i); };
   EXPECT_NEAR(spline.positions[found(2 * 6)].z, (z(5) + 4.0f * z(6) + z(7)) / 6.0f, 1e-6f);
   EXPECT_NEAR(spline.positions[found(2 * 6 + 1)].z, (z(5) + 23.0f * z(6) + 23.0f * z(7) + z(8)) / 48.0f, 1e-6f);
-  const float slope = 15.0f * 0.5f * (z(7) - z(5));  // at the point, along x; points are 1 / 15 apart
+  const float slope = 15.0f * 0.5f * (z(7) - z(5));  // the slope at the point, along x; the points are 1 / 15 apart
   EXPECT_LT(glm::distance(spline.normals[found(2 * 6)], glm::normalize(glm::vec3(-slope, 0.0f, 1.0f))), 1e-5f);
 }
 
-// A ring of control points gives a closed surface without a seam.
+// A closed ring of control points gives a closed surface without a seam.
 TEST(PyramidSurfaceTest, PatchesOfPeriodicPositionsAreClosed) {
   constexpr int kSize = 16;
   Pyramid tube = make_pyramid(PyramidKind::kPosition, kSize, WrapMode::kPeriodic, [](int x, int y, int c) {
@@ -406,7 +410,8 @@ TEST_F(PyramidModesTest, ASurfaceByItsProjectionAndInPatches) {
   expect_refusal({"lod", path("h.exr"), "--level", "1", "--point-spacing", "1"}, 2, {"--point-spacing", "--level"});
 }
 
-// Bumps smaller than a pixel alias; a coarser surface level has no such bumps. The reference keeps them.
+// Bumps that are smaller than a pixel cause aliasing. A coarser surface level does not have such bumps, but the
+// reference keeps them.
 TEST_F(PyramidModesTest, ReflectedLightOnASurfaceOfLimitedCurvature) {
   write(make_pyramid(PyramidKind::kHeight, 64, WrapMode::kClamp,
                      [](int x, int y, int) { return 0.01 * std::sin(1.5 * x) * std::sin(1.5 * y); }),

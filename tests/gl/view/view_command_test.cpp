@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests multum-view's subcommands: the help of each, the old options that still select them, and refusals. Pyramids and
-// texture inference have their own tests: pyramid_view_test.cpp and inferred_view_test.cpp.
+// Tests the subcommands of multum-view: the help of each subcommand, the old options that still select them, and
+// refusals. pyramid_view_test.cpp and inferred_view_test.cpp test pyramids and texture inference.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -29,7 +29,7 @@ class ViewCommandTest : public ::testing::Test {
     arguments.insert(arguments.begin(), std::string(MULTUM_BIN_DIR) + "/multum-view");
     return run_child(arguments);
   }
-  /// Draws the file `name` with the command and returns its bytes.
+  /// Draws a picture into the file `name` with the command, and returns the bytes of the file.
   std::string drawn(const std::string& name, std::vector<std::string> arguments) const {
     std::filesystem::remove(path(name));
     arguments.insert(arguments.end(), {"--context", "osmesa"});
@@ -44,7 +44,7 @@ class ViewCommandTest : public ::testing::Test {
     testing::expect_says(result.output, parts);
     EXPECT_EQ(folder_.names(), before);
   }
-  /// Writes a scene's bake: two objects that share one map.
+  /// Writes the bake of a scene in which two objects share one map.
   void write_plan() const {
     nlohmann::json view = {{"file", "map.ndf.exr"},
                            {"size", "32x24"},
@@ -72,7 +72,7 @@ const std::vector<std::string> kObjectAsOptions = {
     "--fixed-fresnel", "0.1,0.1,0.1", "--light",    "0.3,0.8,0.5,2",
     "--point-light",   "0,2,1,3,2,1"};
 
-// A stored reference equals the one that would be drawn; other files are refused.
+// A stored reference equals the reference that would be drawn. Other files are refused.
 TEST_F(ViewCommandTest, AReferenceIsKept) {
   const auto compared = [&](std::vector<std::string> more, int code) {
     more.insert(more.begin(), {path("map.ndf.exr"), "-o", path("out.png"), "--compare", "reference", "--samples", "4",
@@ -88,7 +88,7 @@ TEST_F(ViewCommandTest, AReferenceIsKept) {
   const std::string bytes = testing::read_bytes(path("r"));
   EXPECT_EQ(bytes.size(), 8u + 32u + 32u * 24u * 16u);
   EXPECT_EQ(compared(kept, 0), drawn);
-  // A different stored reference changes the error, so the file is really read.
+  // A different stored reference changes the error. This shows that the file is really used.
   std::string other = bytes;
   std::fill(other.begin() + 40, other.end(), '\0');
   testing::write_bytes(path("r"), other);
@@ -105,7 +105,7 @@ TEST_F(ViewCommandTest, AReferenceIsKept) {
   EXPECT_EQ(testing::read_bytes(path("r")), bytes);
 }
 
-// The picture equals the one drawn without a comparison, and the comparison's errors do not change.
+// The picture equals the picture that is drawn without a comparison, and the errors of the comparison do not change.
 TEST_F(ViewCommandTest, AMapIsComparedAndShownAlone) {
   const auto drawn = [&](std::vector<std::string> more) {
     more.insert(more.begin(), {path("map.ndf.exr"), "-o", path("out.png"), "--report", path("out.json"), "--context",
@@ -182,7 +182,7 @@ TEST_F(ViewCommandTest, EverySubcommandHasItsOwnHelp) {
   }
 }
 
-// A triangle with one material; `extension` is the text of the material's "extensions" in glTF.
+// Returns a triangle with one material. `extension` is the glTF text of the material's "extensions".
 std::string model_of_material(const std::string& extension) {
   return R"({"asset":{"version":"2.0"},"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],)"
          R"("meshes":[{"primitives":[{"attributes":{"POSITION":0,"TEXCOORD_0":1},"material":0}]}],)"

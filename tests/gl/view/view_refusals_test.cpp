@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests multum-view's refusals and warnings: exit codes, messages, and files that appear complete or not at all.
+// Tests the refusals and warnings of multum-view: exit codes and messages. Each output file must be either complete or
+// absent.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -133,7 +134,7 @@ TEST_F(ViewRefusalTest, NoPictureIsLeftWhereTheReportCannotBeWritten) {
 }
 
 TEST_F(ViewRefusalTest, SourceIsReadAsTheBakeReadIt) {
-  // The slopes of a ramp depend on the height scale everywhere, and at the border on the wrap mode.
+  // The slopes of a ramp depend on the height scale. At the border, they also depend on the wrap mode.
   constexpr int kSize = 16;
   const auto write_heights = [&](double power) {
     std::vector<std::uint16_t> rgb;
@@ -156,7 +157,7 @@ TEST_F(ViewRefusalTest, SourceIsReadAsTheBakeReadIt) {
   baked.header.provenance.settings = json.dump();
   baked.header.provenance.source_hash = hash_file(path("h.png"));
   write_movmf_mipmap(path("map.ndf.exr"), baked, {});
-  // The view is from above and near, which magnifies texels. The only error left is at borders between texels.
+  // The view is from above and near, which magnifies texels. The only remaining error is at the borders between texels.
   const auto error = [&](const std::vector<std::string>& more, bool warns) {
     std::vector<std::string> arguments = {
         "-o",       path("out.png"),  "--compare", "reference", "--size",   "64x48",        "--samples", "16",
@@ -194,10 +195,12 @@ TEST_F(ViewRefusalTest, WarnsOfASourceThatIsNotRead) {
 }
 
 TEST_F(ViewRefusalTest, LinksNeitherGlNorOpenCl) {
-  // Lists only libraries that the program names itself: image libraries may load more, such as OpenCL through OpenCV.
+  // Lists only the libraries that the program itself names. Image libraries may load more libraries. For example,
+  // OpenCV may load OpenCL.
   const ChildResult needed = run_child({"readelf", "-d", std::string(MULTUM_BIN_DIR) + "/multum-view"});
   ASSERT_EQ(needed.exit_code, 0);
-  EXPECT_NE(needed.output.find("libOpenEXR"), std::string::npos) << needed.output;  // readelf printed the list
+  // Shows that readelf printed the list.
+  EXPECT_NE(needed.output.find("libOpenEXR"), std::string::npos) << needed.output;
   for (const char* library : {"libOpenCL", "libGL", "libEGL", "libOSMesa", "libOpenGL"})
     EXPECT_EQ(needed.output.find(library), std::string::npos) << library;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests multum-view as its users call it: pictures, reports, animations.
+// Tests multum-view as its users call it: pictures, reports and animations.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -42,7 +42,8 @@ TEST_F(ViewTest, WritesPictureAndReport) {
   EXPECT_GT(report["pictures"][1]["relative_l1"].get<double>(), 0.0);
 }
 
-// By default a reference takes as many samples as its noise requires; the report states their number and the filter.
+// By default, a reference takes as many samples as its noise requires. The report states the number of samples and the
+// filter.
 TEST_F(ViewTest, SaysHowNoisyAReferenceIsAndHowItFilters) {
   const std::vector<std::string> common = {"-o",       path("out.png"), "--compare", "reference", "--size",   "64x48",
                                            "--report", path("r.json"),  "--context", "osmesa",    "--repeat", "60"};
@@ -69,13 +70,13 @@ TEST_F(ViewTest, SaysHowNoisyAReferenceIsAndHowItFilters) {
   EXPECT_EQ(other["pixel_filter"], "tent");
   EXPECT_EQ(report_of({"--samples", "4", "--anisotropy", "1"})["filter"],
             (nlohmann::json{{"of", "driver"}, {"anisotropy", 1.0}}));
-  // With nearest texels, only the error of the baked texels remains, for any number of taps. On this map, that error is
-  // 0.
+  // If the nearest texel is used, the only remaining error is the error of the baked texels, whatever the number of
+  // taps. On this map, that error is 0.
   const auto error = [](const nlohmann::json& report) { return report["pictures"][1]["relative_l1"].get<double>(); };
   EXPECT_LT(error(report_of({"--samples", "1024", "--reference-of", "texels", "--taps", "8"})), 0.03);
 }
 
-// A file of moments draws the same picture as the baseline that --compare draws from its source.
+// The picture of a file of moments equals the picture of the baseline that --compare draws from the source of the file.
 TEST_F(ViewTest, DrawsMomentsAsItDrawsItsBaselines) {
   const gl::TestMap map = gl::make_noise_map(32, 1.0f, WrapMode::kPeriodic);
   write_moment_mipmap(path("map.ndf.exr"), gl::make_moments(map.image, StorageEncoding::kHalf), {});
@@ -104,7 +105,7 @@ TEST_F(ViewTest, DrawsMomentsAsItDrawsItsBaselines) {
   EXPECT_GT(std::abs(usual.at("toksvig") - usual.at("lean-jacobian")), 0.002);
 }
 
-// Order 8 can represent this broad highlight, so the error is small with every BRDF.
+// Order 8 can represent this broad highlight, so the error is small for every BRDF.
 TEST_F(ViewTest, DrawsSphericalHarmonics) {
   const gl::TestMap map = gl::make_noise_map(32, 1.0f, WrapMode::kPeriodic);
   write_sh_mipmap(path("map.ndf.exr"), gl::make_harmonics(map.image, 8, StorageEncoding::kHalf), {});
@@ -118,12 +119,13 @@ TEST_F(ViewTest, DrawsSphericalHarmonics) {
     const nlohmann::json report = nlohmann::json::parse(file);
     for (const nlohmann::json& picture : report["pictures"])
       if (picture["name"] != "reference") errors[picture["name"]] = picture["relative_l1"];
-    EXPECT_LT(errors.at("multum"), 0.25) << brdf;  // mostly from the blur of an oblique view
+    EXPECT_LT(errors.at("multum"), 0.25) << brdf;  // most of this error comes from the blur in an oblique view
     EXPECT_LT(errors.at("multum"), errors.at("mip")) << brdf;
   }
 }
 
-// Returns the two-tilt map whose lobes include the width of a BRDF with mean cosine c, or have the weights 1/4 and 3/4.
+// Returns the two-tilt map. Its lobes either include the width of a BRDF with mean cosine c or have the weights 1/4 and
+// 3/4.
 gl::TestMap with_roughness(float c) {
   gl::TestMap map = gl::make_two_tilt_map(16, 20.0, StorageEncoding::kFloat, false);
   map.mipmap.header.has_roughness = true;
@@ -172,8 +174,8 @@ TEST_F(ViewTest, DrawsLobesThatHaveTheirBrdfIn) {
   expect_refusal({"-o", path("out.png"), "--roughness", path("r.png")}, 2, {"--roughness", "--source"});
 }
 
-// The baselines get the roughness map that an engine would use. A constant roughness gives the BRDF of that width.
-// Varying roughness is averaged as perceptual roughness, level by level.
+// The baselines use the roughness map that an engine would use. A constant roughness gives the BRDF with that width. If
+// roughness varies, the perceptual roughness is averaged for each level.
 TEST_F(ViewTest, BaselinesHaveTheRoughnessMap) {
   const auto draw = [&](const std::string& baseline, const std::vector<std::string>& more) {
     std::vector<std::string> arguments = {"-o",        path("out.exr"), "--compare",  "reference," + baseline,
@@ -211,7 +213,8 @@ TEST_F(ViewTest, BaselinesHaveTheRoughnessMap) {
     EXPECT_EQ(report["brdf"], "roughness-map");
     EXPECT_FALSE(report.contains("exponent"));
   }
-  // Far away, alternating roughnesses of 0.3 and 0.7 average to 0.5, which gives alpha^2 = 1/16 and c = 31/32.
+  // From far away, roughness values that alternate between 0.3 and 0.7 average to 0.5, which gives alpha^2 = 1/16 and c
+  // = 31/32.
   gl::TestMap varied = plain;
   varied.mipmap.header.has_roughness = true;
   varied.mipmap.header.mean_cosine = 0.94f;
@@ -301,8 +304,8 @@ TEST_F(ViewTest, WritesFloatsToExr) {
   EXPECT_TRUE(fs::exists(path("out.exr")));
 }
 
-// Every BRDF family can be drawn under every kind of light, and the report names both. Lobes have lower errors than
-// averages.
+// Every BRDF family can be drawn with every kind of light, and the report names the BRDF and the light. Lobes have
+// lower errors than averaged normals.
 TEST_F(ViewTest, DrawsEveryBrdfUnderEveryLight) {
   std::ofstream(path("fit.json")) << R"({"layers": [{"kernel": [[0], [0], [1], [0], [0], [0]], "bias": [0]},
                                          {"kernel": [[8, 8, 6]], "bias": [-5, -5, -4]}]})";
@@ -331,8 +334,8 @@ TEST_F(ViewTest, DrawsEveryBrdfUnderEveryLight) {
   EXPECT_EQ(row({"--brdf", "ggx:0.6", "--environment", path("sky.hdr"), "--environment-mode", "sh"}), "ggx");
 }
 
-// In an environment, LEAN and Toksvig both use one lobe of the mean normal: the pictures are equal, and a message says
-// so.
+// With an environment, LEAN and Toksvig both use one lobe around the mean normal. Their pictures are equal, and a
+// message says so.
 TEST_F(ViewTest, LeanIsToksvigInAnEnvironment) {
   write_sky();
   const auto drawn = [&](const std::vector<std::string>& light) {
@@ -348,7 +351,8 @@ TEST_F(ViewTest, LeanIsToksvigInAnEnvironment) {
     const nlohmann::json pictures = nlohmann::json::parse(file)["pictures"];
     const bool is_same = pictures[2]["relative_l1"] == pictures[3]["relative_l1"] &&
                          pictures[2]["relative_l1"] == pictures[4]["relative_l1"];
-    const bool is_said = result.output.find("lean and lean-jacobian are drawn like toksvig") != std::string::npos;
+    const bool is_said =
+        result.output.find("lean and lean-jacobian are drawn in the same way as toksvig") != std::string::npos;
     EXPECT_EQ(is_same, is_said) << pictures << result.output;
     return is_said;
   };
@@ -370,7 +374,7 @@ TEST_F(ViewTest, AnimatesBetweenTwoScenes) {
             hash_file((folder_ / "frames" / "frame_0002.png").string()));
   std::ifstream file(path("r.json"));
   EXPECT_EQ(nlohmann::json::parse(file)["pictures"].size(), 3u);
-  // The first frame equals the picture without an animation.
+  // The first frame equals the picture that is drawn without an animation.
   const ChildResult still = view(
       {"-o", path("still.png"), "--brdf", "ggx:0.5", "--light", "0,0.5,1", "--size", "16x12", "--context", "osmesa"});
   ASSERT_EQ(still.exit_code, 0) << still.output;
@@ -391,7 +395,7 @@ TEST_F(ViewTest, AnimatesBetweenTwoScenes) {
   expect_refusal({"-o", path("out.png"), "--to-brdf", "ggx:0.1"}, 2, {"--to-brdf", "'multum-view animate'"});
 }
 
-// The last frame equals a picture under the last frame's environment.
+// The last frame equals a single picture with the environment of the last frame.
 TEST_F(ViewTest, EnvironmentsChangeFromFrameToFrame) {
   write_sky();
   write_night();
@@ -431,7 +435,7 @@ TEST_F(ViewTest, EnvironmentsChangeFromFrameToFrame) {
                  {"--environment-turn", "require --environment"});
 }
 
-// Draws a file that begins at level 1 or 2, and the normal map with the finer levels.
+// Draws a file that begins at level 1 or 2, together with the normal map, which provides the finer levels.
 class FirstLevelViewTest : public ViewTest {
  protected:
   static constexpr int kSize = 32;
@@ -456,7 +460,7 @@ class FirstLevelViewTest : public ViewTest {
     drop_finer_levels(map_.mipmap, first_level);
     write_movmf_mipmap(path("map.ndf.exr"), map_.mipmap, {});
   }
-  // Returns the picture's error relative to the reference, which is drawn from the same source.
+  // Returns the error of the picture, compared with the reference, which is drawn from the same source.
   double error(const std::vector<std::string>& more = {}) {
     std::vector<std::string> arguments = {"-o",        path("out.png"),  "--source", path("n.png"),  "--compare",
                                           "reference", "--size",         "64x48",    "--samples",    "16",
@@ -481,7 +485,7 @@ TEST_F(FirstLevelViewTest, FromAfarPicturesAreThoseOfAFileThatHoldsEveryLevel) {
     write_from(first_level);
     EXPECT_NEAR(error(far), whole, 0.1 * whole) << first_level;
   }
-  // A picture without --compare needs the source too.
+  // A picture without --compare also needs the source.
   const ChildResult alone =
       view({"-o", path("alone.png"), "--source", path("n.png"), "--size", "16x12", "--context", "osmesa"});
   EXPECT_EQ(alone.exit_code, 0) << alone.output;
@@ -619,7 +623,7 @@ TEST_F(ViewTest, TheEnvironmentIsSeenBehindWhatItLights) {
   EXPECT_EQ(corner({"--no-background"}), 0.0f);
 }
 
-// The thumbnails made before a failure are kept, and the service shows them.
+// The thumbnails that were made before a failure are kept, and the service shows them.
 TEST_F(ViewTest, ThumbnailsAreMadeUntilSomethingFails) {
   const auto make = [&](const std::string& source) {
     fs::remove_all(path("small"));
@@ -641,7 +645,7 @@ TEST_F(ViewTest, ThumbnailsAreMadeUntilSomethingFails) {
   write_png16(path("flat.png"), 16, 16, texels, "Linear");
   EXPECT_EQ(make("").exit_code, 0);
   EXPECT_EQ(names(), std::set<std::string>({"render.png"}));
-  // The file holds no hash, so that any source is accepted.
+  // The file does not contain a hash, so that any source is accepted.
   const ChildResult all = make("flat.png");
   EXPECT_EQ(all.exit_code, 0) << all.output;
   EXPECT_EQ(names(), std::set<std::string>({"render.png", "input.png", "error.png"}));

@@ -42,14 +42,14 @@ class ViewTest : public ::testing::Test {
     expect_says(result.output, parts);
     EXPECT_FALSE(std::filesystem::exists(path("out.png")));
   }
-  /// Writes sky.hdr: blue above, brown below.
+  /// Writes sky.hdr, which is blue above the horizon and brown below it.
   void write_sky() const {
     std::string sky = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 8 +X 16\n";
     for (int i = 0; i < 128; ++i) sky += i < 64 ? "\x60\x80\xC0\x81" : "\x40\x30\x20\x7F";
     std::ofstream(path("sky.hdr"), std::ios::binary) << sky;
   }
-  /// Writes night.hdr, of the same size: only one half of the horizon is bright, so that a turn of the environment is
-  /// visible.
+  /// Writes night.hdr, which has the same size. Only one half of the horizon is bright, so that a rotation of the
+  /// environment is visible.
   void write_night() const {
     std::string night = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 8 +X 16\n";
     for (int i = 0; i < 128; ++i) night += i % 16 < 8 ? "\x20\x40\xC0\x81" : "\x40\x30\x20\x7B";

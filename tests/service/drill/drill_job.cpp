@@ -15,7 +15,7 @@
 namespace multum {
 namespace {
 
-constexpr double kStep = 0.05;  // seconds between two checks for cancellation
+constexpr double kStep = 0.05;  // the number of seconds between two checks for cancellation
 
 std::string option(const std::vector<std::string>& arguments, const std::string& name, const std::string& fallback) {
   const std::string start = "--" + name + "=";
@@ -44,7 +44,7 @@ const ParameterTable& drill_parameters() {
   return table;
 }
 
-// Sets `is_deaf` to hang without a heartbeat.
+// With `is_deaf`, the job hangs without a heartbeat.
 int run_drill(const std::vector<std::string>& arguments, Progress& progress, std::atomic<bool>& is_deaf) {
   const double seconds = std::strtod(option(arguments, "seconds", "0").c_str(), nullptr);
   const std::string then = option(arguments, "then", "succeed");

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Defines "drill", a type of job for tests of the farm. Such a job does nothing, or ends in the way that its parameters
-// say.
+// Defines "drill", a type of job for tests of the farm. Such a job does nothing, or it ends in the way that its
+// parameters specify.
 #pragma once
 
 #include "host/farm/service/workers/job_types.h"

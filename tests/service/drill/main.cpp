@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum-drill is multum with one more type of job. Its daemon starts workers and other children from the same program.
+// multum-drill is multum with one additional type of job. Its daemon starts workers and other children from the same
+// program.
 #include "host/foundation/base/error.h"
 #include "tests/service/drill/drill_job.h"
 #include "tools/multum/commands.h"

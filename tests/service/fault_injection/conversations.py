@@ -38,7 +38,7 @@ FOUND = re.compile(r"ERROR: AddressSanitizer|runtime error:|WARNING: ThreadSanit
 
 
 class Conversation:
-    """The bytes of some pipelined requests, and the pieces in which they are sent."""
+    """Returns the bytes of some pipelined requests, and the pieces in which they are sent."""
 
     def __init__(self, fuzzer, jobs):
         self.fuzzer, self.random = fuzzer, fuzzer.random
@@ -118,7 +118,7 @@ class Conversation:
 
 
 class Line:
-    """One connection with its conversation."""
+    """Holds one connection and its conversation."""
 
     def __init__(self, port, conversation, choose):
         self.socket = socket.create_connection(("127.0.0.1", port))
@@ -155,7 +155,7 @@ class Line:
 
 
 def check_answers(line, statuses):
-    """Checks every received answer of the connection; bodies are skipped by their length."""
+    """Checks every answer that the connection has received. Bodies are skipped by their length."""
     rest = line.heard
     while rest:
         if len(rest) < 12:

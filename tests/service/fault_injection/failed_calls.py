@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Makes each system call with which the daemon writes files fail once, while jobs end and their results are published:
-a file, and a folder over an earlier result. Whatever fails, the daemon survives or can be started again, the job
-succeeds without help, its result is complete, and no other file is left next to it.
+"""Makes each system call with which the daemon writes files fail once, while jobs end and their results are published.
+One result is a file, and one is a folder that replaces an earlier result. Whatever fails, the daemon must survive or
+be able to start again, the job must succeed without help, its result must be complete, and no other file may remain
+next to it.
 
   fault_injection/failed_calls.py MULTUM_DRILL SHIM [--every 1]
 """
@@ -88,13 +89,13 @@ def main():
                     faults.order(call, error)
                     deadline = time.monotonic() + 60
                     while True:
-                        if service.process.poll() is not None:  # the daemon may end, but must start again
+                        if service.process.poll() is not None:  # the daemon may end, but it must be able to start again
                             faults.order(0, 0)
                             restarts += 1
                             service.start()
                         try:
                             state = service.job(job)
-                        except (AssertionError, OSError):  # answers 503, or has just ended
+                        except (AssertionError, OSError):  # the daemon answers 503, or has just ended
                             state = {"state": "unknown"}
                         if state["state"] in ("succeeded", "dead", "cancelled"):
                             break

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// LD_PRELOAD library for fault_injection/failed_calls.py: makes one of the system calls with which a daemon writes
-// files fail. The file that MULTUM_FAULTS names is memory shared with the test:
+// This LD_PRELOAD library for fault_injection/failed_calls.py lets one of the system calls fail with which a daemon
+// writes
+// files. The file that MULTUM_FAULTS names is memory that is shared with the test:
 //   [0] number of the call to fail, from 1; 0 for none   [1] its errno   [2] calls so far   [3] failed calls
 // Workers load the library too, but no call fails in them: fault_injection/kills.py tests how workers end.
 #include <dlfcn.h>
@@ -88,7 +89,7 @@ int openat(int folder, const char* path, int flags, ...) {
   va_end(list);
   return file;
 }
-// Catches openat2, which has no libc function. Other calls, such as Landlock's, pass through.
+// Intercepts openat2, which has no libc function. Other system calls, such as those of Landlock, pass through.
 long syscall(long number, ...) {
   long a[6];
   va_list list;

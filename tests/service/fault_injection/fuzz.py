@@ -21,7 +21,7 @@ sys.path.insert(0, os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 from openapi_check import OpenapiCheck  # noqa: E402
 from service_harness import Service, fail, process_state, with_drill  # noqa: E402
 
-# Reasons that the OpenAPI file cannot express: which queues, jobs and files exist.
+# These are reasons that the OpenAPI file cannot express, such as which queues, jobs and files exist.
 REASONS = ("expected one of default", "which does not exist", "which is ", "not below a folder",
            "expected the absolute", "not a valid name for a result", "there is no such file",
            "its folder does not exist", "expected a name ending in", "unknown state", "not a file")
@@ -143,14 +143,14 @@ class Fuzzer:
             longer = target.rstrip("/") + "/" + self.path_part(jobs)
             return method.upper(), longer, None, (400, 404, 405, 409, 200, 201, 202)
         if path == "/v1/queues/{queue}/resume":
-            return "POST", "/v1/queues/nobody/resume", None, (404,)  # jobs of the fuzzer must not run
+            return "POST", "/v1/queues/nobody/resume", None, (404,)  # the jobs of the fuzzer must not run
         if "requestBody" not in operation:
             if "?" in target:
                 return method.upper(), target, None, (200, 400)
             return method.upper(), target, None, (200, 202, 404, 409) if "{" in path else (200,)
         body, is_taken = self.body(operation)
         if not is_taken:
-            refused = (400, 404) if "{" in path else (400,)  # a target may match no route
+            refused = (400, 404) if "{" in path else (400,)  # a target may not match any route
             return method.upper(), target, body, refused if len(body) <= 1 << 20 else (413,)
         right = tuple(int(one) for one in operation["responses"] if one.isdigit() and one < "300")
         return method.upper(), target, body, right + ((400, 404, 409) if "{" in path else (REASONS,))
@@ -175,14 +175,14 @@ def main():
         before = None
         connection = service.connection()
         for number in range(options.requests):
-            if number == options.requests // 5:  # caches are filled by now
+            if number == options.requests // 5:  # all caches are filled by this time
                 connection.close()
                 before = state()
             method, target, body, right = fuzzer.next(jobs)
             try:
                 connection.request(method, target, body)
                 response = connection.getresponse()
-            except (http.client.HTTPException, OSError):  # closed after a refusal
+            except (http.client.HTTPException, OSError):  # the daemon closes a connection after a refusal
                 connection.close()
                 connection.request(method, target, body)
                 response = connection.getresponse()
@@ -207,7 +207,7 @@ def main():
         connection.close()
         assert service.ask("GET", "/healthz")[0] == 200 and service.process.poll() is None
         after = state()
-        end = time.monotonic() + 10  # the daemon closes connections with a delay
+        end = time.monotonic() + 10  # the daemon closes connections only after a delay
         while after[1] > before[1] and time.monotonic() < end:
             time.sleep(0.05)
             after = state()

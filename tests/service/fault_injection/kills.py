@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Kills workers and the daemon (kill -9) during many small jobs that write one file each. No job is lost, no result is
-published twice, no half-written file is left, and no job stays "running".
+"""Kills workers and the daemon (kill -9) during many small jobs that write one file each. No job may be lost, no
+result may be published twice, no half-written file may be left, and no job may stay "running".
 
   fault_injection/kills.py MULTUM_DRILL [--jobs 2000] [--worker-kills 200] [--daemon-kills 20]
 """
@@ -71,7 +71,7 @@ def main():
                 service.kill()
                 begun = time.monotonic()
                 service.start()
-                # A job of an earlier daemon must not count as running if it has no worker.
+                # A job that an earlier daemon started must not count as running if it has no worker.
                 running = service.counts()["running"]
                 longest_restart = max(longest_restart, time.monotonic() - begun)
                 assert running <= 4, f"{running} jobs count as running after a restart"

@@ -26,7 +26,7 @@ def request_bytes(port):
 
 
 def flood(port, count, connections):
-    """Sends `count` submissions over this many connections at once. Returns the elapsed seconds."""
+    """Sends `count` submissions over several connections at once. Returns the elapsed seconds."""
     wanted = request_bytes(port)
     selector = selectors.DefaultSelector()
     left = count
@@ -66,7 +66,7 @@ def flood(port, count, connections):
 
 
 def watch_health(port, result, stop):
-    """Runs in its own process: otherwise it would wait for the Python code that sends the submissions."""
+    """Runs in its own process, because otherwise it would wait for the Python code that sends the submissions."""
     seconds_of = []
     one = socket.create_connection(("127.0.0.1", port))
     while not stop.is_set():

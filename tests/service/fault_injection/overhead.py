@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Measures the cost of the queue: the same bakes by a shell loop and by a service with one worker, alternately, each
-from scratch. Prints numbers without judging them.
+"""Measures the cost of the queue. Alternately, a shell loop and a service with one worker make the same bakes, each
+time from scratch. Prints numbers without judging them.
 
   fault_injection/overhead.py MULTUM [--maps 8] [--size 512] [--rounds 5]
 """
@@ -55,7 +55,7 @@ def main():
             return time.monotonic() - begun
 
         service.start()
-        timed(by_loop)  # builds the kernels
+        timed(by_loop)  # this run builds the kernels
         timed(by_service)
         ratios = []
         for _ in range(options.rounds):

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Runs many small jobs and a large map in shares on a real Slurm of four nodes, while everything that can fail does:
-controllers right after they have accepted a job, nodes with all their tasks, the daemon. One node is drained for a
-while, the clock of another is an hour fast, and the shared folder is full for a while. Every result must exist once,
-and no other file may be left.
+"""Runs many small jobs and a large map in shares on a real Slurm with four nodes, while everything fails that can
+fail: controllers right after they have accepted a job, nodes with all of their tasks, and the daemon. One node is
+drained for a while, the clock of another node is one hour fast, and the shared folder is full for a while. Every
+result must exist exactly once, and no other file may be left.
 
   fault_injection/slurm_farm.py MULTUM_DRILL [--jobs 500] [--map 8192] [--faults 3]
 
@@ -49,7 +49,8 @@ chunk_s = 2
 share_s = {share}
 rounds = 10
 """
-# munge refuses a node with a wrong clock, so slurmd has the right time. Only multum on that node sees the wrong time.
+# munge refuses a node whose clock is wrong, so slurmd sees the right time. Only multum on that node sees the wrong
+# time.
 PROGRAM = """#!/bin/sh
 [ "$SLURMD_NODENAME" != bake4 ] || exec {faketime} -f +1h {multum} "$@"
 exec {multum} "$@"
@@ -94,13 +95,14 @@ class Farm:
     # ---- Faults
 
     def kill_controller(self):
-        """Kills the controller right after it has accepted the next job; it returns some seconds later."""
+        """Kills the controller right after it has accepted the next job. The controller is started again some seconds
+        later."""
         if self.slurm.processes["slurmctld"].poll() is not None:
             return
         with open(self.flag + ".pid", "w", encoding="utf-8") as file:
             file.write(str(self.slurm.processes["slurmctld"].pid))
         open(self.flag, "w", encoding="utf-8").close()
-        # Gives the controller a job that it can accept.
+        # Submits a job that the controller can accept.
         self.submit_small()
         deadline = time.monotonic() + 20
         while os.path.exists(self.flag) and time.monotonic() < deadline:
@@ -233,7 +235,7 @@ def main():
     try:
         begun = time.monotonic()
         farm.submit()
-        time.sleep(3)  # the last jobs are being sent to Slurm
+        time.sleep(3)  # the daemon is sending the last jobs to Slurm
         submitted = farm.service.metric("multum_slurm_submitted_total")
         spent = farm.service.metric("multum_slurm_submit_seconds_total")
         per_job = {"sbatch calls": submitted, "ms a call": round(1000 * spent / max(1, submitted), 1),

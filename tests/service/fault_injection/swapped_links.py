@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""A user of a root folder swaps folders for links to the outside, at any moment. Meanwhile jobs of every type read from
-one folder and write into another, results are downloaded, and uploads arrive. Outside are files with the same names
-and other contents. Everything that a job reads or a download returns must come from inside the root, and no file
-outside may be written, changed or removed.
+"""Tests a user of a root folder who replaces folders by links to the outside at any moment. Meanwhile jobs of every
+type read from one folder and write into another, results are downloaded, and uploads arrive. Outside are files with
+the same names and other contents. Everything that a job reads or a download returns must come from inside the root,
+and no file outside may be written, changed or removed.
 
   fault_injection/swapped_links.py MULTUM [--seconds 60]
 """
@@ -27,7 +27,7 @@ from tiny_animation import SIDE, write_animation  # noqa: E402
 SCENE = ('[[map]]\nname = "m"\nnormal = "map_normal.png"\ngreen = "up"\n[[material]]\nname = "p"\nbrdf = "lambert"\n'
          '[[object]]\nname = "o"\nmap = "m"\nmaterial = "p"\nwidth = 1\ndistance = [1, 2]\n[[light]]\n'
          'direction = [0, 0, 1]\n')
-# Names, for each type of job, the file of the result that shows its input.
+# For each type of job, names the file in the result that shows which input was used.
 RESULTS = {"bake": "", "scene": "m.ndf.exr", "infer": None, "pack": ""}
 
 
@@ -82,7 +82,7 @@ def job_of(kind, source, target, number):
                   "infer": {"job": os.path.join(source, "animation.toml"), "context": "osmesa", "no_frames": True,
                             "no_comparison": True},
                   "pack": {"manifest": os.path.join(source, "field/inferred.json"), "lambda": 1}}[kind]
-    # Some results replace an earlier one: the service then exchanges folders.
+    # Some results replace an earlier result. In that case the service exchanges the folders.
     name = f"{kind}{number % 5}" + {"bake": ".ndf.exr", "pack": ".mpt"}.get(kind, "")
     return {"type": kind, "parameters": parameters, "output": os.path.join(target, name), "again": True,
             "attempt_max": 10}
@@ -114,14 +114,14 @@ def main():
             if job["state"] != "succeeded":
                 fail(f"{kind}: {job['message']}")
             right[kind] = result_hash(kind, job["output"])
-        # These files are outside and have the names of results. A download or a job that follows a link would find
-        # them.
+        # These files are outside the root folder and have the names of results. A download or a job that follows a link
+        # would find them.
         for name in os.listdir(target):
             result = os.path.join(target, name)
             (shutil.copytree if os.path.isdir(result) else shutil.copy)(result, os.path.join(outside, name))
         with open(os.path.join(outside, "bake0.ndf.exr"), "wb") as file:
             file.write(b"secret" * 1000)
-        # The listing is copied too, so by size and time this file passes for the published one.
+        # The listing is also copied, so the size and time of this file match the published file.
         baked = os.path.join(outside, "scene0", RESULTS["scene"])
         times = os.stat(baked)
         with open(baked, "r+b") as file:
@@ -138,7 +138,7 @@ def main():
                 kind = "scene" if downloads % 4 == 0 else "bake"
                 try:
                     status, answer = service.ask("GET", f"/v1/jobs/{first[kind]}/result")
-                except http.client.IncompleteRead as cut:  # an archive whose files vanish while it is sent
+                except http.client.IncompleteRead as cut:  # an archive whose files disappear while it is being sent
                     status, answer = "cut", cut.partial
                 downloads += 1
                 answers[kind, status] += 1

@@ -20,7 +20,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Checks that every run of multum produces the same pixels as the first run, so that all times are for the same work.
+// Checks that every run of multum produces the same pixels as the first run. This ensures that all times are for the
+// same work.
 void check_same(std::string& first, const std::string& path) {
   const std::string found = read_movmf_header(path).header.provenance.content_hash;
   if (first.empty()) first = found;

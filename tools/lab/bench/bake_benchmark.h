@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Times whole programs from file to file. Runs `multum bake` and `maketx --bumpslopes` alternately (A B A B ...) on one
-// map.
+// Times whole programs from input file to output file. Runs `multum bake` and `maketx --bumpslopes` alternately (A B A
+// B ...) with one map.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -24,7 +24,7 @@ struct BakeBenchmarkOptions {
   std::optional<Instructions> instructions;  // instructions of the kernels; the processor's widest if nullopt
 };
 
-/// First runs each program once without timing it, to compile kernels and to fill the page cache. Throws
+/// First runs each program once without measuring its time, to compile kernels and to fill the page cache. Throws
 /// Error(kVerification) if two runs of multum give different pixels.
 nlohmann::ordered_json run_bake_benchmark(const BakeBenchmarkOptions& options, Progress* progress);
 

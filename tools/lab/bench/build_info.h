@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// States what was built and how, so that measurements can be repeated. Every build updates this information
-// (write_build_info.cmake).
+// States what was built and how it was built, so that measurements can be repeated. Every build updates this
+// information (write_build_info.cmake).
 #pragma once
 
 #include <string>

@@ -25,7 +25,7 @@
 namespace multum::bench {
 namespace {
 
-// One level, ready for both programs, with all texels in one launch.
+// Contains the inputs of one level for both programs, with all texels in one launch.
 class LevelBench {
  public:
   LevelBench(Device& device, const NormalMap& map, const LevelSchedule& level, const std::vector<MultumVmfLobe>& parent,
@@ -130,8 +130,8 @@ class LevelBench {
     return result_;
   }
 
-  // Returns the mean absolute difference of `a r` and `a` between the two programs. It shows whether both did the same
-  // work.
+  // Returns the mean absolute difference of `a r` and `a` between the two programs. The difference shows whether both
+  // programs did the same work.
   double mean_difference() {
     const std::vector<MultumVmfLobe>& found = kernel_result();
     const std::size_t texels = found.size() / lobes_;
@@ -182,7 +182,7 @@ int fastest_threads(LevelBench& bench, Instructions instructions) {
 }
 
 Json run_kernels(LevelBench& bench, int level, int repetitions) {
-  bench.time_kernels();  // untimed: compiles kernels and fills caches
+  bench.time_kernels();  // this run is not timed; it compiles kernels and fills caches
   std::vector<double> times;
   for (int i = 0; i < repetitions; ++i) times.push_back(bench.time_kernels());
   return {{"level", level}, {"kernels_ms", spread_of(times).median}};
@@ -191,7 +191,7 @@ Json run_kernels(LevelBench& bench, int level, int repetitions) {
 Json run_level(LevelBench& bench, int level, const EmBenchmarkOptions& options, Instructions instructions) {
   if (!options.yardstick) return run_kernels(bench, level, options.repetitions);
   const int repetitions = options.repetitions;
-  bench.time_kernels();  // untimed: compiles kernels and fills caches
+  bench.time_kernels();  // this run is not timed; it compiles kernels and fills caches
   const int threads = options.threads > 0 ? options.threads : fastest_threads(bench, instructions);
   omp_set_num_threads(threads);
   bench.time_yardstick(instructions);
@@ -311,10 +311,12 @@ ResultView view_em(const Json& result) {
               "The benchmark fits the four-quarter map of {0} x {0} texels by EM, with {1} lobes and {2} iterations, "
               "on every level except for the coarsest level. The yardstick program "
               "(`tools/lab/bench/yardsticks/em_yardstick.cpp`) computes the same sums in C++ with {6} and OpenMP, on "
-              "{3}. Kernels and yardstick ran alternately from the same starting values, in {4} pairs of runs per "
+              "{3}. The benchmark ran the kernels and the yardstick alternately with the same starting values, in {4} "
+              "pairs of runs per "
               "level. Each ratio compares the two runs of a pair. The last row compares the sums of the medians. *Mean "
-              "difference* is the mean difference between the kernels' and the yardstick's amplitudes and first "
-              "moments. If a texel has more lobes than normals, several optima are equally good, and rounding selects "
+              "difference* is the mean difference between the amplitudes and first moments of the kernels and "
+              "of the yardstick. If a texel has more lobes than normals, several optima are equally good, and rounding "
+              "selects "
               "one of them. The kernels computed {5} billion lobe evaluations per second.",
               result.at("size").get<int>(), result.at("lobes").get<int>(), result.at("iterations").get<int>(),
               threads_text(result), result.at("repetitions").get<int>(),

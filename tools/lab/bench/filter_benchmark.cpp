@@ -39,7 +39,7 @@ constexpr float kBiases[] = {0.0f, -0.25f, -0.5f, -0.79f};
 constexpr int kShadedTaps[] = {2, 4};
 constexpr int kEvaluations[] = {1, 2, 4, 8, 16};
 constexpr float kEvaluatedBiases[] = {-0.5f, -0.79f};
-constexpr int kFlickerEvaluations = 4;  // motions are drawn only with this budget
+constexpr int kFlickerEvaluations = 4;  // motions are drawn only with this number of evaluations
 constexpr std::size_t kTimedMaps = 4;
 constexpr std::size_t kFlickerEvery = 4;  // motions are drawn only for every fourth map, because they take the most
                                           // time
@@ -111,7 +111,7 @@ struct MapFile {
   std::string name, path;
 };
 
-// Finds the same maps as tools/lab/papers/maps.py.
+// Finds the same maps as tools/lab/papers/maps.py does.
 std::vector<MapFile> find_maps(const FilterBenchmarkOptions& options, const ScratchFolder& folder, Progress* progress) {
   std::vector<MapFile> maps;
   if (options.maps.empty()) {
@@ -128,7 +128,7 @@ std::vector<MapFile> find_maps(const FilterBenchmarkOptions& options, const Scra
   return maps;
 }
 
-// Assumes green up if the map's statistics do not show the direction.
+// If the map's statistics do not show the direction of green, assumes that green points up.
 MovmfMipmap bake_and_read(const FilterBenchmarkOptions& options, const ScratchFolder& folder, const MapFile& map,
                           int lobe_count, Progress* progress) {
   const std::string file = folder / "lobes.ndf.exr";
@@ -212,7 +212,8 @@ class MapStudy {
     result["pictures"] = rows;
   }
 
-  // Returns the lowest of several measured processor times over all threads. Other programs hardly affect this value.
+  // Measures the processor time over all threads several times, and returns the lowest value. Other programs hardly
+  // affect this value.
   double frame_processor_ms(const Method& method, const gl::RenderScene& scene) {
     double least = 1e30;
     for (int i = 0; i < kTimedRuns; ++i) {

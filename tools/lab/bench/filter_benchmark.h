@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Measures texture filters on baked maps, next to other methods: picture errors, flicker between frames and frame
-// times, by taps, level bias and number of lobes. The results are the source of docs/evidence/FILTER.md.
+// Measures picture errors, flicker between frames and frame times of texture filters on baked maps and of other
+// methods, for several numbers of taps, level biases and numbers of lobes. docs/evidence/FILTER.md is made from the
+// results.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -22,14 +23,15 @@ struct FilterBenchmarkOptions {
   // The largest noise of reference pictures, as a relative L1 error. Blended references can have twice as much noise,
   // and references for flicker three times as much.
   double noise_max = 0.005;
-  std::string device;  // device that bakes
+  std::string device;  // device that runs the bakes
   gl::ContextBackend context = gl::ContextBackend::kAuto;
   std::string folder;  // folder for temporary bakes; the system's temporary folder if empty
 };
 
-/// For each map and setting, returns the relative L1 error of the picture against two references: one treats finest
-/// texels as facets, and the other blends finest texels. For every fourth map, adds flicker over a zoom, a pan and a
-/// turn. For the first maps, adds processor milliseconds per frame, over all threads of a software GL.
+/// For each map and setting, returns the relative L1 errors of the picture against two references. One reference treats
+/// finest texels as facets, and the other blends finest texels. For every fourth map, also returns the flicker during a
+/// zoom, a pan and a turn. For the first maps, also returns the processor milliseconds per frame, over all threads of a
+/// software GL.
 nlohmann::ordered_json run_filter_benchmark(const FilterBenchmarkOptions& options, Progress* progress);
 
 ResultView view_filters(const nlohmann::ordered_json& result);  // defined in documents/filter_view.cpp

@@ -30,7 +30,8 @@ using Json = nlohmann::ordered_json;
 constexpr int kLobesMax = 8;
 constexpr float kAnisotropies[] = {1.0f, 16.0f};
 
-// Makes the default picture of `multum-view`: sixty repetitions of the map across a plane, seen at a glancing angle.
+// Makes the default picture of `multum-view`, which shows sixty repetitions of the map across a plane at a grazing
+// angle.
 constexpr float kRepeats = 60.0f;
 
 gl::RenderScene plane_scene() {
@@ -63,7 +64,7 @@ std::unique_ptr<gl::Material> read_harmonics(const gl::GlFunctions& functions, c
   return std::make_unique<gl::ShMaterial>(functions, read_sh_mipmap(file), anisotropy);
 }
 
-// A method that is drawn, and its frame times.
+// Contains a method that is drawn, and its frame times.
 struct Subject {
   std::string name;
   float anisotropy;
@@ -119,13 +120,13 @@ std::vector<Subject> all_subjects(const gl::GlFunctions& functions, const std::v
   return subjects;
 }
 
-// Times all subjects of one anisotropy alternately. Ratios compare with the first subject.
+// Draws all subjects of one anisotropy alternately and measures their times. Ratios are relative to the first subject.
 void time_frames_in_turns(const gl::GlFunctions& functions, const FramesBenchmarkOptions& options,
                           std::vector<Subject>& subjects, ContentHash& hash, Progress* progress) {
   const gl::Mesh mesh(functions, horizon_plane(kRepeats));
   gl::Renderer renderer(functions, options.width, options.height);
   const gl::RenderScene scene = plane_scene();
-  for (int turn = 0; turn <= options.repetitions; ++turn) {  // the first turn compiles shaders and does not count
+  for (int turn = 0; turn <= options.repetitions; ++turn) {  // the first turn compiles shaders and is not measured
     double first = 0.0;
     for (Subject& subject : subjects) {
       const gl::Picture picture = renderer.draw(mesh, *subject.material, scene);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Times frames of baked maps as lobes, moments and harmonics, next to averaged normals with Toksvig's rule. The plane
-// runs to the horizon, with and without anisotropic filtering.
+// Measures the frame times of baked maps with lobes, moments and harmonics, and of averaged normals with Toksvig's
+// rule. The plane extends to the horizon, and is drawn with and without anisotropic filtering.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -15,14 +15,14 @@ namespace multum::bench {
 struct FramesBenchmarkOptions {
   int size = 1024;  // side of the map, an even number
   int width = 1920, height = 1080;
-  int repetitions = 7;  // number of runs per picture; pictures alternate
-  std::string device;   // device that bakes
+  int repetitions = 7;  // number of runs per picture; runs of different pictures alternate
+  std::string device;   // device that runs the bakes
   gl::ContextBackend context = gl::ContextBackend::kAuto;
   std::string folder;  // folder for files; the system's temporary folder if empty
 };
 
-/// Returns milliseconds from the driver's timer, texture sizes in bytes, and the ratio to the frame with Toksvig's rule
-/// in the same turn.
+/// Returns the frame times in milliseconds by the driver's timer, and the texture sizes in bytes. Also returns the
+/// ratio of each time to the time of the frame with Toksvig's rule in the same turn.
 nlohmann::ordered_json run_frames_benchmark(const FramesBenchmarkOptions& options, Progress* progress);
 
 ResultView view_frames(const nlohmann::ordered_json& result);

@@ -23,9 +23,9 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Stacks that differ in a ratio: the number of entries of A^T A, divided by the number of entries of A. Rows with few
-// entries share texels with many rows of other pictures in the stack. Averaged rows have many entries, and A^T A
-// combines each entry with all others.
+// Stacks of pictures that differ in one ratio: the number of entries of A^T A, divided by the number of entries of A.
+// Rows with few entries share texels with many rows of other pictures in the stack. Averaged rows have many entries,
+// and A^T A combines each entry with all other entries.
 struct StackShape {
   int views, sub_pixels;
 };
@@ -34,9 +34,10 @@ constexpr StackShape kStacks[] = {{1, 1}, {2, 1}, {4, 1}, {8, 1}, {1, 2}, {2, 2}
 // Contrast of the textures for timed solves, and for counting iterations. At the low contrast, rarely seen texels stay
 // within the bounds even though conjugate gradient overshoots many times, so both solvers do the same work.
 constexpr double kTimedContrast = 0.02, kCountedContrast = 0.3;
-constexpr int kLaunchesATime = 4;  // launches per timed product, so many that the final wait hardly counts
+constexpr int kLaunchesATime = 4;  // number of launches per timed product, which is so large that the final wait hardly
+                                   // matters
 
-// Pictures of one texture, with their matrices stacked.
+// Pictures of one texture. Their matrices are stacked.
 struct Stack {
   std::vector<FilterMatrix> matrices;
   std::vector<InferenceView> views;
@@ -91,8 +92,8 @@ std::size_t count_at_bounds(const std::vector<float>& texels) {
       std::count_if(texels.begin(), texels.end(), [](float x) { return x <= 0.0f || x >= 1.0f; }));
 }
 
-// Returns settings for this many iterations of conjugate gradient. As in the yardstick, there are no regularisers and
-// only one step.
+// Returns settings for this many iterations of the conjugate gradient method. As in the yardstick, there are no
+// regularisers and there is only one step.
 InferenceSettings plain_settings(int iterations, InferenceForm form) {
   InferenceSettings settings;
   settings.pyramid_weight = 0.0;
@@ -103,7 +104,7 @@ InferenceSettings plain_settings(int iterations, InferenceForm form) {
   return settings;
 }
 
-// Solves twice with each variant, with a few iterations, and chooses the variant with the shortest solve.
+// Solves twice with each variant, using a few iterations, and chooses the variant with the shortest time.
 YardstickWay fastest_way(const Stack& stack, const std::vector<YardstickWay>& ways, const std::vector<float>& start) {
   YardstickWay fastest = ways.front();
   double least = std::numeric_limits<double>::infinity();
@@ -226,7 +227,8 @@ Json run_products(Device& device, const Stack& stack, const SparseRows& normal, 
   return result;
 }
 
-// Counts iterations until the solver's own tolerance is reached. Returns null if the iteration limit is reached first.
+// Counts the iterations that the solver needs to reach its own tolerance. Returns null if the solver reaches the
+// iteration limit first.
 Json run_convergence(Device& device, const Stack& stack, InferenceForm form, int threads) {
   Json result = Json::array();
   const std::vector<float> zero(3 * stack.texel_count(), 0.0f);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Compares the solver of texture inference with Eigen's solver, alternately on the same systems (plane_views.h). There
-// are no regularisers and no texels at bounds, so both solvers take the same steps. Also measures what the solver's
-// choices are based on: the times of its products, the iterations with and without preconditioner and starting value,
-// and the cases in which A^T A saves time.
+// Runs the solver of texture inference and Eigen's solver alternately with the same systems (plane_views.h), and
+// compares them. There are no regularisers and no texels at bounds, so both solvers take the same steps. Also measures
+// the figures on which the solver's choices are based. These figures are the times of its products, the numbers of
+// iterations with and without preconditioner and starting value, and the cases in which A^T A saves time.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -19,11 +19,11 @@ struct InferenceBenchmarkOptions {
   int iterations = 20;  // iterations per timed solve, at least 4
   int repetitions = 7;  // number of pairs of runs
   int threads = 2;
-  std::string device;  // name of a device, as in Device::open()
+  std::string device;  // name of a device, as for Device::open()
 };
 
-/// Returns the milliseconds per iteration of both solvers, their ratio and the difference of their results. Also
-/// returns the results for products, counts of iterations and forms.
+/// Returns the milliseconds per iteration of both solvers, their ratio, and the difference between their results. Also
+/// returns the results for products, for iteration counts, and for the forms of the matrix.
 nlohmann::ordered_json run_inference_benchmark(const InferenceBenchmarkOptions& options, Progress* progress);
 
 ResultView view_inference(const nlohmann::ordered_json& result);

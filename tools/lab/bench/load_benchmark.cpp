@@ -46,8 +46,8 @@ struct Workplace {
   int threads;
 };
 
-// Reads from the page cache. Sets the size of OpenEXR's thread pool, which otherwise only grows. With 0 threads, the
-// calling thread does the work itself.
+// Reads a file from the page cache. Sets the size of OpenEXR's thread pool, which otherwise only grows. If the number
+// of threads is 0, the calling thread does all work.
 MovmfMipmap read_timed(const Workplace& at, int threads, std::vector<double>& times) {
   Imf::setGlobalThreadCount(threads > 1 ? threads : 0);
   MovmfMipmap mipmap;
@@ -55,8 +55,8 @@ MovmfMipmap read_timed(const Workplace& at, int threads, std::vector<double>& ti
   return mipmap;
 }
 
-// Writes and syncs a file, reads it, and uploads it until GL has finished. Returns the checksum of the pixels that were
-// read.
+// Writes and syncs a file, reads it, uploads it, and waits until GL has finished. Returns the checksum of the pixels
+// that were read.
 std::string measure_once(const Workplace& at, const MovmfMipmap& mipmap, const char* compression, FileTimes& times) {
   const BakedWriteOptions options{compression, BakedWriteOptions().tile_size, at.threads};
   std::filesystem::remove(at.path);
@@ -97,7 +97,7 @@ Json run_load_benchmark(const LoadBenchmarkOptions& options, Progress* progress)
   const ScratchFolder folder(options.folder);
   const MovmfMipmap baked = bake_as_floats(options, folder, progress);
   const Workplace at{*context, folder / "rounded.ndf.exr", threads};
-  FileTimes cold;  // times of the first file, which include starting threads and allocating memory
+  FileTimes cold;  // times of the first file, which include the time to start threads and to allocate memory
   measure_once(at, baked, kCompressions[0], cold);
   Json files = Json::array();
   ContentHash all;
@@ -106,7 +106,7 @@ Json run_load_benchmark(const LoadBenchmarkOptions& options, Progress* progress)
     mipmap.header.encoding = encoding;
     quantize_movmf(mipmap, threads);
     std::vector<FileTimes> times(std::size(kCompressions));
-    for (int i = 0; i < options.repetitions; ++i)  // compressions alternate
+    for (int i = 0; i < options.repetitions; ++i)  // the compressions are measured alternately
       for (std::size_t c = 0; c < times.size(); ++c) {
         const std::string hash = measure_once(at, mipmap, kCompressions[c], times[c]);
         if (i == 0) all.update(hash);

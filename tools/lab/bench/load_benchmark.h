@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Measures the time it takes to write a baked file, to read it, and to upload it to GL as multum-view does, for every
-// encoding and compression. Also reports file sizes.
+// For every encoding and compression, measures the time it takes to write a baked file, to read it, and to upload it to
+// GL in the same way as multum-view. Also reports file sizes.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -21,7 +21,8 @@ struct LoadBenchmarkOptions {
   std::string folder;  // folder for files; the system's temporary folder if empty
 };
 
-/// Bakes once as floats and rounds to each encoding. Throws Error(kVerification) if a file reads back differently.
+/// Bakes once with floats, and rounds the result to each encoding. Throws Error(kVerification) if the content of a file
+/// differs from the content that was written.
 nlohmann::ordered_json run_load_benchmark(const LoadBenchmarkOptions& options, Progress* progress);
 
 ResultView view_load(const nlohmann::ordered_json& result);

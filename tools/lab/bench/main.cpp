@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum-bench: runs two programs alternately and reports ratios with their spread, and writes documents of such
-// figures.
+// multum-bench runs two programs alternately, and reports the ratios of their costs with the spread of these ratios. It
+// also writes documents with such figures.
 #include <fmt/format.h>
 
 #include <cstdio>
@@ -53,7 +53,8 @@ std::string command_line(int argc, char** argv) {
   return command_text(command);
 }
 
-// A subcommand, its result file (empty if there is none), and the function that runs it with its options.
+// Contains a subcommand, its result file (empty if there is none), and the function that runs the subcommand with its
+// options.
 struct Benchmark {
   CLI::App* command;
   std::string json;
@@ -90,12 +91,12 @@ Benchmark add_em(CLI::App& app, EmBenchmarkOptions& em) {
   command->add_option("--lobes", em.lobes, "lobes per texel")->check(CLI::IsMember({4, 6, 8}))->capture_default_str();
   command->add_option("--iterations", em.iterations)->check(CLI::Range(1, 100))->capture_default_str();
   add_repetitions(*command, em, "pairs of runs per level");
-  command->add_option("--threads", em.threads, "the fastest number for each level if 0")
+  command->add_option("--threads", em.threads, "if 0, the fastest number for each level is used")
       ->check(CLI::Range(0, 256))
       ->capture_default_str();
   command->add_option("--device", em.device, kDeviceHelp);
   add_choice(*command, "--instructions", em.instructions, kInstructions,
-             "vector instructions of the yardstick, and of kernels on PoCL (default: the widest)");
+             "vector instructions for the yardstick and for kernels on PoCL (default: the widest)");
   command->add_flag("!--no-yardstick", em.yardstick, "time only the kernels");
   return {command, "", [&em](Progress* progress) {
             if (em.threads > 0) set_pocl_threads(em.threads);
@@ -124,8 +125,8 @@ Benchmark add_infer(CLI::App& app, InferenceBenchmarkOptions& infer) {
 }
 
 Benchmark add_bake(CLI::App& app, BakeBenchmarkOptions& bake) {
-  CLI::App* command =
-      app.add_subcommand("bake", "compare multum bake with maketx --bumpslopes: time, processor time, memory");
+  CLI::App* command = app.add_subcommand(
+      "bake", "compare the time, processor time and memory of multum bake and of maketx --bumpslopes");
   add_side(*command, "--size", bake.size, "side of the map");
   add_bake_options(*command, bake);
   add_repetitions(*command, bake, "pairs of runs");
@@ -136,7 +137,8 @@ Benchmark add_bake(CLI::App& app, BakeBenchmarkOptions& bake) {
 }
 
 Benchmark add_scale(CLI::App& app, ScaleBenchmarkOptions& scale) {
-  CLI::App* command = app.add_subcommand("scale", "time multum bake on maps that double in size, one process per map");
+  CLI::App* command = app.add_subcommand(
+      "scale", "measure the time of multum bake for maps that double in size, with one process per map");
   add_side(*command, "--size-min", scale.size_min, "side of the smallest map");
   add_side(*command, "--size-max", scale.size_max, "largest side; sides double from one map to the next");
   add_bake_options(*command, scale);
@@ -147,7 +149,8 @@ Benchmark add_scale(CLI::App& app, ScaleBenchmarkOptions& scale) {
 
 Benchmark add_load(CLI::App& app, LoadBenchmarkOptions& load) {
   CLI::App* command = app.add_subcommand(
-      "load", "measure files of every encoding and compression: size, writing, reading, upload to GL");
+      "load",
+      "for every encoding and compression, measure the file size and the times for writing, reading and upload to GL");
   add_side(*command, "--size", load.size, "side of the map");
   add_bake_options(*command, load);
   add_repetitions(*command, load, "runs per file");
@@ -156,8 +159,8 @@ Benchmark add_load(CLI::App& app, LoadBenchmarkOptions& load) {
 }
 
 Benchmark add_frames(CLI::App& app, FramesBenchmarkOptions& frames) {
-  CLI::App* command =
-      app.add_subcommand("frames", "time frames of lobes, moments and harmonics, next to averaged normals");
+  CLI::App* command = app.add_subcommand(
+      "frames", "measure frame times of lobes, moments and harmonics, and compare them with averaged normals");
   add_side(*command, "--size", frames.size, "side of the map");
   const auto set_picture = [&frames](const std::string& text) {
     const bool is_size = std::sscanf(text.c_str(), "%dx%d", &frames.width, &frames.height) == 2;
@@ -175,14 +178,17 @@ Benchmark add_frames(CLI::App& app, FramesBenchmarkOptions& frames) {
 }
 
 Benchmark add_filters(CLI::App& app, FilterBenchmarkOptions& filters) {
-  CLI::App* command =
-      app.add_subcommand("filters", "measure errors, flicker and frame times by taps, level bias and lobes");
+  CLI::App* command = app.add_subcommand(
+      "filters",
+      "measure errors, flicker and frame times for several numbers of taps, level biases and numbers of lobes");
   command->add_option("--maps", filters.maps, "folder of normal maps (default: the four-quarter map)")
       ->check(CLI::ExistingDirectory);
   command->add_option("--maps-max", filters.maps_max, "number of maps, in the order of their names")
       ->check(CLI::Range(1, 100000));
   add_side(*command, "--size", filters.map_size, "side of the four-quarter map");
-  command->add_option("--reference-noise", filters.noise_max, "largest noise of reference pictures, as relative L1")
+  command
+      ->add_option("--reference-noise", filters.noise_max,
+                   "largest noise of reference pictures, as a relative L1 error")
       ->check(CLI::Range(1e-4, 1.0))
       ->capture_default_str();
   command->add_option("--device", filters.device, kDeviceHelp);
@@ -195,16 +201,19 @@ Benchmark add_filters(CLI::App& app, FilterBenchmarkOptions& filters) {
 CLI::App* add_on_gpu(CLI::App& app, OnGpuOptions& options, std::string& from) {
   CLI::App* command =
       app.add_subcommand("on-gpu", "measure multum on a GPU; write OUTPUT.json and OUTPUT.md after each step");
-  command->add_option("--minutes", options.minutes, "minutes for all steps; steps that do not fit are left out")
+  command
+      ->add_option("--minutes", options.minutes,
+                   "minutes for all steps together; steps for which no time is left are skipped")
       ->check(CLI::Range(0.1, 600.0))
       ->capture_default_str();
-  command->add_option("-o,--output", options.output, "name of the two files, without extension")->capture_default_str();
+  command->add_option("-o,--output", options.output, "name of both output files, without extension")
+      ->capture_default_str();
   command->add_option("--device", options.device, kDeviceHelp);
   command->add_flag("--any-device", options.any_device, "without a GPU, use a processor and GL in software");
-  command->add_flag("--small", options.small, "use few and small maps, to try the command");
+  command->add_flag("--small", options.small, "use only a few small maps, to try the command");
   command->add_option("--folder", options.folder, "folder for temporary maps and bakes (default: $TMPDIR, /tmp)")
       ->check(CLI::ExistingDirectory);
-  command->add_option("--from", from, "measure nothing; write the page of this OUTPUT.json again to OUTPUT.md")
+  command->add_option("--from", from, "measure nothing, and write the page of this OUTPUT.json to OUTPUT.md again")
       ->check(CLI::ExistingFile);
   return command;
 }
@@ -244,7 +253,8 @@ CLI::App* add_accuracy(CLI::App& app, AccuracyDocumentOptions& accuracy) {
       ->check(CLI::Range(16, 4096))
       ->capture_default_str();
   command->add_option("--commit", accuracy.commit, "commit that the document states")->default_val(built_commit());
-  command->add_flag("--quick", accuracy.is_quick, "measure few settings of every representation, to try the page");
+  command->add_flag("--quick", accuracy.is_quick,
+                    "measure only a few settings of every representation, to try the page");
   add_allow_dirty(*command, accuracy.allow_dirty);
   command->add_option("--threads", accuracy.threads)->check(CLI::Range(1, 256))->capture_default_str();
   return command;
@@ -255,9 +265,9 @@ CLI::App* add_document(CLI::App& app, BenchmarksDocumentOptions& document) {
       app.add_subcommand("document", "make docs/evidence/BENCHMARKS.md from results, without running benchmarks");
   command->add_option("-o,--output", document.output, "Markdown file to write")->required();
   command
-      ->add_option(
-          "--json", document.results,
-          "result file of em, bake, scale, load, infer or frames; repeat the option for more results, in this order")
+      ->add_option("--json", document.results,
+                   "result file of em, bake, scale, load, infer or frames; can be repeated for more results, which "
+                   "keep this order")
       ->required();
   add_allow_dirty(*command, document.allow_dirty);
   return command;
@@ -265,7 +275,7 @@ CLI::App* add_document(CLI::App& app, BenchmarksDocumentOptions& document) {
 
 int run_benchmark(const Benchmark& benchmark, const std::string& command) {
   if (!benchmark.json.empty()) check_writable(benchmark.json);
-  const auto progress = make_terminal_progress(false);  // handles Ctrl-C and removes files
+  const auto progress = make_terminal_progress(false);  // handles Ctrl-C and removes temporary files
   const Json result = make_result(benchmark.command->get_name(), command, benchmark.run(progress.get()));
   const ResultView view = view_of(result);
   fmt::print("{}, on {}\n\n{}\n\n{}\nresult hash {}\n", view.title, result.at("device").get<std::string>(), view.method,
@@ -276,7 +286,7 @@ int run_benchmark(const Benchmark& benchmark, const std::string& command) {
 }
 
 int run(int argc, char** argv) {
-  CLI::App app("multum-bench: compare multum with other programs in one run, and report ratios", "multum-bench");
+  CLI::App app("multum-bench compares multum with other programs in one run, and reports ratios", "multum-bench");
   app.require_subcommand(1);
   app.failure_message(usage_error);
   EmBenchmarkOptions em;
@@ -302,7 +312,7 @@ int run(int argc, char** argv) {
   const CLI::App* document_command = add_document(app, document);
   std::string contexts_json;
   CLI::App* contexts_command = app.add_subcommand("contexts", "list the GL contexts of this machine");
-  contexts_command->add_option("--json", contexts_json, "also write them to this file");
+  contexts_command->add_option("--json", contexts_json, "also write the list to this file");
   const CLI::App* on_gpu_command = add_on_gpu(app, on_gpu, on_gpu_from);
   prepare_commands(app);
   try {

@@ -33,7 +33,7 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 using Clock = std::chrono::steady_clock;
 
-// Tests that need no other program. Filters leave out cases that read source files.
+// Tests that need no other program. The filters exclude cases that read source files.
 constexpr std::pair<const char*, const char*> kTests[] = {{"kernel_test", "*"},
                                                           {"pyramid_test", "*"},
                                                           {"inference_test", "*"},
@@ -44,7 +44,7 @@ constexpr std::pair<const char*, const char*> kTests[] = {{"kernel_test", "*"},
                                                           {"probe_test", "*"},
                                                           {"gl_stability_test", "GlslCases.Hold*"}};
 
-// A step can take at most this many times its estimate, which leaves time for other steps.
+// A step is limited to this many times its estimated time, so that time for other steps remains.
 constexpr double kPatience = 4.0;
 
 Json read_json(const std::string& path) {
@@ -61,8 +61,8 @@ class OnGpuRun {
         end_(Clock::now() + std::chrono::milliseconds(static_cast<long>(options.minutes * 60000.0))) {
     const DriverSearch drivers = find_drivers();
     name_drivers(drivers, folder_.path());
-    // Starts with empty caches, and does not write to the user's caches. A small run uses existing caches, because its
-    // times do not count.
+    // Starts with empty caches, and does not write to the user's caches. A small run uses existing caches, because
+    // nobody uses its times.
     for (const char* variable : {"MULTUM_CACHE_DIR", "POCL_CACHE_DIR", "CUDA_CACHE_PATH"}) {
       if (options_.small && std::getenv(variable) != nullptr) continue;
       const std::string cache = folder_ / variable;
@@ -115,7 +115,7 @@ class OnGpuRun {
     return json;
   }
 
-  // Runs a program for at most this many seconds. Its exit code must be one of `expected`.
+  // Runs a program for at most this many seconds. The exit code of the program must be one of `expected`.
   ChildResult child(const std::vector<std::string>& command, double seconds, const std::vector<int>& expected = {0}) {
     ChildLimits limits;
     limits.time_max = std::chrono::milliseconds(static_cast<long>(seconds * 1000.0));
@@ -204,7 +204,7 @@ class OnGpuRun {
     return map;
   }
 
-  // Returns the report of a bake. Adds the costs of the whole process and the checksum of its output.
+  // Returns the report of a bake, together with the costs of the whole process and the checksum of its output.
   Json bake_once(const std::string& map, const std::string& device, const std::vector<std::string>& more, double left) {
     const std::string output = folder_ / "baked.ndf.exr", report = folder_ / "report.json";
     BakeCommandOptions bake;
@@ -242,8 +242,8 @@ class OnGpuRun {
     return result;
   }
 
-  // Bakes three times: to compile kernels, to measure the whole bake, and with a timer for every launch, which makes
-  // some launches slower.
+  // Bakes three times. The first bake compiles kernels, and the second bake is measured as a whole. The third bake uses
+  // a timer for every launch, which makes some launches slower.
   Json bake(int size, const std::string& device, double left) {
     const std::string map = map_of(size, left);
     if (size <= 4096) bake_once(map, device, {"--no-measure"}, left);
@@ -255,7 +255,7 @@ class OnGpuRun {
     return result;
   }
 
-  // Times the EM kernels, and for one device also the yardstick.
+  // Measures the times of the EM kernels and, for one device, of the yardstick.
   Json em(int size, const std::string& device, bool with_yardstick, double left) {
     std::vector<std::string> command = {"em", "--size", std::to_string(size), "--device", device, "--threads", "0"};
     command.insert(command.end(), {"--repetitions", options_.small ? "1" : size > 2048 ? "2" : "5"});

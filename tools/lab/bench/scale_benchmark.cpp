@@ -19,7 +19,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Up to this size, a cold start would affect the times, so measurements of such a size start with an untimed run.
+// For sizes up to this limit, a cold start would affect the times. The first run of such a size is therefore not timed.
 constexpr int kWarmUpSizeMax = 2048;
 
 Json run_size(const ScaleBenchmarkOptions& options, int size, const std::string& map, const std::string& baked,

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Measures how the costs of `multum bake` grow with the map. Sizes double, and each run is a new process.
+// Measures how the costs of `multum bake` grow with the size of the map. Each size is twice the previous size, and each
+// run is a new process.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -13,7 +14,7 @@ namespace multum::bench {
 
 struct ScaleBenchmarkOptions {
   int size_min = 512;                     // side of the map, an even number
-  int size_max = 4096;                    // sizes double up to this size
+  int size_max = 4096;                    // each size is twice the previous size, up to this size
   int lobes = 4;                          // number of lobes, 1 to 8
   int repetitions = 3;                    // number of runs per size
   int threads = 0;                        // number of threads; all cores if 0

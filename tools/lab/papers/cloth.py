@@ -21,7 +21,7 @@ def constraint_sets():
     for rows, columns, stiffness in ((0, 1, 1.0), (1, 0, 1.0), (1, 1, 0.5), (1, -1, 0.5), (0, 2, 0.15), (2, 0, 0.15)):
         first = index[:SIDE - rows, max(0, -columns):SIDE - max(0, columns)]
         second = index[rows:, max(0, columns):SIDE + min(0, columns)]
-        # successive pairs along the constraint's direction share a vertex, so each set has every other pair
+        # successive pairs along the direction of the constraint share a vertex, so each set contains every other pair
         place = np.arange(first.shape[0])[:, None] // rows if rows else np.arange(first.shape[1])[None, :] // columns
         odd = np.broadcast_to(place % 2 == 1, first.shape)
         rest = spacing * np.hypot(rows, columns)
@@ -32,7 +32,7 @@ def constraint_sets():
 def drape(steps):
     """Yields positions [SIDE, SIDE, 3] at each of `steps`, which are in ascending order."""
     along = np.linspace(-WIDTH / 2, WIDTH / 2, SIDE)
-    # slightly rotated, so that folds are not symmetric
+    # the cloth is slightly rotated, so that its folds are not symmetric
     here = np.dstack([np.broadcast_to(along[None, :], (SIDE, SIDE)), np.broadcast_to(along[:, None], (SIDE, SIDE)),
                       RADIUS + 0.05 + 0.01 * np.sin(3 * along[None, :] + 1) * np.cos(2 * along[:, None])])
     here, before = here.reshape(-1, 3).copy(), here.reshape(-1, 3).copy()

@@ -143,8 +143,8 @@ def layers_and_pyramids(study, field):
 def moving_object(study, field):
     study.heading("Figure 12: an object that turns")
     samples = " x ".join(map(str, field.field.counts))
-    study.paragraph(f"The field contains {samples} samples: views times rotation angles of a reflecting knot.",
-                    "The paper's field",
+    study.paragraph(f"The field contains {samples} samples (views x rotation angles of a reflecting knot).",
+                    "The field in the paper",
                     "contains 24 x 48 samples, and the authors divided the storage among the textures by hand.")
     results = {VIEWS: field.video(361)} if shutil.which("ffmpeg") else {}
     results["textures"] = field.packed("textures", 361, ())
@@ -159,8 +159,8 @@ def pages_that_play(study, fields):
     if not fields:
         return
     study.heading("The demos, played")
-    study.paragraph("Each page contains everything: the packed field, its geometry, the decoder and the player. The "
-                    "page opens from disk in any browser with WebGL 2 and WebAssembly. docs/evidence/PLAYBACK.md "
+    study.paragraph("Each page contains the packed field, the geometry, the decoder and the player. The page "
+                    "can be opened from disk in any browser with WebGL 2 and WebAssembly. docs/evidence/PLAYBACK.md "
                     "lists the frame rates.")
     rows = []
     for field in fields:
@@ -189,7 +189,8 @@ def reproduce(study):
             figure(study, field)
     study.paragraph("docs/evidence/ANIMATION.md compares the errors of inferred textures with the errors of forward",
                     "mapping. This forward mapping splats pixels bilinearly, whereas the paper resamples with a",
-                    "Lanczos-windowed sinc of 16 x 16 taps. This page therefore gives no ratio relative to the "
-                    "paper's forward mapping. docs/evidence/PLAYBACK.md plots error against size, and shows the effect "
+                    "Lanczos-windowed sinc of 16 x 16 taps. This page therefore does not compare inferred "
+                    "textures with the paper's forward mapping. docs/evidence/PLAYBACK.md plots error against size, "
+                    "and shows the effect "
                     "of each part of the coder.")
     pages_that_play(study, fields)

@@ -103,8 +103,8 @@ def measured_materials(study):
         return
     source = study.path("quarters_normal.png")
     study.bake("sh8", source, "--green", "up", "--ndf", "sh", "--sh-order", "8")
-    study.paragraph("The materials are fits to measured MERL materials: each fit is a product of factors of the half "
-                    "angle. The factor that depends on theta_h is convolved with the normals. The convolution uses "
+    study.paragraph("The materials are fits to measured MERL materials. Each fit is a product of functions of "
+                    "the half angle, and the function of theta_h is convolved with the normals. The convolution uses "
                     "harmonics up to order 8, or six lobes.")
     rows = []
     for path in [p for p in found if "fabric" in p.name or "rubber" in p.name]:
@@ -126,10 +126,10 @@ def draped_cloth(study):
     weave = None if study.data is None else study.data / "normal/pm_0010.webp"
     has_fabric, has_weave = fabric is not None and fabric.is_file(), weave is not None and weave.is_file()
     source = weave if has_weave else study.path("quarters_normal.png")
-    study.paragraph("tools/lab/papers/cloth.py simulates the cloth. The normals of a",
-                    "woven map" if has_weave else "generated map (MULTUM_SHARED_DATA has a woven map)",
-                    "are represented by harmonics of order 8. In the near view, the filter changes the middle of the",
-                    "picture little and the corners much.")
+    study.paragraph("tools/lab/papers/cloth.py simulates the cloth. Harmonics of order 8 represent the normals of a",
+                    ("woven map" if has_weave else "generated map (MULTUM_SHARED_DATA has a woven map)") + ".",
+                    "In the near view, the filter hardly changes the middle of the picture, but changes the corners",
+                    "strongly.")
     study.bake("cloth", source, *(() if has_weave else ("--green", "up")), "--ndf", "sh", "--sh-order", "8")
     material = ("--brdf", fabric if has_fabric else "blinn-phong:12", "--source", source, "--light", "0.3,-0.5,0.8,3",
                 "--up", "0,0,1", "--repeat", "1", *FRAME)
@@ -160,7 +160,7 @@ def environment_light(study):
     study.paragraph("Diffuse light uses harmonics up to order 2. The first column of highlights uses harmonics of the "
                     "light as a function of the half vector, up to order 8 (Han, section 8). These harmonics are "
                     "accurate only for broad highlights. The second column uses maps that are filtered for lobes of "
-                    "every width. Filtered maps are accurate for sharp highlights too.")
+                    "every width. Filtered maps are also accurate for sharp highlights.")
     light = study.path("sky.exr")
     write_sky(light)
     if study.data is not None and (study.data / "env/pm_lobby.exr").is_file():
@@ -243,9 +243,10 @@ def starts(study):
     source = study.path("quarters_normal.png")
     study.heading("Section 7.2: where EM starts")
     study.paragraph("For each texel, the paper starts EM from those lobes of the child texels that are farthest apart",
-                    "(Hochbaum and Shmoys). multum starts each texel from the parent texel, so only the coarsest "
-                    "texel needs a separate start. The table compares two such starts: the normals that are farthest "
-                    "apart, and the default search (docs/contributing/ALGORITHMS.md).")
+                    "(Hochbaum and Shmoys). multum starts each texel with the lobes of the parent texel, so "
+                    "only the coarsest texel needs other starting lobes. The table compares two ways to choose "
+                    "them: the normals that are farthest apart, and the default search "
+                    "(docs/contributing/ALGORITHMS.md).")
     shown, rows = [], []
     for count in (4, 6):
         views = {}
@@ -271,9 +272,10 @@ def lobe_counts(study):
     block = normals[row << level:(row + 1) << level, column << level:(column + 1) << level].reshape(-1, 3)
     reference = density_of_normals(block, directions)
     study.heading("Figure 7: the normals of one texel, as one to six lobes and as planar Gaussians")
-    study.paragraph("The texel is on level 5 of the map of scales, and the texel's normals are tilted by up to 72 "
+    study.paragraph("The texel is on level 5 of the map of scales, and its normals are tilted by up to 72 "
                     "degrees. Near the rim of the disk, a planar Gaussian becomes a broad smear on the sphere. The "
-                    "error compares the densities in the pictures, integrated over solid angle.")
+                    "error "
+                    "is the difference between the densities in the pictures, integrated over solid angle.")
     shown, rows = [(picture(reference, inside, reference.max()), "the normals")], []
     for count in range(1, 7):
         vmf_bake = study.bake(f"scales_vmf{count}", source, "--green", "up", "--lobes", str(count))

@@ -164,7 +164,7 @@ def draw_same_filter(study):
 
 
 def reproduce(study):
-    study.samples = None  # the noise of the reference determines the number of samples
+    study.samples = None  # the noise of the reference then determines the number of samples
     study.paragraph("The scene is the oblique plane under one light, with Blinn-Phong and s = 100. All pictures use "
                     "multum-view's own filter. Errors are relative L1 errors against samples of the map itself.")
     draw_every_map(study)

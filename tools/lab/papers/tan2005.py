@@ -16,7 +16,7 @@ from study import ELONGATED_FILTER, REFERENCE, ROUND_FILTER, box_reduced, colour
 TITLE = "Tan et al. 2005: multiresolution reflectance filtering"
 WIDTH, HEIGHT = 400, 300
 FRAME = ("--size", f"{WIDTH}x{HEIGHT}")
-FINER = 8  # each pixel is divided into this many pixels per side, to separate the error of the filter
+FINER = 8  # each side of a pixel is divided into this many parts, to separate the error of the filter from other errors
 SILVER = ("--brdf", "cook-torrance:0.07,0.95,0.93,0.88", "--diffuse", "0.5", "--specular", "0.2")
 GOLD = ("--brdf", "cook-torrance:0.07,1.0,0.77,0.34", "--diffuse", "0.5", "--specular", "0.25")
 DISK = ("--repeat", "1", "--up", "0,0,1", "--light", "0.2,0.6,1", "--light", "-0.5,0.1,0.8,1.5", *SILVER)
@@ -72,7 +72,7 @@ def zoom(study):
     texels = [f["texels"][REFERENCE] for f in frames]
     study.heading("Figure 4: three frames of a zoom")
     study.paragraph("The camera moves away from a carved disk by 6 % per frame. Flicker is the change between frames "
-                    "that does not occur in the reference, relative to the reference. A flicker of 0 means that the "
+                    "that does not occur in the reference, relative to the reference. If the flicker is 0, the "
                     "picture is as steady as the reference. The paper computes colour errors against a reference with "
                     "16 rays per pixel.")
     for label, pictures in [("reference", references), *list(shown.items())[:3]]:
@@ -101,8 +101,8 @@ def alignment(study):
     aligned = study.view("aligned", "disk_gmm", *where, compare=(REFERENCE,))
     unaligned = study.view("unaligned", "disk_gmm_unaligned", *where)
     study.heading("Figures 5 and 6: alignment")
-    study.paragraph("Gaussians that are fitted independently for every texel approximate the normals with about the",
-                    "same accuracy as aligned Gaussians. Between two texels, however, the filter mixes the first "
+    study.paragraph("If Gaussians are fitted independently for every texel, they approximate the normals about as",
+                    "accurately as aligned Gaussians. Between two texels, however, the filter mixes the first "
                     "Gaussian of one texel with the first Gaussian of the other texel, even if these Gaussians "
                     "represent different normals.")
     study.figures([(unaligned["multum"], "unaligned Gaussians"), (aligned[REFERENCE], "reference"),
@@ -126,9 +126,9 @@ def fournier(study):
     reference, fitting = wide[REFERENCE], box_reduced(many["multum"], FINER)
     study.heading("Figure 7: Fournier's Phong peaks")
     study.paragraph("The camera sees a disk at a grazing angle. Fournier fits Phong peaks to every texel",
-                    "independently, and such peaks cannot be mixed. All eight texels of a trilinear footprint must",
-                    "therefore be shaded, and a wider footprint is impossible. Aligned lobes can be mixed by the",
-                    f"filter, here with {' '.join(ELONGATED_FILTER)}. Here, vMF lobes of an unaligned bake replace",
+                    "independently, so a filter cannot mix them. All eight texels of a trilinear footprint must",
+                    "therefore be shaded, and wider footprints are not possible. The filter can mix aligned",
+                    f"lobes, here with {' '.join(ELONGATED_FILTER)}. Here, vMF lobes of an unaligned bake replace",
                     "Phong peaks.")
     rows = [(OURS + ", elongated filter", wide["multum"], wide),
             ("vMF lobes, elongated filter", lobes["multum"], lobes),
@@ -140,12 +140,14 @@ def fournier(study):
                             [("relative L1", percent(relative_l1(picture, reference))),
                              ("frame, ms", f"{view.frame_ms['multum']:.1f}")]) for label, picture, view in rows},
             {rows[0][0]: 0.041, rows[-1][0]: 0.123})
-    study.paragraph("Many small lookups per pixel act like a filter with the shape of the pixel. The row with 8 x 8 "
+    study.paragraph("Together, many small lookups per pixel act like a filter with the shape of the pixel. The row "
+                    "with 8 x 8 "
                     "lookups therefore lists only the error of the Gaussians. The other rows include the errors of "
                     "their filters. The picture of the",
                     "elongated filter differs from the picture of the round filter by",
-                    f"{percent(relative_l1(wide['multum'], round_filter['multum']))} of its light. The factor in the "
-                    f"paper compares the time of the peaks with the time of a filter that fits the pixel. Here, this "
+                    f"{percent(relative_l1(wide['multum'], round_filter['multum']))} of its light. The factor "
+                    f"in the paper is the time for the peaks, divided by the time for a filter that fits the "
+                    f"pixel. Here, this "
                     f"factor is",
                     f"{colour_distance(theirs['multum'], reference) / colour_distance(fitting, reference):.1f}.")
 
@@ -162,7 +164,8 @@ def armour(study):
     texels = study.view("armour_texels", "armour_gmm", *gold, *far_away, "--reference-of", "texels",
                         compare=(REFERENCE,))
     study.heading("Figure 8: golden armour")
-    study.paragraph("Hemispherical scales are seen from near and far. With a fixed BRDF and averaged normals, the "
+    study.paragraph("The picture shows hemispherical scales from near and far. With a fixed BRDF and averaged "
+                    "normals, the "
                     "distant armour shines like a smooth ring.")
     study.figures([(near["multum"], "near, planar Gaussians"), (far["multum"], "far, planar Gaussians"),
                    (far[REFERENCE], "far, reference"), (far["mip"], "far, fixed BRDF")], name="armour")
@@ -177,9 +180,9 @@ def armour(study):
     study.paragraph("In the paper, the error of a fixed BRDF is 3.0 times the error of the paper's method. Here, the",
                     f"factor is {factor({label: colour_distance(rows[label], far[REFERENCE]) for label in rows})}.",
                     "Against the reference with the same filter, the factor is",
-                    f"{factor(own)}. Normals of hemispherical scales fill the whole hemisphere, which four lobes "
-                    "cannot represent well. The normals of the armour in the paper possibly "
-                    "do not fill the hemisphere.")
+                    f"{factor(own)}. The normals of hemispherical scales fill the whole hemisphere, which four "
+                    "lobes cannot represent well. Possibly, the normals of the armour in the paper do not fill "
+                    "the hemisphere.")
 
 
 def reproduce(study):

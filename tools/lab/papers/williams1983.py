@@ -24,8 +24,9 @@ def sheet(study, name, caption, *options):
 
 def colours(study):
     study.heading("Magnification and compression")
-    study.paragraph("The picture is mapped onto a plane that runs to the horizon, so the picture is magnified near "
-                    "the camera and compressed far away. Nearest-texel lookups show blocks near the camera and noise "
+    study.paragraph("The picture is mapped onto a plane that extends to the horizon, so the picture is "
+                    "magnified near the camera and compressed far away. Nearest-texel lookups show blocks near the "
+                    "camera and noise "
                     "far away. The pyramid is smooth in both places.")
     study.testmap("picture")
     study.run("multum", "mip", study.path("picture_albedo.png"), "-o", study.path("picture.exr"))
@@ -60,8 +61,9 @@ def bumpy_ball(path, steps=192, bumps=0.05):
 def highlights(study):
     study.heading("Highlights")
     study.paragraph("Light and highlights are stored in a map that is indexed by the normal. Where the normal changes "
-                    "much within a pixel, a lookup in the finest level hits or misses the highlight. A lookup in the "
-                    "level that fits the curvature averages the highlight. Flicker is the mean change of the error "
+                    "much within a pixel, a lookup in the finest level hits or misses the highlight. A lookup "
+                    "in the level that matches the curvature averages the highlight. Flicker is the mean change of "
+                    "the error "
                     "while the picture moves by fractions of a pixel.")
     lights = [option for direction in ("0.3,0.8,0.5", "-1,0.2,0.4,2", "0.6,-0.5,0.7", "-0.3,-0.2,1")
               for option in ("--light", direction)]
@@ -94,9 +96,9 @@ def limited_curvature(study):
     study.paragraph("Before any highlight is looked up, the surface can be replaced by a coarser level of its own",
                     "pyramid, which lacks small details. If the lights have no pyramid, a level whose points are half "
                     "a pixel apart gives lower errors and less flicker than the finest level. If the lights have a "
-                    "pyramid, the finest level gives lower errors than the coarser level. The coarser level lacks part "
-                    "of the spread of normals that bumps cause. If its points are one pixel apart, this spread is lost "
-                    "completely.")
+                    "pyramid, the finest level gives lower errors than the coarser level. The coarser level "
+                    "contains only a part of the spread of normals that bumps cause. If the points of the "
+                    "level are one pixel apart, this spread is lost completely.")
     study.run("multum", "lod", bumpy_positions(study.path("ball_points.exr")), "-o", study.path("ball_lod.exr"), "--of",
               "positions", "--swrap", "periodic", "--twrap", "clamp")
     found, shown, size = [], [], "28x28"
@@ -143,7 +145,7 @@ def camera(distance):
 
 def boiling(study):
     study.heading("The surface's level from its projection")
-    study.paragraph("The camera zooms out over 14 frames. In each frame, the distance grows by 8 %. Boiling is the "
+    study.paragraph("The camera zooms out over 14 frames, and its distance grows by 8 % per frame. Boiling is the "
                     "change between frames that does not occur in the reference. The reference is the finest surface "
                     "with 6 x 6 samples per pixel. If the level is chosen so that the distance between points in "
                     "pixels is constant, the surface changes smoothly. If only whole levels are used, the surface "
@@ -184,8 +186,9 @@ def torus_points(path, around=64, across=32):
 
 def patches(study):
     study.heading("Patches by their control points")
-    study.paragraph("The points of a level are used as control points of bicubic B-spline patches. Patches are smooth "
-                    "where triangles with the same points have visible edges. The reference for the errors is the "
+    study.paragraph("The points of a level are used as control points of bicubic B-spline patches. The patches "
+                    "are smooth, whereas triangles with the same points have visible edges. The reference for the "
+                    "errors is the "
                     "spline itself, drawn with 32 x 32 cells per patch.")
     study.run("multum", "lod", torus_points(study.path("torus_points.exr")), "-o", study.path("torus_lod.exr"), "--of",
               "positions", "--wrap", "periodic")
@@ -207,8 +210,8 @@ def patches(study):
 
 def levels_of_detail(study):
     study.heading("Levels of detail")
-    study.paragraph("The pyramid of a height field is drawn at fractional levels. Coarser levels have fewer points "
-                    "and smoother hills than finer levels.")
+    study.paragraph("The pyramid of a height field is drawn at fractional levels. Coarser levels have fewer "
+                    "points than finer levels, and smoother hills.")
     hills(study)
     shown = []
     for level in (0, 2, 3.5, 5):

@@ -6,9 +6,10 @@
 //   node browser_speed.mjs CHROMIUM PAGE.html [SECONDS]
 //
 // On the path "cached", the first two samples along the first parameter are decoded, and the position moves between
-// them.
-// On the path "diagonal", every frame moves one sample further along all parameters, wrapped around, until all samples
-// were shown once. Before that, all textures are dropped. Each frame waits for all of its textures.
+// these samples.
+// On the path "diagonal", all textures are dropped first. Every frame then moves one sample further along all
+// parameters, wrapping around at the ends, until all samples have been shown once. Each frame waits for all of its
+// textures.
 import { pathToFileURL } from "node:url";
 import { chromium } from "../../tests/service/web/node_modules/playwright-core/index.mjs";
 
@@ -45,7 +46,7 @@ async function measure(patience) {
     await player.settled();
   }
 
-  // Only draws. Decodes nothing and shows nothing.
+  // Only draws, without decoding or showing anything.
   result.draw = [];
   for (const isSmooth of [false, true]) {
     player.isSmooth = isSmooth;
@@ -65,8 +66,9 @@ async function measure(patience) {
     }
   }
 
-  // Divides the time of a picture with one sub-pixel per pixel into parts. Measures a picture without objects, a
-  // picture of 16 x 12 pixels (mostly work for vertices), and a picture with lookups in two mip levels, as at rest.
+  // Divides the time of a picture with one sub-pixel per pixel into parts. For this purpose, measures three other
+  // pictures. The first picture has no objects. The second picture has only 16 x 12 pixels, so most of its time is
+  // spent on vertices. The third picture uses lookups in two mip levels, as when the view is at rest.
   player.isSmooth = false;
   player.quality = fixedQuality(1);
   const p50 = () => {
@@ -105,7 +107,8 @@ async function measure(patience) {
     while (last - begun < 1000 * patience) {
       player.moveTo(sizes.map((_, d) => (d === 0 ? 0.5 - 0.5 * Math.cos((last - begun) / 500) : 0)));
       last = await frame();
-      if (pictures === 0 && last - begun > 500 * patience) { // until then, the page adapts the number of sub-pixels
+      if (pictures === 0 && last - begun > 500 * patience) { // before this time, the page adapts the number of
+                                                             // sub-pixels
         [pictures, begun] = [player.statistics.frames, last];
       }
     }

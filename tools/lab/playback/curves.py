@@ -16,8 +16,8 @@ def value_at(points, ratio):
         if left <= ratio <= right:
             share = math.log(ratio / left) / math.log(right / left) if right > left else 0.0
             return math.exp(math.log(low) + share * math.log(high / low))
-    # An encoder can produce a slightly smaller file than requested, so a curve can begin slightly beyond `ratio`. The
-    # error of its first point is an upper bound.
+    # An encoder can produce a slightly smaller file than requested, so a curve can begin slightly beyond `ratio`. In
+    # this case, the error of the first point is an upper bound.
     near = [error for at, error in points if 1 <= at / ratio < 1.05]
     return near[0] if near else None
 

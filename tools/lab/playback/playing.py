@@ -225,12 +225,13 @@ def seek_section(row, table):
     return ["#### Seeks to random samples from a cold cache",
             table(["ms", "p50", "p99", "p50 / p50 of the first row", "p99 / p99 of the first row",
                    "most textures decoded"], lines),
-            f"All programs looked up random samples alternately in {len(row['rounds'])} rounds, on one core and one "
-            "thread. The table lists medians of the rounds with ranges in brackets, and ratios within a round. AV1 "
+            f"All programs looked up random samples alternately in {len(row['rounds'])} rounds, with one thread "
+            "on one core. The table lists medians of the rounds, with ranges in brackets. Ratios compare programs "
+            "within a round. AV1 "
             "uses the quality setting whose error is most similar to the error of the packed file. "
             f"lib{row['decoder']} decodes all frames from the key frame to the requested frame, without colour "
-            f"conversion. The median seek takes {', and '.join(verdict)}. To obtain any texture of a block, the "
-            "decoder must decode the coefficients of all samples of the block. The textures of a block cover "
+            f"conversion. The median seek takes {', and '.join(verdict)}. To decode any texture of a block, the "
+            "decoder must read the coefficients of all samples of the block. The textures of a block cover "
             "everything that is visible in any view of the block. A block therefore contains several times as many "
             "texels as one frame needs."]
 
@@ -247,10 +248,12 @@ def rate_section(found, table):
         ["path", "sub-pixels", "frames per second", "slowest frame, ms", "decoding, processor ms per frame",
          "upload, ms", "preparing, ms", "drawing, ms"], lines),
         "`multum-view play` draws with Mesa's software renderer and decodes on the same core. On the *cached* path, "
-        "the view moves between two neighbouring samples, whose textures are already decoded. On the *diagonal* path, "
-        "each frame moves one sample further along all parameters, until all samples were shown. Each frame waits for "
-        "the textures of its sample. For a diagonal path on hardware of 1999, the paper reports 2.4 to 8.8 frames per "
-        "second on average, and 1.3 in the worst case. For a cached path, the paper reports 34 frames per "
+        "the view moves between two neighbouring samples, whose textures are already decoded. On the *diagonal* "
+        "path, each frame moves one sample further along all parameters, until all samples have been shown. Each "
+        "frame waits for "
+        "the textures of its sample. For a diagonal path on hardware of 1999, the paper reports averages of 2.4 "
+        "to 8.8 frames per second, and 1.3 frames per second in the worst case. For a cached path, the paper reports "
+        "34 frames per "
         "second."] if lines else []
 
 
@@ -269,8 +272,9 @@ def border_section(found, table):
          "most decoding in a frame, processor ms", "most chunks in a frame"], lines),
         "The path is the diagonal with 1 x 1 sub-pixels. Textures that are not used for 4 frames are dropped. With "
         "`--stagger`, the blocks of the objects begin at different samples, so fewer blocks are decoded in one frame, "
-        "and the blocks at the ends are smaller. If no frames are decoded ahead, every run decodes the same blocks in "
-        "the same frames. Frame times vary, because other programs run on the machine."] if lines else []
+        "and the blocks at the ends are smaller. If no frames are decoded ahead, every run decodes the same "
+        "blocks in the same frames. Frame times still vary, because other programs run on the "
+        "machine."] if lines else []
 
 
 def memory_section(found, table):
@@ -285,7 +289,7 @@ def memory_section(found, table):
                           f"{100 * row['missing']:.0f}", f"{row['per_second']:.1f} frames per second"])
     return ["#### Memory and quality", table(
         ["`--memory`", "peak, MiB", "MSE compared with frames that wait", "late images, %", ""], lines),
-        "The path is the diagonal. The player runs with `--no-wait`: it draws each frame with the textures that have "
+        "The path is the diagonal. With `--no-wait`, the player draws each frame with the textures that have "
         "been decoded by then."] if lines else []
 
 
@@ -319,7 +323,7 @@ def browser_section(row, found, table):
         "(triangle vertices), and the rest for two lookups per pixel in half-float textures. While the view moves on a "
         "slow device, the page reads one mip level. At rest, the page reads two mip levels, and a picture takes "
         f"{profile['twoLevelsMs']:.1f} ms.",
-        "While frames take less than 45 ms, the page increases the number of sub-pixels. The page therefore shows "
+        "The page increases the number of sub-pixels as long as frames take less than 45 ms. It therefore shows "
         "fewer pictures per second than it could draw, but in higher quality. The first frame of the diagonal is the "
         "slowest, because all chunks for this frame must be decoded."]
 

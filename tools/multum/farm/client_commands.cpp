@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum jobs submit|list|show|cancel|retry|tail|wait|purge: the client of a service.
+// Implements multum jobs submit|list|show|cancel|retry|tail|wait|purge, the client of a service.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -55,16 +55,15 @@ HttpClient client_of(const ClientOptions& o) {
 }
 
 void add_client_options(CLI::App& command, ClientOptions& o) {
-  command.add_option(
-      "--server", o.server,
-      "address of the service, http://HOST:PORT or unix:PATH (default: $MULTUM_SERVER, else http://127.0.0.1:8470)");
+  command.add_option("--server", o.server,
+                     "set the address of the service, http://HOST:PORT or unix:PATH (default: $MULTUM_SERVER, else "
+                     "http://127.0.0.1:8470)");
   command.add_option("--token-file", o.token_file,
-                     "file with the service token in its first line (default: $MULTUM_TOKEN_FILE)");
+                     "read the service token from the first line of this file (default: $MULTUM_TOKEN_FILE)");
   add_json_option(command, o.json);
 }
 
-constexpr std::size_t kMessageMax = 120;  // maximum length in bytes of a message in a list; the list has one line per
-                                          // job
+constexpr std::size_t kMessageMax = 120;  // maximum length in bytes of a message in a list with one line per job
 
 // Returns the first line of a message, cut to kMessageMax bytes.
 std::string short_message(const std::string& message) {
@@ -87,7 +86,7 @@ std::string job_line(const Json& job, std::string message) {
 
 std::string job_line(const Json& job) { return job_line(job, job["message"].get<std::string>()); }
 
-// Prints jobs: one line per job, or one JSON document at the end.
+// Prints jobs as one line per job, or as one JSON document at the end.
 class PrintedJobs {
  public:
   explicit PrintedJobs(const ClientOptions& o) : json_(o.json) {}
@@ -122,8 +121,8 @@ struct SubmitOptions {
   std::map<std::string, bool> flags;
 };
 
-// Returns the value as JSON. A string that cannot be parsed is sent unchanged, because the service's error states what
-// was expected.
+// Returns the value as JSON. A string that cannot be parsed is sent unchanged, because the service's error message says
+// what was expected.
 Json value_of(const Parameter& parameter, const std::string& text) {
   if (parameter.kind == ParameterKind::kFile) {
     // Also works for FILE:CHANNEL, because the channel still follows the last colon.
@@ -223,7 +222,7 @@ void add_submit(CLI::App& app, int* exit_code) {
       if (field.option != nullptr && command->get_option_no_throw(field.option) == nullptr)
         with_field(field, o->asked, [&](auto& value) { add_field_option(*command, field, value); });
     command->add_flag("--again", o->again, "run the job even if an earlier job made the same result");
-    command->add_flag("--wait", o->wait, "wait until the job ends; exit with code 0 if it succeeded, else 1");
+    command->add_flag("--wait", o->wait, "wait until the job ends, and exit with code 0 if it succeeded, else with 1");
     add_client_options(*command, o->client);
     command->callback([&type, o, exit_code] { *exit_code = run_submit(type, *o); });
   }
@@ -231,10 +230,11 @@ void add_submit(CLI::App& app, int* exit_code) {
 
 // ---- wait, tail
 
-// Time for which a waiting client tries to reach a service that does not answer. It is long enough for a restart.
+// The time for which a waiting client tries to reach a service that does not answer. It is long enough for a restart of
+// the service.
 constexpr auto kPatience = std::chrono::seconds(60);
 
-// Calls `body`, which talks to the service, until it returns true. `body` calls `answered` after each answer.
+// Calls `body`, which communicates with the service, until it returns true. `body` calls `answered` after each answer.
 void persist(const std::function<bool(const std::function<void()>& answered)>& body) {
   using Clock = std::chrono::steady_clock;
   bool was_answered = false;
@@ -269,7 +269,8 @@ bool wait_for(HttpClient& client, std::set<std::int64_t> ids, PrintedJobs& print
   };
   if (ids.empty()) return true;
   persist([&](const std::function<void()>& answered) {
-    // Asks for the jobs that are already done while the event stream is open, because events report only changes.
+    // Asks for the jobs that are already done. The event stream is already open at this time, because events report
+    // only changes.
     const auto ask_all = [&] {
       answered();
       const std::set<std::int64_t> asked = ids;
@@ -307,7 +308,7 @@ int run_wait(WaitOptions& o) {
       }
     }
   } else if (ids.empty()) {
-    throw Error(ErrorCode::kUsage, "found no job number and no --all, expected one of them");
+    throw Error(ErrorCode::kUsage, "found neither a job number nor --all, expected one of them");
   }
   PrintedJobs printed(o.client);
   const bool succeeded = wait_for(client, std::move(ids), printed);
@@ -325,8 +326,8 @@ int run_tail(ClientOptions& o, std::int64_t id) {
     log = client.text(fmt::format("/v1/jobs/{}/log", id));
     state = job["state"].get<std::string>();
     const bool is_done = state == "succeeded" || state == "dead" || state == "cancelled";
-    // A character that is cut in two would be shown as two invalid characters, so its first part is kept until the rest
-    // arrives.
+    // A character that is split between two answers would be shown as two invalid characters, so its first part is kept
+    // until the rest arrives.
     const std::size_t ready = is_done ? log.size() : whole_characters(log);
     if (ready > shown && !o.json) write_shown(stdout, std::string_view(log).substr(shown, ready - shown));
     shown = std::max(shown, ready);
@@ -376,9 +377,9 @@ void add_list(CLI::App& app, int* exit_code) {
   };
   auto o = std::make_shared<Options>();
   CLI::App* list = app.add_subcommand("list", "list the jobs of a service, newest first");
-  list->add_option("--state", o->state, "list only jobs of this state")
+  list->add_option("--state", o->state, "list only jobs in this state")
       ->check(CLI::IsMember({"waiting", "queued", "running", "publishing", "succeeded", "dead", "cancelled"}));
-  list->add_option("--queue", o->queue, "list only jobs of this queue");
+  list->add_option("--queue", o->queue, "list only jobs in this queue");
   list->add_option("--limit", o->limit, "list at most this many jobs")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
@@ -409,12 +410,12 @@ void add_retry(CLI::App& app, int* exit_code) {
   CLI::App* retry = app.add_subcommand("retry", "queue dead or cancelled jobs again");
   retry->add_option("job", o->ids, "numbers of the jobs");
   retry->add_flag("--all-dead", o->all_dead, "retry all dead jobs");
-  retry->add_option("--queue", o->queue, "with --all-dead, retry only jobs of this queue");
+  retry->add_option("--queue", o->queue, "with --all-dead, retry only the dead jobs of this queue");
   add_client_options(*retry, o->client);
   retry->callback([o, exit_code] {
     if (o->all_dead == !o->ids.empty())
       throw Error(ErrorCode::kUsage, fmt::format("found {}, expected either job numbers or --all-dead",
-                                                 o->all_dead ? "both" : "no job number and no --all-dead"));
+                                                 o->all_dead ? "both" : "neither a job number nor --all-dead"));
     HttpClient client = client_of(o->client);
     if (!o->all_dead) {
       PrintedJobs printed(o->client);
@@ -446,7 +447,7 @@ void add_purge(CLI::App& app, int* exit_code) {
   purge->callback([o, exit_code] {
     if (o->ids.empty() == (o->age < 0))
       throw Error(ErrorCode::kUsage, fmt::format("found {}, expected either job numbers or --older-than",
-                                                 o->age < 0 ? "no job number and no --older-than" : "both"));
+                                                 o->age < 0 ? "neither a job number nor --older-than" : "both"));
     const Json body = o->age < 0 ? Json{{"jobs", o->ids}} : Json{{"finished_before_s", o->age}};
     const Json answer = client_of(o->client).ask("POST", "/v1/purge", body);
     if (o->client.json) print_json(OrderedJson(answer));
@@ -469,7 +470,7 @@ void add_client_commands(CLI::App& program, int* exit_code) {
                 if (o.json) printed.add(job);
                 else print_fields(job);
               });
-  add_for_ids(app, "cancel", "stop jobs in any state", exit_code,
+  add_for_ids(app, "cancel", "cancel jobs in any state", exit_code,
               [](HttpClient& client, const ClientOptions&, std::int64_t id, PrintedJobs& printed) {
                 printed.add(client.ask("POST", fmt::format("/v1/jobs/{}/cancel", id)));
               });
@@ -482,7 +483,9 @@ void add_client_commands(CLI::App& program, int* exit_code) {
   tail_command->callback([tail, exit_code] { *exit_code = run_tail(tail->first, tail->second); });
 
   auto wait = std::make_shared<WaitOptions>();
-  CLI::App* wait_command = app.add_subcommand("wait", "wait until jobs end; exit with code 0 if all succeeded, else 1");
+  CLI::App* wait_command = app.add_subcommand("wait",
+                                              "wait until jobs end, and exit with code 0 if all succeeded, "
+                                              "else with 1");
   wait_command->add_option("job", wait->ids, "numbers of the jobs");
   wait_command->add_flag("--all", wait->all, "wait for all jobs that have not ended");
   add_client_options(*wait_command, wait->client);

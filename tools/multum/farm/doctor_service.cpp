@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The part of `multum doctor` that checks whether a service works.
+// Implements the part of `multum doctor` that checks whether a service works.
 #include <cstdlib>
 
 #include "host/farm/service/http/http_client.h"
@@ -22,7 +22,8 @@ DoctorFindings service_findings(const std::string& server) {
     return {{DoctorState::kFine, "service", address + ": answers", ""}};
   } catch (const Error& error) {
     if (!is_named)
-      return {{DoctorState::kAbsent, "service", address + ": none is running", "`multum serve` starts a service."}};
+      return {
+          {DoctorState::kAbsent, "service", address + ": no service is running", "`multum serve` starts a service."}};
     return {{DoctorState::kFailure, "service", error.what(),
              "Start the service there (`multum serve`), or correct --server or MULTUM_SERVER."}};
   }

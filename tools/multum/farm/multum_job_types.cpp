@@ -9,7 +9,8 @@ namespace multum {
 namespace {
 
 constexpr std::int64_t kMiB = 1 << 20;
-constexpr std::size_t kLooksMax = 16;  // maximum number of stored pages; the page of the largest map has 37 MB
+constexpr std::size_t kLooksMax = 16;  // maximum number of stored pages; the page of the largest map has a size of 37
+                                       // MB
 
 constexpr const char* kNoScene = "a map; for a scene, submit a job of type scene";
 
@@ -23,7 +24,7 @@ JobType bake_type() {
           .output_extension = ".ndf.exr",
           .memory_bytes = 1024 * kMiB,
           .table = &bake_parameters(),
-          // Pictures are drawn in software, because bakes may be using the GPU.
+          // Pictures are drawn in software, because bakes may use the GPU at the same time.
           .views = {{.files = {"render.png", "input.png", "error.png"},
                      .program = "multum-view",
                      .words = {"thumbnails", "--context=osmesa"},
@@ -38,7 +39,7 @@ JobType bake_type() {
                      .first_map_is_for = "the page shows the lobes next to the map that was baked",
                      .folder_ending = "-look",
                      .kept_max = kLooksMax,
-                     .shown = {{"look.html", "Look at its lobes", "Save a page of its lobes"}},
+                     .shown = {{"look.html", "Look at its lobes", "Save a page that shows its lobes"}},
                      .only_for = {{"ndf", "vmf"}}}},
           .no_other_view = "only packed fields have a player",
           .estimate_command = "plan"};
@@ -62,8 +63,8 @@ JobType export_type() {
           .input = "input",
           .output_is_folder = true,
           .input_is_one_map = true,
-          // Untrusted images are decoded by a child process without rights. The worker itself would decode a baked
-          // file.
+          // Untrusted images are decoded by a child process without privileges. A baked file would be decoded by the
+          // worker itself.
           .refused_inputs = {{".ndf.exr", "a map, not a baked file"}, {".toml", kNoScene}},
           .refused_extensions = {".ktx2", ".dds", ".png", ".exr", ".glb", ".gltf"},
           .memory_bytes = 1024 * kMiB,

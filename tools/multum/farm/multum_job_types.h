@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lists the types of jobs that the farm of multum runs, with a row for each command that a service accepts.
+// Lists the types of jobs that the farm of multum runs. There is one row for each command that a service accepts.
 #pragma once
 
 #include <vector>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum openjd: writes another command as a job bundle for render farms.
+// Implements multum openjd, which writes another command as a job bundle for render farms.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -29,7 +29,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Commands that a farm can run, because they need no user input and only read and write files.
+// The commands that a farm can run. They need no user input, and they only read and write files.
 const std::set<std::string> kCommands = {"bake", "export", "infer", "pack", "mip", "reflectance", "tradeoff"};
 const std::set<std::string> kResumable = {"bake", "pack"};
 const std::set<std::string> kOutputOptions = {"-o",        "--output", "--report", "--junit",
@@ -42,7 +42,7 @@ struct OpenJdOptions {
   std::vector<std::string> words;
 };
 
-// Splits "--option=value" into two words, so that each path is a separate word. Writes a set in the current folder as
+// Splits "--option=value" into two words, so that each path is a word of its own. Writes a set in the current folder as
 // ./SET, so that the path contains a folder.
 std::vector<std::string> split_words(const std::vector<std::string>& given) {
   std::vector<std::string> words;
@@ -73,12 +73,12 @@ std::string folder_of(const std::string& path) {
   return parent.empty() ? "." : parent.string();
 }
 
-// Returns the path in a word: the folder of a set, or the file of FILE:CHANNEL.
+// Returns the path in a word, which is the folder of a set, or the file of FILE:CHANNEL.
 std::optional<FarmWord> path_of_word(const std::vector<std::string>& words, std::size_t at) {
   const std::string& word = words[at];
   FarmWord found{at, word, false, at > 0 && kOutputOptions.contains(words[at - 1])};
   if (found.is_output && word != "-") {
-    // An output name without an extension is a folder that the command will make.
+    // An output name without an extension is a folder that the command will create.
     found.is_folder = is_folder(word) || fs::path(word).extension().empty();
     if (!has_udim(word)) return found;
   }
@@ -105,8 +105,8 @@ void check_path_count(const FarmCommand& command, const std::string& kind) {
   constexpr std::size_t kPathsMax = kOpenJdParametersMax - 1;
   if (command.paths.size() <= kPathsMax) return;
   std::string message = fmt::format(
-      "{}: found {} paths, expected at most {}: each is a parameter of the job, and Open Job Description 2023-09 "
-      "allows {}",
+      "{}: found {} paths, expected at most {}, because each is a parameter of the job and Open Job Description "
+      "2023-09 allows {}",
       kind, command.paths.size(), kPathsMax, kOpenJdParametersMax);
   if (kind == "bake" || kind == "export")
     message += fmt::format(
@@ -154,14 +154,15 @@ BakedMaps maps_of_bake(const std::vector<std::string>& words, const std::vector<
   }
   for (const FarmWord& path : paths)
     if (!path.is_output && !words[path.word - 1].starts_with("--")) maps.push_back(words[path.word]);
-  if (maps.empty()) throw Error(ErrorCode::kUsage, "bake: found no existing map, expected one, or --manifest");
+  if (maps.empty()) throw Error(ErrorCode::kUsage, "bake: found no existing map, expected a map or --manifest");
   if (maps.size() > 1 || !maps.front().ends_with(".toml")) return {make_bake_jobs(pattern, maps), false};
   BakedMaps scene{{}, true};
   for (SceneMap& map : read_scene(maps.front(), {}).maps) scene.jobs.push_back(std::move(map.job));
   return scene;
 }
 
-// Collects the folders to which a command writes, and files that it reads although its words do not name them.
+// Collects the folders to which a command writes, and files that it reads although they are not named in the command
+// line.
 void collect_files(FarmCommand& command, const BakedMaps& bakes) {
   std::vector<std::string>& files = command.inputs;
   for (const FarmWord& path : command.paths) {
@@ -232,11 +233,11 @@ FarmCommand farm_command(const OpenJdOptions& o) {
 int run_openjd(const OpenJdOptions& o, CheckWords check_words) {
   apply(o.common);
   if (o.words.empty())
-    throw Error(ErrorCode::kUsage, "found no command, expected one: multum openjd -o FOLDER bake ...");
+    throw Error(ErrorCode::kUsage, "found no command, expected one, for example: multum openjd -o FOLDER bake ...");
   if (!kCommands.contains(o.words.front()))
-    throw Error(ErrorCode::kUsage, o.words.front() +
-                                       " cannot run on a farm, expected bake, export, infer, pack, mip, reflectance or "
-                                       "tradeoff");
+    throw Error(ErrorCode::kUsage,
+                o.words.front() +
+                    " cannot run on a farm, expected one of bake, export, infer, pack, mip, reflectance and tradeoff");
   for (const std::string& word : o.words) check_openjd_text(word, word);
   check_words(o.words);
   const FarmCommand command = farm_command(o);

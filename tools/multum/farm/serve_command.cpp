@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum serve: runs the daemon, or rescues its damaged ledger. The daemon starts the hidden command `worker`. Slurm
-// starts the hidden command `slurm-task` for the daemon.
+// Implements multum serve, which runs the daemon or rescues its damaged ledger. The daemon starts the hidden command
+// `worker`. Slurm starts the hidden command `slurm-task` for the daemon.
 #include <unistd.h>
 
 #include <cstdio>
@@ -37,7 +37,7 @@ struct ServeOptions {
   bool begins_anew = false, rescues = false;
 };
 
-// Reads the settings file. Options of the command line replace its settings.
+// Reads the settings file. Options on the command line override its settings.
 ServiceSettings settings_of(const ServeOptions& o) {
   ServiceSettings settings;
   settings.data = std::filesystem::absolute(o.data).string();
@@ -75,7 +75,8 @@ int run_rescue(const std::string& data) {
 void check_rescue(const ServeOptions& o) {
   if (o.begins_anew || o.workers > 0 || !o.config.empty() || !o.listen.empty() || !o.token_file.empty() ||
       !o.roots.empty())
-    throw Error(ErrorCode::kUsage, "found other options with --rescue, expected only --data: no service is started");
+    throw Error(ErrorCode::kUsage,
+                "found other options with --rescue, expected only --data, because no service is started");
 }
 
 struct WorkerOptions {
@@ -84,7 +85,7 @@ struct WorkerOptions {
   std::vector<std::string> roots;
 };
 
-// Limits a job to files below the roots and in the daemon's data folders for jobs. Therefore no picture, scene or link
+// Restricts a job to files below the roots and in the daemon's data folders for jobs, so that no picture, scene or link
 // can lead to another folder.
 void confine_worker(const WorkerOptions& o, const std::string& scratch) {
   Confinement allowed = system_confinement(variable);
@@ -95,7 +96,7 @@ void confine_worker(const WorkerOptions& o, const std::string& scratch) {
 }
 
 int run_worker_process(const WorkerOptions& o) {
-  // When memory runs out, the kernel kills a worker before the daemon.
+  // Makes the operating system kill a worker before the daemon when memory runs out.
   std::ofstream("/proc/self/oom_score_adj") << 500;
   keep_freed_memory();
   const std::string scratch = o.data + "/scratch";
@@ -151,22 +152,27 @@ void add_serve_commands(CLI::App& app, int* exit_code) {
   auto options = std::make_shared<ServeOptions>();
   CLI::App* serve =
       app.add_subcommand("serve", "run a service that bakes maps for its clients (docs/reference/service.md)");
-  serve->add_option("--data", options->data, "folder for the ledger, logs and uploads; created if missing")->required();
+  serve->add_option("--data", options->data, "folder for the ledger, logs and uploads; a missing folder is created")
+      ->required();
   serve->add_option("--listen", options->listen,
                     "listen on HOST:PORT, [::1]:PORT or unix:PATH (default: 127.0.0.1:8470)");
   serve
       ->add_option("--root", options->roots,
-                   "folder below which jobs may read and write; repeatable; it must not contain files of the service")
+                   "allow jobs to read and write below this folder, which must not contain files of the service; can "
+                   "be repeated")
       ->allow_extra_args(false);
   serve->add_option("--workers", options->workers, "run this many jobs at once (default: 2)")
       ->check(CLI::Range(1, 256));
   serve->add_option("--token-file", options->token_file, "file whose first line is the token that clients must send");
-  serve->add_option("--config", options->config, "settings file, TOML; options replace its settings");
+  serve->add_option("--config", options->config,
+                    "read the settings from this TOML file; command-line options override"
+                    " them");
   CLI::Option* const begins_anew = serve->add_flag("--new-ledger", options->begins_anew,
-                                                   "begin a new ledger if the ledger is lost; removes no files");
+                                                   "start a new ledger if the ledger is lost; no files are removed");
   serve
       ->add_flag("--rescue", options->rescues,
-                 "copy the readable jobs of a damaged ledger into a new one, and exit; stop the service first")
+                 "copy the readable jobs of a damaged ledger into a new ledger, and exit; the service must not be "
+                 "running")
       ->excludes(begins_anew);
   serve->callback([options, exit_code] {
     if (options->rescues) check_rescue(*options);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum animation: writes the job file for a folder of renders. Users can review and edit it before the inference.
+// Implements multum animation, which writes the job file for a folder of renders. Users can review and edit this file
+// before the inference.
 #include <cstdio>
 #include <filesystem>
 #include <memory>

@@ -8,7 +8,7 @@ namespace multum {
 
 void add_animation_command(CLI::App& app, int* exit_code);
 void add_infer_command(CLI::App& app, int* exit_code);
-/// pack, unpack.
+/// Adds pack and unpack.
 void add_pack_commands(CLI::App& app, int* exit_code);
 void add_player_command(CLI::App& app, int* exit_code);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum infer: infers textures from ray-traced pictures (Hakura et al. 2000, section 3).
+// Implements multum infer, which infers textures from ray-traced pictures (Hakura et al. 2000, section 3).
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -110,7 +110,7 @@ int run_infer(InferOptions& o) {
   o.settings.viewer = find_viewer();
   std::optional<WorkShard> shares;
   if (!o.shard.empty()) shares = parse_merged_shard("--shard", o.shard);
-  if (shares && o.merged_shards > 0) throw Error(ErrorCode::kUsage, "--shard and --merge exclude each other");
+  if (shares && o.merged_shards > 0) throw Error(ErrorCode::kUsage, "--shard and --merge are mutually exclusive");
   const std::unique_ptr<Progress> progress = make_progress(o.common);
   const ParameterizedScene field(read_animation_job(o.job));
   make_folder(o.settings.output);
@@ -135,10 +135,11 @@ void add_infer_command(CLI::App& app, int* exit_code) {
   infer->add_option("job", o.job, infer_parameters().at("job").help)->required();
   infer->add_option("-o,--output", o.settings.output, "folder for textures, matrices, manifest and report")->required();
   infer->add_option("--shard", o.shard,
-                    "infer only the textures of share I of N (I/N), or of shares I to J (I-J/N), into the same folder");
+                    "infer only the textures of share I of N (I/N), or of shares I to J (I-J/N); all shares have the "
+                    "same output folder");
   infer
       ->add_option("--merge", o.merged_shards,
-                   "check the textures of shares 1/N to N/N, and write manifest, frames and report")
+                   "check the textures of shares 1/N to N/N, and write the manifest, the frames and the report")
       ->type_name("N")
       ->check(CLI::Range(1, kMergedSharesMax));
   add_parameter_options(*infer, o.values);

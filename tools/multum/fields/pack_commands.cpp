@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum pack, unpack: compress the inferred textures of an animation to one file, and decompress it (Hakura et al.
-// 2000, section 4).
+// Implements multum pack, which compresses the inferred textures of an animation into one file, and multum unpack,
+// which decompresses this file (Hakura et al. 2000, section 4).
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
@@ -58,7 +58,7 @@ void apply(const ParameterValues& values, FieldPackSettings& settings) {
   settings.has_absolute_geometry = values.flag("absolute_geometry");
 }
 
-// Returns FOLDER for "FOLDER/inferred.json", the form that jobs of the service use.
+// Returns FOLDER for "FOLDER/inferred.json", which is the form in jobs of the service.
 std::string field_folder(const std::string& named) {
   const std::filesystem::path path(named);
   if (path.filename() != kInferredManifestName || std::filesystem::is_directory(path)) return named;
@@ -67,7 +67,7 @@ std::string field_folder(const std::string& named) {
 
 void print_parts(const FieldPackReport& report) {
   if (report.chunks_resumed > 0)
-    print_shown(stdout, "%zu chunks were taken from an interrupted packing\n", report.chunks_resumed);
+    print_shown(stdout, "%zu chunks were reused from an interrupted run\n", report.chunks_resumed);
   for (const PackedObjectReport& object : report.objects)
     print_shown(stdout, "object '%s': its pixels have an MSE of %.3f, %.2f times the mean; lambda %.5g\n",
                 object.object.c_str(), object.mse, object.mse / report.mse_covered, object.lambda);
@@ -80,22 +80,21 @@ void warn_of_errors(const PackOptions& o, const FieldPackReport& report) {
   if (!report.is_alpha_met)
     log_warning(
         o.settings.output,
-        fmt::format("the error of an object is above --alpha {:g} times the mean error; --verbose lists the objects",
+        fmt::format("the error of an object exceeds --alpha {:g} times the mean error; --verbose lists the objects",
                     o.settings.alpha));
   if (!report.inferred_mse && o.settings.target.is_default())
-    log_warning(
-        o.settings.output,
-        fmt::format("{}/{} does not state the error of the inferred textures, so packing at {:g}:1 added an MSE of "
-                    "about {:.3g} "
-                    "unchecked. Run multum infer again, or choose a size or an error: --ratio, --bytes, --mse-max",
-                    o.settings.folder, kInferenceReportName, kDefaultRatio, report.mse));
+    log_warning(o.settings.output,
+                fmt::format("{}/{} does not state the error of the inferred textures, so packing at {:g}:1 added an "
+                            "MSE of about {:.3g}, which could not be checked. Run multum infer again, or choose a size "
+                            "or an error with --ratio, --bytes or --mse-max",
+                            o.settings.folder, kInferenceReportName, kDefaultRatio, report.mse));
   if (report.is_error_large)
     log_warning(o.settings.output,
-                fmt::format("packing adds an MSE of about {:.3g}, {:.3g} times the error of the inferred textures "
-                            "({:.3g}). {}",
+                fmt::format("packing adds an MSE of about {:.3g}, which is {:.3g} times the error of the inferred "
+                            "textures ({:.3g}). {}",
                             report.mse, report.mse / std::max(*report.inferred_mse, 1e-9), *report.inferred_mse,
                             o.settings.target.is_default()
-                                ? "No smaller error was found; the limit is a factor of 3"
+                                ? "No smaller error was found, although the factor should stay below 3"
                                 : "Without --ratio, --bytes and --lambda, the factor stays below 3"));
 }
 
@@ -169,7 +168,7 @@ int run_unpack(const UnpackOptions& o) {
   if (prints_text(o.common))
     print_shown(stdout, "%s: written: %zu textures of %zu chunks\n", o.folder.c_str(), report.textures, report.chunks);
   if (report.damaged.empty()) return 0;
-  std::string text = "damaged chunks were left out; everything else is unpacked:";
+  std::string text = "damaged chunks were left out, and everything else was unpacked:";
   for (const std::string& damaged : report.damaged) text += "\n  " + damaged;
   throw Error(ErrorCode::kVerification, text);
 }

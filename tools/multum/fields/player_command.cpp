@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum player: publishes a packed field with its player for browsers.
+// Implements multum player, which publishes a packed field together with a player for browsers.
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -48,7 +48,7 @@ void add_player_command(CLI::App& app, int* exit_code) {
       ->add_option("-o,--output", options->output,
                    "output: a folder that any static web server can serve, or a single *.html page")
       ->required();
-  // The service passes its roots, because files that a field names may be opened only below them.
+  // The service passes its roots, because files that a field names may be opened only if they are below these roots.
   player->add_option("--root", options->roots)->allow_extra_args(false)->group("");
   add_common_options(*player, options->common);
   player->callback([options, exit_code] { *exit_code = run_player(*options); });

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The objects of an animation as multum-view draws them. They consist of meshes, with the texture coordinates of every
-// mapping, and the position of each object.
+// The objects of an animation in the form in which multum-view draws them. They consist of meshes with the texture
+// coordinates of every mapping, and of the position of each object.
 #pragma once
 
 #include <memory>
@@ -14,8 +14,8 @@ namespace multum {
 
 class AnimationGeometry {
  public:
-  /// `manifest` must outlive this object. Searches for the manifest's geometry file from `folder`. Throws Error(kInput)
-  /// if the textures were inferred for another file, or if the file does not contain one of the objects.
+  /// `manifest` must outlive this object. The path of the manifest's geometry file is relative to `folder`. Throws
+  /// Error(kInput) if the textures were inferred for another file, or if the file does not contain one of the objects.
   AnimationGeometry(const gl::GlFunctions& gl, const InferredManifest& manifest, const std::string& folder);
 
   const gl::Mesh& mesh(std::size_t object, std::size_t mapping) const { return *drawn_[object][mapping]; }

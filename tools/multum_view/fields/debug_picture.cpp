@@ -20,8 +20,8 @@ class Column {
  public:
   Column(gl::FloatImage& image, int x, int width) : image_(image), x_(x), width_(width) {}
 
-  /// Fills rows `first` to `end` of a band, counted upwards from its bottom. The bottom is `bottom` rows below the top
-  /// of the picture.
+  /// Fills rows `first` to `end` of a band, which are counted upwards from the bottom of the band. The bottom is
+  /// `bottom` rows below the top of the picture.
   void fill(int bottom, int first, int end, const Colour& colour) {
     for (int row = first; row < end; ++row)
       for (int x = x_; x < x_ + width_; ++x)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Draws the course of a playback, one column of pixels per frame. It shows for each layer whether its images were
-// ready in time. It also shows which data was decoded and how full the memory was.
+// Draws the course of a playback, with one column of pixels per frame. The picture shows for each layer whether its
+// images were ready in time. It also shows which data was decoded and how full the memory was.
 //
 //      one band per layer  green: all images were ready; above it, yellow: the share that was late; red: the texture of
 //                          an earlier frame; black: nothing to draw
@@ -23,7 +23,7 @@ struct PlayedFrame {
   double decoding_seconds = 0.0;  // processor time since the previous frame
 };
 
-/// Returns linear colours. A frame is four pixels wide, or less if the picture would otherwise be wider than 16384
+/// Returns linear colours. A frame is four pixels wide, or narrower if the picture would otherwise be wider than 16384
 /// pixels.
 gl::FloatImage debug_picture(const std::vector<PlayedFrame>& frames, std::size_t memory_max);
 

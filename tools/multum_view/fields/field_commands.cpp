@@ -20,9 +20,9 @@ std::vector<ViewCommand> field_commands() {
        "the rest is drawn, and the exit code is 5.",
        [](CLI::App& app, CommandOptions& o) { add_sample_options(app, o.sample); },
        [](const CommandOptions& o) { return draw_samples(o.sample); }},
-      {"play", "Draw frames along a path through the parameters of a packed field, and decode the field during drawing",
+      {"play", "Draw frames along a path through the parameters of a packed field, and decode the field while drawing",
        "  multum-view play field.mpt --path 'view=0..7,light=3.5+3.5*sin(t)' --frames 90 -o frames/\n\n"
-       "A path sets parameters to sample indices from 0, such as 2.5. Other parameters stay at 0. An index beyond\n"
+       "A path sets parameters to sample indices, such as 0 or 2.5. Other parameters stay at 0. An index beyond\n"
        "the last sample counts as the last sample. A value is a formula with numbers, + - * / ( ), sin, cos, pi and\n"
        "t, the seconds since the first frame (--rate). a..b changes from a in the first frame to b in the last frame.\n"
        "Between samples, camera and objects move smoothly. Textures come from the nearest sample. --linear mixes the\n"
@@ -33,7 +33,7 @@ std::vector<ViewCommand> field_commands() {
        "level `log4(S)`.\n\n"
        "The debug picture shows one band per layer, from the top. Green means available images, yellow the share of\n"
        "late images, and red images of an earlier frame. Below are decoded images (blue) and decoded chunks\n"
-       "(violet), one pixel each, and memory (white at its peak).\n\n"
+       "(violet), with one pixel each, and the memory (white at its peak).\n\n"
        "If --frames exceeds the path of FILE.json, the path starts again.",
        [](CLI::App& app, CommandOptions& o) { add_play_options(app, o.play); },
        [](const CommandOptions& o) { return play_field(o.play); }},

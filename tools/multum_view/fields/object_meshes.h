@@ -14,17 +14,17 @@
 
 namespace multum {
 
-/// Returns three vertices per triangle, because a vertex at a cut has two texture coordinates.
+/// Returns three vertices per triangle, because a vertex at a cut has two pairs of texture coordinates.
 gl::MeshData mapped_mesh_data(const ObjectMesh& mesh, const TextureMapping& mapping);
 
-/// Returns the SHA-256 of the drawn data: positions, texture coordinates and order.
+/// Returns the SHA-256 hash of the drawn data, which consists of positions, texture coordinates and their order.
 std::string mesh_data_hash(const gl::MeshData& data);
 
 /// Returns the product in single precision for GL. It is computed in double precision, so that every program rounds it
 /// in the same way.
 glm::mat4 object_to_clip(const glm::dmat4& world_to_clip, const glm::dmat4& object_to_world);
 
-/// Throws Error(kInput) that names `path` if no object has this name. The message lists the existing objects.
+/// If no object has this name, throws Error(kInput) that names `path` and lists the existing objects.
 std::size_t find_object(const std::vector<ObjectMesh>& meshes, const std::string& name, const std::string& path);
 
 }  // namespace multum

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum-view play: draws frames along a path through the parameters of a packed field, and decodes while drawing.
+// Implements multum-view play, which draws frames along a path through the parameters of a packed field, and decodes
+// the field at the same time.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -74,9 +75,10 @@ std::vector<std::vector<double>> points_of(const PlayOptions& options, const Rec
   const double rate = static_cast<double>(options.rate);
   const double all = std::max(1.0, std::ceil(path.seconds() * rate));
   if (options.frame_count == 0 && all > kFramesMax)
-    throw Error(ErrorCode::kUsage,
-                fmt::format("{}: {:g} s are {:.0f} frames, expected at most {}; give --frames, or a lower --rate",
-                            options.path, path.seconds(), all, kFramesMax));
+    throw Error(
+        ErrorCode::kUsage,
+        fmt::format("{}: {:g} s are {:.0f} frames, expected at most {}; choose fewer --frames or a lower --rate",
+                    options.path, path.seconds(), all, kFramesMax));
   const int count = options.frame_count > 0 ? options.frame_count : static_cast<int>(all);
   std::vector<std::vector<double>> points;
   for (int frame = 0; frame < count; ++frame) points.push_back(path.at(frame / rate));
@@ -99,7 +101,7 @@ void check_play_outputs(const PlayOptions& options, const std::string& geometry,
   for (const std::string& output : outputs) check_writable(output);
 }
 
-/// Returns a quantile of the values by the nearest rank. `p` is in 0..1.
+/// Returns the quantile `p` of the values by the nearest-rank method, where `p` is in 0..1.
 double quantile(std::vector<double> values, double p) {
   std::sort(values.begin(), values.end());
   const double rank = std::ceil(p * static_cast<double>(values.size())) - 1.0;
@@ -241,15 +243,15 @@ void add_play_options(CLI::App& app, PlayOptions& options) {
       ->check(CLI::Range(1, 8));
   app.add_flag("--linear", options.is_linear,
                "interpolate linearly between samples along each parameter, instead of using the nearest sample");
-  app.add_flag(
-      "--no-wait", options.draws_what_is_there,
-      "draw only decoded images, coarsest first, without waiting; pictures then depend on the speed of the machine");
-  app.add_flag("--cold", options.is_cold, "forget all decoded data before each frame, to measure jumps");
+  app.add_flag("--no-wait", options.draws_what_is_there,
+               "do not wait for images that are not decoded yet; pictures then depend on the speed of the machine");
+  app.add_flag("--cold", options.is_cold,
+               "discard all decoded data before each frame, to measure jumps along the path");
   app.add_option("--ahead", options.ahead, "also decode this many frames ahead on the path")
       ->check(CLI::Range(0, 1000))
       ->capture_default_str();
   app.add_option("--memory", options.memory,
-                 "keep decoded data within this memory, including GPU memory, such as 800M or 2G")
+                 "limit the memory for decoded data, including GPU memory, to this size, such as 800M or 2G")
       ->capture_default_str();
   app.add_option("--upload", options.upload, "with --no-wait, send at most this many bytes per frame to the GPU")
       ->capture_default_str();
@@ -263,9 +265,7 @@ void add_play_options(CLI::App& app, PlayOptions& options) {
   app.add_option("--threads", options.threads, "decode with this many threads; 0 means one per core")
       ->check(CLI::Range(0, 1024))
       ->capture_default_str();
-  app.add_option("--debug-picture", options.debug_picture,
-                 "write a picture of the playback, one column per frame: available and late images per layer, decoded "
-                 "images, memory");
+  app.add_option("--debug-picture", options.debug_picture, "write a picture of the playback with one column per frame");
   app.add_option("--exposure", options.exposure, "multiply the brightness of the frames by this")
       ->check(number_in(1e-6f, 1e6f))
       ->capture_default_str();
@@ -294,7 +294,7 @@ int play_field(const PlayOptions& options) {
               options.folder.c_str(), points.size(), counts.images_decoded, counts.chunks_decoded, counts.bytes_most);
   const std::vector<std::string> damaged = player.player().damaged();
   if (damaged.empty()) return 0;
-  std::string text = "damaged parts are left out; everything else is drawn:";
+  std::string text = "damaged parts are left out, and everything else is drawn:";
   for (const std::string& what : damaged) text += "\n  " + what;
   throw Error(ErrorCode::kVerification, text);
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum-view probe: measures the filter matrices that a request file lists, and writes them to files. It runs in its
-// own process, so that a driver crash ends only the measurement.
+// Implements multum-view probe, which measures the filter matrices that a request file lists, and writes them to files.
+// It runs in its own process, so that a crash of the driver affects only the measurement.
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 #include <cstdio>
@@ -52,7 +52,7 @@ void probe_all(const ProbeRequest& request, const ProbeOptions& options) {
   log_info(context->description());
   const gl::GlFunctions& gl = context->functions();
   const gl::FilterProbe probe(gl, request.width, request.height, request.supersampling);
-  // The other objects only hide surfaces behind them, so their own coordinates are enough.
+  // The other objects only hide surfaces behind them, so mapped texture coordinates are not needed for them.
   std::vector<std::unique_ptr<gl::Mesh>> plain;
   std::vector<gl::PlacedMesh> placed;
   for (const ObjectMesh& mesh : meshes) {

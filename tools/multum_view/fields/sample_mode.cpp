@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum-view sample: draws samples of an animation with inferred textures.
+// Implements multum-view sample, which draws samples of an animation with inferred textures.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <filesystem>
@@ -24,12 +24,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The source of the drawn samples' textures: a folder or a packed field.
+/// The source of the drawn samples' textures, which is a folder or a packed field.
 class TextureSource {
  public:
   virtual ~TextureSource() = default;
   virtual const InferredManifest& manifest() const = 0;
-  /// The folder to which the manifest's names are relative.
+  /// The folder to which the names in the manifest are relative.
   virtual fs::path folder() const = 0;
   /// Returns all input files, including the files of samples that this run does not draw.
   virtual std::set<fs::path> files() const = 0;
@@ -90,8 +90,7 @@ class PackedTextures : public TextureSource {
   /// Throws Error(kVerification) that names the chunks that were skipped.
   void refuse_damage() const {
     if (damaged_.empty()) return;
-    throw Error(ErrorCode::kVerification, fmt::format("damaged parts are left out; everything else is drawn:\n"
-                                                      "{}",
+    throw Error(ErrorCode::kVerification, fmt::format("damaged parts are left out, and everything else is drawn:\n{}",
                                                       fmt::join(damaged_, "\n")));
   }
 
@@ -200,8 +199,8 @@ void add_sample_options(CLI::App& app, SampleOptions& options) {
                  "folder written by `multum infer`, its inferred.json, or a packed field, *.mpt")
       ->required();
   app.add_option("--at", options.samples,
-                 "draw the sample with this name or with these indices along the parameters, such as 3,5; repeatable, "
-                 "with one -o per sample")
+                 "draw the sample with this name or with these indices along the parameters, such as 3,5; can be "
+                 "repeated, with one -o per sample")
       ->required()
       ->allow_extra_args(false);  // otherwise the option would also take the folder at the end
   app.add_option("-o,--output", options.outputs,
@@ -216,7 +215,7 @@ void add_sample_options(CLI::App& app, SampleOptions& options) {
 
 int draw_samples(const SampleOptions& options) {
   if (options.samples.size() != options.outputs.size())
-    throw Error(ErrorCode::kUsage, fmt::format("{} samples and {} --output: expected one output for each sample",
+    throw Error(ErrorCode::kUsage, fmt::format("found {} samples and {} --output, expected one output for each sample",
                                                options.samples.size(), options.outputs.size()));
   for (const std::string& output : options.outputs) check_picture_path(output);
   if (is_packed_field(options.folder)) {

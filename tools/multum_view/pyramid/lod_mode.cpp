@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum-view lod: draws a pyramid of heights or positions as a mesh of one level of detail (Williams 1983, section 5).
+// Implements multum-view lod, which draws a pyramid of heights or positions as a mesh at one level of detail (Williams
+// 1983, section 5).
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
@@ -24,7 +25,8 @@ void add_lod_options(CLI::App& app, LodOptions& options) {
   add_detail_options(app, options.detail);
   app.add_option(
          "--patches", options.patch_steps,
-         "use the points of the level as control points of bicubic B-spline patches with this many cells per side")
+         "draw bicubic B-spline patches with this many cells per side, whose control points are the points of the "
+         "level")
       ->check(CLI::Range(1, kPatchStepsMax));
   add_camera_options(app, picture.camera);
   add_light_options(app, picture.light);

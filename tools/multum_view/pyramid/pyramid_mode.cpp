@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// multum-view pyramid: draws a surface whose colours come directly from a pyramid, with several lookups next to the
-// reference, and measures how much highlights flicker (Williams 1983, sections 3 and 4).
+// Implements multum-view pyramid, which draws a surface whose colours come directly from a pyramid. It shows several
+// lookups next to the reference, and measures how much highlights flicker (Williams 1983, sections 3 and 4).
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -44,8 +44,8 @@ glm::vec3 vector_of(const nlohmann::json& json) {
   return {json.at(0).get<float>(), json.at(1).get<float>(), json.at(2).get<float>()};
 }
 
-/// Returns the lights from which a reflectance map was baked. Returns none if the map holds an environment, or more
-/// lights than a shader supports. The map's finest level is then the best available reference.
+/// Returns the lights from which a reflectance map was baked. If the map contains an environment, or more lights than a
+/// shader supports, returns no lights, and the map's finest level is the best available reference.
 std::optional<gl::PhongLights> baked_lights(const PyramidHeader& header, const std::string& path) {
   const nlohmann::json json = nlohmann::json::parse(header.map.provenance.settings, nullptr, false);
   if (!header.map.provenance.source_hash.empty()) return std::nullopt;
@@ -60,18 +60,18 @@ std::optional<gl::PhongLights> baked_lights(const PyramidHeader& header, const s
     return lights;
   } catch (const nlohmann::json::exception&) {
     throw Error(ErrorCode::kInput,
-                path + ": its settings name no lights, expected the settings of `multum reflectance`");
+                path + ": its settings contain no lights, expected the settings of `multum reflectance`");
   }
 }
 
-/// Places the camera far away, in the direction of the map's viewer.
+/// Places the camera far away in the direction of the map's viewer.
 gl::Camera viewer_camera(const TriangleMesh& mesh, const ReflectanceFrame& frame, gl::Camera camera) {
   glm::vec3 low = mesh.positions[0], high = low;
   for (const glm::vec3& p : mesh.positions) {
     low = glm::min(low, p);
     high = glm::max(high, p);
   }
-  constexpr float kFieldOfView = 8.0f;  // narrow, like a distant view, because the map has only one view direction
+  constexpr float kFieldOfView = 8.0f;  // narrow, so that all view directions are similar, because the map has only one
   const float radius = std::max(0.5f * glm::length(high - low), 1e-6f);
   const float distance = radius / std::sin(glm::radians(0.5f * kFieldOfView));
   camera.fov_y_degrees = kFieldOfView;
@@ -115,8 +115,8 @@ class PyramidPictures {
     const std::optional<PyramidLookup> lookup = lookup_of(name);
     gl::PyramidScene scene = scene_;
     if (lookup) {
-      // If a pixel's footprint is a long ellipse, the driver takes several lookups along it, whose sum has the right
-      // width.
+      // If a pixel's footprint is a long ellipse, the driver makes several lookups along it, which together have the
+      // right width.
       const bool is_long = *lookup == PyramidLookup::kDriver && options_.anisotropy > 1.0f;
       if (is_long && !options_.level_bias) scene.level_bias = 0.0f;
       scene.shift = shift;
@@ -151,8 +151,8 @@ class PyramidPictures {
   std::array<std::optional<gl::Texture>, 4> textures_;
 };
 
-/// Measures the flicker of every lookup except the reference, in the lookups' order. The picture is shifted along a
-/// slanted line of one pixel.
+/// Measures the flicker of every lookup except the reference, in the order of the lookups. For the measurement, the
+/// picture is shifted along a slanted line by one pixel in total.
 std::vector<double> measure_flicker(const PyramidOptions& options, PyramidPictures& pictures) {
   std::vector<std::vector<FloatImage>> shifted(options.lookups.size());
   for (int k = 0; k < options.shifts; ++k) {
@@ -226,7 +226,7 @@ void check_surface(const PyramidOptions& options, const PyramidHeader& header) {
                             options.surface.mesh.empty() ? "none" : "two", "--mesh or --surface"));
   if (!by_normal && !(options.surface.mesh.empty() && options.surface_pyramid.empty()))
     throw Error(ErrorCode::kUsage,
-                fmt::format("{}: a pyramid of colours is drawn on the plane, found {}, expected no surface",
+                fmt::format("{}: a pyramid of colours is drawn on the plane; found {}, expected no surface",
                             options.file, options.surface.mesh.empty() ? "--surface" : "--mesh"));
   if (options.surface_pyramid.empty() && (options.detail.level || options.detail.spacing))
     throw Error(ErrorCode::kUsage, "--surface-level and --surface-spacing require --surface");
@@ -245,12 +245,12 @@ void write_pyramid_report(const PyramidOptions& options, const std::string& path
 void add_lookup_options(CLI::App& app, PyramidOptions& options) {
   app.add_option_function<std::string>(
          "--lookup", [&options](const std::string& text) { options.lookups = parse_lookups("--lookup", text); },
-         "look up the pyramid in these ways: a list of nearest, bilinear (finest level), level (by the longer side of "
-         "a "
-         "pixel), driver, reference (supersampled)")
+         "use these lookup methods: a list of nearest, bilinear (finest level), level (chosen by the longer side of a "
+         "pixel), driver, and reference (supersampled)")
       ->default_str("level");
   app.add_option("--shifts", options.shifts,
-                 "measure the flicker of reflected light against the reference over this many sub-pixel shifts")
+                 "measure how much reflected light flickers, compared with the reference, over this many sub-pixel "
+                 "shifts")
       ->check(CLI::Range(2, 256));
 }
 
@@ -277,7 +277,7 @@ void add_pyramid_options(CLI::App& app, PyramidOptions& options) {
   add_surface_detail_options(app, options.detail);
   add_repeat_option(app, options.surface);
   add_camera_options(app, options.camera);
-  app.add_option("--anisotropy", options.anisotropy, "set the anisotropy of the lookup by the driver")
+  app.add_option("--anisotropy", options.anisotropy, "set the anisotropy of the lookup method driver")
       ->check(number_in(1.0f, 16.0f))
       ->capture_default_str();
   add_output_options(app, options.output);

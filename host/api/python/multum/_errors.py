@@ -39,7 +39,7 @@ class ServiceError(Error):
     """The service refused a request, or a job did not succeed."""
 
 
-# By multum_status of multum.h.
+# Maps the value of multum_status in multum.h to an exception.
 _KINDS = {1: Cancelled, 2: SettingError, 3: InputError, 4: MachineError, 5: VerificationError, 6: MachineError}
 
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Draws the page of `multum tradeoff`: plots, commands, sortable tables and pictures for the rows of its JSON.
+// Draws the page of `multum tradeoff`. For the rows of its JSON, the page shows plots, commands, sortable tables and
+// pictures.
 
 const MIB = 1 << 20;
 const percent = (share) => (share === undefined ? "-" : (100 * share).toFixed(2));
@@ -54,8 +55,8 @@ function choice() {
     node("pre", {}, row.command)];
 }
 
-// On paper, where colours may be missing, shapes distinguish the groups. Each shape lists corners around the mark's
-// centre. A circle has no corners.
+// Groups also have different shapes, because a printed page may have no colours. Each shape lists corners around the
+// mark's centre. A circle has no corners.
 const SHAPES = [
   null,
   [[-3.6, -3.6], [3.6, -3.6], [3.6, 3.6], [-3.6, 3.6]],

@@ -57,13 +57,13 @@ std::vector<LightSet> empty_views(SplitMix64& random) {
   return views;
 }
 
-// Only lights above the surface count, because the surface itself hides lights below it, even if the mapped normal
-// faces them.
+// Only lights above the surface are included. Lights below it are hidden by the surface itself, even if the mapped
+// normal faces them.
 bool is_lit(const glm::dvec3& view, const glm::dvec3& half, const glm::dvec3& light) {
   return light.z > 0.0 && glm::dot(view, half) > 1e-6;
 }
 
-// Adds the mean highlights, and the mean facet densities D (n . h).
+// Adds the mean highlights and the mean facet densities D (n . h).
 void add_reference(const CoveredFacets& facets, const LightSet& lights, std::vector<double>& values,
                    std::vector<double>& densities) {
   values.assign(lights.size(), 0.0);
@@ -142,7 +142,7 @@ ReferenceLights point_lights(const CoveredFacets& facets, int lights_per_view, s
     for (int k = 0; k < lights_per_view; ++k) {
       glm::dvec3 half;
       if (k < narrow_count) {
-        // Facets are used in turn. The number of samples of a texel is proportional to its weight.
+        // Takes the facets in turn. The number of samples of each texel is proportional to its weight.
         const double place = (k + random.uniform()) / narrow_count;
         while (i + 1 < facets.weights.size() && covered + facets.weights[i] < place) covered += facets.weights[i++];
         half = random_half_vector(facets.normals[i], std::sqrt(facets.alpha_squared[i]), random);
@@ -181,7 +181,7 @@ ReferenceLights wide_lights(const CoveredFacets& facets, int lights_per_view, st
       if (!is_lit(set.view, half, light)) continue;
       const double density = density_of(wide.normal, wide.alpha_wide, half);
       const double share = 4.0 * glm::dot(set.view, half) / (density * lights_per_view) / double{kWideLightPoints};
-      // The points form a spiral over the disc. Points behind the surface emit no light.
+      // The points form a spiral that covers the disc. Points behind the surface emit no light.
       const Frame3 about(light);
       const double turn = random.uniform();
       for (std::size_t p = 0; p < kWideLightPoints; ++p) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Computes the reference highlight of one texel of a level. The reference is the mean highlight of all finest texels
-// that the texel covers, each with its own roughness. Lights are sampled where the highlights are bright.
+// that the texel covers, each with its own roughness. Lights are sampled in directions in which the highlights are
+// bright.
 #pragma once
 
 #include <cstdint>
@@ -14,11 +15,11 @@
 
 namespace multum {
 
-/// Works along one axis. Returns how much of texel `index` of the finest level is inside texel `texel` of a coarser
+/// Returns, along one axis, the share of texel `index` of the finest level that is inside texel `texel` of a coarser
 /// level. The finest level has `from` texels, and the coarser level has `to` texels.
 double covered_length(int index, int texel, int from, int to);
 
-/// The finest texels under a texel, and their means.
+/// The finest texels that a texel covers, and their means.
 struct CoveredFacets {
   std::vector<glm::dvec3> normals;    // unit vectors
   std::vector<double> alpha_squared;  // >= kAlphaMin^2
@@ -28,8 +29,8 @@ struct CoveredFacets {
   double mean_alpha_squared = 0.0;
 };
 
-/// Returns the facets under texel (x, y) of a level of `width` by `height` texels. The first plane of `material` is
-/// alpha^2. Without `material`, all texels have `alpha_squared`.
+/// Returns the facets that texel (x, y) of a level of `width` by `height` texels covers. The first plane of `material`
+/// is alpha^2. If `material` is null, all texels have `alpha_squared`.
 CoveredFacets covered_facets(const PlaneStore& normals, const PlaneStore* material, double alpha_squared, int width,
                              int height, int x, int y);
 
@@ -41,12 +42,13 @@ struct ReferenceLights {
   double noise = 0.0;                       // standard error of `total`, relative to `total`
 };
 
-/// Draws point lights. Three quarters come from the distribution of visible half vectors of the facets under the texel.
-/// One quarter comes from a lobe that is wider than all facets together. Different seeds give different lights.
+/// Draws point lights. Three quarters of them are drawn from the distribution of visible half vectors of the facets
+/// that the texel covers. One quarter is drawn from a lobe that is wider than all facets together. Different seeds give
+/// different lights.
 ReferenceLights point_lights(const CoveredFacets& facets, int lights_per_view, std::uint64_t seed);
 
-/// Draws lights that are 20 degrees wide. Each light consists of `points` neighbours in the list, whose shares refer to
-/// the whole light.
+/// Draws lights that are 20 degrees wide. Each light consists of `points` adjacent points in the list, and the share of
+/// each point applies to the whole light.
 ReferenceLights wide_lights(const CoveredFacets& facets, int lights_per_view, std::uint64_t seed);
 constexpr std::size_t kWideLightPoints = 16;
 
@@ -59,7 +61,8 @@ struct LobeError {
 /// Computes the highlight of each light of a view.
 using HighlightsOf = std::function<void(const LightSet& lights, std::vector<double>& values)>;
 
-/// Returns the error of highlights. `points` is how many neighbours make up one light, 1 or kWideLightPoints.
+/// Returns the error of highlights. `points` is the number of adjacent points that form one light, which is 1 or
+/// kWideLightPoints.
 LobeError error_of_highlights(const ReferenceLights& lights, const HighlightsOf& highlights_of, std::size_t points = 1);
 LobeError error_of_lobe(const ReferenceLights& lights, const GgxLobe& lobe, std::size_t points = 1);
 

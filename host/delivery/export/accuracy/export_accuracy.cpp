@@ -19,7 +19,7 @@
 namespace multum {
 namespace {
 
-// Returns texel number `k` of `count` texels that are spread over a level by the R2 sequence (Roberts 2018).
+// Returns texel number `k` of `count` texels, which the R2 sequence spreads over a level (Roberts 2018).
 struct Place {
   int x, y;
 };
@@ -55,13 +55,14 @@ nlohmann::ordered_json json_of(const std::vector<std::string>& ids, const std::v
   return json;
 }
 
-// Rounds an engine's isotropic lobe as the export's textures would round it.
+// Rounds an engine's isotropic lobe in the same way as the export's textures.
 GgxLobe stored(const GgxLobe& lobe, const std::optional<MaterialTexels>& texels) {
   if (!texels) return lobe;
   MaterialRows rows;
   rows.normals = {glm::vec3(lobe.normal)};
   rows.roughness = {static_cast<float>(std::sqrt(lobe.alpha_wide))};
-  // Compared with 8 bits per channel, blocks store similar texels more exactly, and differing texels less exactly.
+  // Compared with 8 bits per channel, a block stores its texels more exactly if they are similar, and less exactly if
+  // they differ.
   round_material(rows, *texels == MaterialTexels::kBlocks ? MaterialTexels::kRgba8 : *texels);
   return lobe_of_texel(rows, 0);
 }
@@ -112,8 +113,8 @@ CellAccuracy ExportMeter::measure(const Cell& cell, const OneLobeInputs& inputs,
   const double alpha = settings.base_roughness * settings.base_roughness;
   const CoveredFacets facets = covered_facets(inputs.fitted_normals(), inputs.has_roughness ? inputs.material : nullptr,
                                               alpha * alpha, cell.width, cell.height, cell.x, cell.y);
-  // All exports use the same lights, so that exports of one map can be compared. The lights of a search differ from the
-  // lights with which its results are measured.
+  // The lights are the same for all exports, so that exports of one map can be compared. A search uses different lights
+  // than the measurement of its results.
   const std::uint64_t seed = split_mix(static_cast<std::uint64_t>(cell.level) << 40 |
                                        static_cast<std::uint64_t>(cell.y) << 20 | static_cast<std::uint64_t>(cell.x));
   const ReferenceLights points = point_lights(facets, settings_.lights_per_view, 2 * seed);

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Measures the error of an export on sampled texels of some levels. The same texels are measured with the engines'
-// rules, with the best single lobe that a search finds, and with the lobes of a baked file. The measures are relative
-// L1 error and energy of the highlight, over views and lights (host/delivery/export/accuracy/cell_reference.h).
+// Measures the error of an export on sampled texels of some levels. The same texels are also measured with the engines'
+// rules, with the best single lobe that a search finds, and with the lobes of a baked file. The results are the
+// relative L1 error and the energy of the highlight over views and lights
+// (host/delivery/export/accuracy/cell_reference.h).
 #pragma once
 
 #include <cstdint>
@@ -21,13 +22,13 @@ namespace multum {
 struct ExportAccuracySettings {
   std::vector<int> levels = {2, 4, 6};  // levels to measure; levels that the map does not have are skipped
   int cells_per_level = 16;             // measured texels per level
-  // With this number, the standard error of the integral per map and level is below 1 % for the median of the maps in
-  // docs/evidence/EXPORT.md.
+  // With this number, the median of the standard errors of the reference's integral, per level and map of
+  // docs/evidence/EXPORT.md, is below 1 %.
   int lights_per_view = 256;
   int wide_lights_per_view = 24;
   bool finds_optimum = false;  // also search for the best single lobe
-  // Rounds the engines' textures to this format, so that all rows of the table have the same precision. If nullopt, the
-  // engines' textures are not rounded.
+  // The format to which the engines' textures are rounded, so that all rows of the table have the same precision. If
+  // nullopt, these textures are not rounded.
   std::optional<MaterialTexels> texels;
 };
 
@@ -42,7 +43,7 @@ struct CellAccuracy {
   std::vector<RuleError> errors;  // errors by rule
 };
 
-/// All cells of a level together.
+/// The results of all cells of a level.
 struct LevelAccuracy {
   int level;
   double noise;
@@ -67,8 +68,8 @@ class ExportMeter : public MaterialSink {
   /// `baked` is a file with the levels whose lobes are also measured, or null. The file must outlive this object.
   ExportMeter(int width, int height, const ExportAccuracySettings& settings, BakedLobes* baked = nullptr);
   void add_level(int level, int first_row, MaterialRows rows) override;
-  /// Measures the error after all rows have arrived. Progress receives the name of the stage and can cancel between
-  /// cells, but counts no units.
+  /// Measures the error after all rows have arrived. Progress receives the name of the stage, and its callback can
+  /// cancel between cells. No progress units are advanced.
   ExportAccuracy run(const OneLobeInputs& inputs, const OneLobeSettings& settings, Progress* progress);
 
  private:
@@ -85,7 +86,7 @@ class ExportMeter : public MaterialSink {
   std::vector<Cell> cells_;
 };
 
-/// Returns a texel of exported rows as a renderer reads it.
+/// Returns a texel of exported rows in the form in which a renderer reads it.
 GgxLobe lobe_of_texel(const MaterialRows& rows, std::size_t i);
 
 }  // namespace multum

@@ -11,7 +11,7 @@ namespace {
 
 double averaged(double, double roughness) { return roughness; }
 
-// V is the Toksvig variance of the normals minus the error of 8-bit storage. V lowers the Beckmann exponent that
+// V, the Toksvig variance of the normals minus the error of 8-bit storage, lowers the Beckmann exponent that
 // corresponds to alpha. a2 is alpha^2.
 double unreal(double length, double roughness) {
   const double a2 = std::pow(std::max(roughness, 1e-3), 4.0);
@@ -21,8 +21,8 @@ double unreal(double length, double roughness) {
   return std::pow(std::clamp((b - a2) / (b - 1.0), 0.0, 1.0), 0.25);
 }
 
-// TextureNormalVariance is 0.25 / kappa. NormalFiltering adds twice this variance, at most the squared threshold. The
-// default threshold is 0.2.
+// TextureNormalVariance is 0.25 / kappa. NormalFiltering adds twice this variance, but at most the square of the
+// threshold, which is 0.2 by default.
 double unity(double length, double roughness) {
   constexpr double kThreshold = 0.2;
   const double variance = 0.25 / kappa_of_length(length), alpha = roughness * roughness;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Implements the rules by which engines make the mips of a normal map. The rules average and renormalize the normals.
-// Shorter averages get a higher roughness. Each rule follows the engine's source code of October 2026.
+// Implements the rules by which engines make the mips of a normal map. The rules average and renormalize the normals,
+// and the roughness is increased more if the average is shorter. Each rule follows the engine's source code of October
+// 2026.
 #pragma once
 
 #include <vector>
@@ -21,7 +22,7 @@ struct EngineRule {
   const char* id;      // name in JSON, such as "unreal"
   const char* name;    // human-readable name, such as "Unreal"
   const char* source;  // source file and function
-  /// Returns perceptual roughness from the normal's length and the base roughness.
+  /// Computes perceptual roughness from the normal's length and the base roughness.
   double (*roughness)(double length, double roughness);
 };
 

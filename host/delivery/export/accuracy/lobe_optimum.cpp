@@ -12,8 +12,8 @@
 namespace multum {
 namespace {
 
-// The parameters of an isotropic lobe are x and y of the slope that moves the normal, and log alpha. An anisotropic
-// lobe also has log (wide / narrow) and the angle of the axis.
+// The parameters of an isotropic lobe are log alpha, and x and y of the slope by which the normal is tilted. An
+// anisotropic lobe also has log (wide / narrow) and the angle of the axis.
 using Point = std::vector<double>;
 
 GgxLobe lobe_at(const GgxLobe& start, const Point& p, double alpha_min) {
@@ -34,7 +34,7 @@ struct Vertex {
   double value;
 };
 
-// Reflection is 1, expansion 2, contraction and shrinking 1/2, as in Nelder and Mead.
+// As in Nelder and Mead, the coefficient of reflection is 1, of expansion 2, and of contraction and shrinking 1/2.
 Point least_point(const std::function<double(const Point&)>& value, const Point& start, const Point& steps,
                   int evaluations) {
   const std::size_t n = start.size();
@@ -90,7 +90,7 @@ GgxLobe find_lobe_optimum(const ReferenceLights& lights, const GgxLobe& start, b
     const LobeError found = error_of_lobe(lights, lobe_at(start, p, alpha_min));
     return found.error + std::abs(found.energy - 1.0);
   };
-  // The search restarts from its result, because a flat simplex finds no further improvement.
+  // The search is restarted from its result, because a simplex that has become flat finds no further improvement.
   const int evaluations = is_anisotropic ? 160 : 80;
   for (int round = 0; round < 2; ++round) point = least_point(value, point, steps, evaluations);
   return lobe_at(start, point, alpha_min);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Computes the highlights D V (n . l) of GGX lobes under many lights at once, in double precision. V is the
-// height-correlated visibility of Smith (Heitz 2014, "Understanding the masking-shadowing function", eq. 99). Its form
-// is that of Filament and glTF, V = G / (4 (n . v) (n . l)). The Fresnel term is omitted, because it is equal for all
-// lobes that are compared.
+// height-correlated visibility of Smith (Heitz 2014, "Understanding the masking-shadowing function", eq. 99). It has
+// the form V = G / (4 (n . v) (n . l)), as in Filament and glTF. The Fresnel term is omitted, because it is equal for
+// all lobes that are compared.
 #pragma once
 
 #include <vector>
@@ -11,7 +11,7 @@
 
 namespace multum {
 
-/// One lobe as a renderer reads it.
+/// One lobe in the form in which a renderer reads it.
 struct GgxLobe {
   glm::dvec3 normal{0.0, 0.0, 1.0};  // unit vector
   double alpha_wide = 1.0;           // along the axis
@@ -21,11 +21,11 @@ struct GgxLobe {
   static GgxLobe isotropic(const glm::dvec3& normal, double alpha);
 };
 
-/// Returns the x axis turned into the tangent plane of the normal (Gram and Schmidt). Angles of axes start at this
-/// tangent.
+/// Returns the projection of the x axis onto the tangent plane of the normal, normalised (Gram and Schmidt). Angles of
+/// axes are measured from this tangent.
 glm::dvec3 tangent_about(const glm::dvec3& normal);
 
-/// Lights of one view, stored as planes. A light behind the surface may have no half vector. Its `share` is then 0.
+/// The lights of one view, stored as planes. A light behind the surface may have no half vector. Its `share` is then 0.
 struct LightSet {
   glm::dvec3 view{0.0, 0.0, 1.0};  // unit vector
   std::vector<double> x, y, z;     // unit vectors towards the lights

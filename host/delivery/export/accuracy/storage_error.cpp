@@ -18,14 +18,15 @@
 namespace multum {
 namespace {
 
-// Places per level, views per place and lights per view. If the same error is measured with two sets of this size, the
-// results differ by about 5 %.
+// The number of places per level, of views per place and of lights per view. If the same error is measured with two
+// sets of this size, the results differ by about 5 %.
 constexpr int kRows = 96, kPlacesPerRow = 16, kViews = 2, kLights = 8;
 constexpr double kViewAngleMax = 70.0;  // angle to the map's z axis, degrees
 constexpr double kAlbedo = 0.5;         // albedo where the surface is not metal
-// Ambient light relative to unit lights. Both cause the same amount of scattered light. Real pictures contain both.
+// The ambient light relative to unit lights. Both cause the same amount of scattered light. Real pictures contain both
+// kinds of light.
 constexpr double kAmbient = 0.5 / std::numbers::pi;
-// Relative L1 error of a picture that is drawn with exact textures. This error comes from edges and sampling. In
+// The relative L1 error of a picture that is drawn with exact textures. This error is due to edges and sampling. In
 // docs/evidence/GLTF_EXAMPLE.md, the error is 1 to 2 % where level 0 is visible. The medians at distances of 5, 25 and
 // 50 m, which show about levels 3, 5 and 6, are 9, 14 and 20 %.
 constexpr double kFinestPictureError = 0.012, kPictureErrorPerLevel = 0.03;
@@ -50,8 +51,8 @@ glm::dvec3 square_to(const glm::dvec3& n, double a, double b) {
   return glm::normalize(a * x + b * glm::cross(n, x) + n);
 }
 
-// Draws directions of lights, half of them from the surface's highlights and half from all directions. Each light gets
-// its weight in an integral over all directions.
+// Draws directions of lights, half of them from the surface's highlights and half from all directions. Each light has
+// the weight that it needs in an integral over all directions.
 LightSet lights_of(const SampledSurface& surface, const glm::dvec3& view, SplitMix64& random) {
   LightSet set;
   set.view = view;
@@ -83,7 +84,8 @@ glm::dvec3 random_view(SplitMix64& random) {
   return {std::sin(polar) * std::cos(turn), std::sin(polar) * std::sin(turn), std::cos(polar)};
 }
 
-// The light that a surface reflects from unit lights. Highlights are D V (n . l), without the Fresnel factor.
+// The light that a surface reflects if it is lit by unit lights. Highlights are D V (n . l), without the Fresnel
+// factor.
 struct Reflection {
   double metalness = 0.0;
   glm::dvec3 diffuse_normal{0.0, 0.0, 1.0};  // length 0 to 1
@@ -107,7 +109,7 @@ Reflection reflection_of(const SampledSurface& surface, const LightSet& set) {
   return made;
 }
 
-// Sums of differences, and sums of the values to which the differences are relative.
+// The sums of differences, and the sums of the values to which the differences are relative.
 struct DifferenceSum {
   double difference = 0.0, total = 0.0;
 
@@ -118,8 +120,8 @@ struct DifferenceSum {
       total += set.share[i] * value;
     }
   }
-  // Returns how much storage raises a picture's error at this level. The errors of storage and of the picture are
-  // independent.
+  // Returns the amount by which storage increases a picture's error at this level. The errors of storage and of the
+  // picture are independent.
   double added(int level) const {
     const double own = total > 0.0 ? difference / total : 0.0;
     const double picture = kFinestPictureError + kPictureErrorPerLevel * level;
@@ -205,7 +207,7 @@ class SampledMaterial {
   SampledLevel finer_, coarser_;
 };
 
-// Calls `look` at places (x, y) from 0 to 1. Rows are spread over the map, and places over each row.
+// Calls `look` for places (x, y) from 0 to 1. Rows are spread over the map, and places are spread over each row.
 template <typename Look>
 void each_place(SplitMix64& random, const Look& look) {
   for (int row = 0; row < kRows; ++row) {
@@ -288,7 +290,7 @@ StorageError lobe_storage_error(const std::vector<LobeLevel>& exact, const std::
       for (const glm::dvec4& lobe : right) mean += lobe;
       const double length = glm::length(glm::dvec3(mean));
       if (!(length > 1e-6)) return;
-      // Samples lights from the highlights of all lobes together.
+      // Samples lights according to the highlights of all lobes together.
       const double alpha = std::sqrt(std::pow(surface.roughness, 4.0) + 2.0 * std::max(1.0 - length, 0.0));
       const SampledSurface together{glm::dvec3(mean) / length, std::clamp(alpha, kAlphaMin, 1.0), surface.metalness};
       for (int v = 0; v < kViews; ++v) {

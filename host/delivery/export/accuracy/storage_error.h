@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Measures how much a texel format raises a picture's error. Shades a material's stored levels and its exact levels at
-// many places and from many views, under a light and ambient light. Samples midway between two levels, as a trilinear
-// sampler does. Metalness comes from the texture. Surfaces that are not metal scatter half of the incoming light.
-// Errors of normals are most visible in metals and in smooth materials.
+// Measures the amount by which a texel format increases a picture's error. Shades a material's stored levels and its
+// exact levels at many places and for many views, under a light and ambient light. Samples midway between two levels,
+// like a trilinear sampler. Metalness comes from the texture. Surfaces other than metal scatter half of the incoming
+// light. Errors of normals are most visible in metals and in smooth materials.
 #pragma once
 
 #include <functional>

@@ -14,8 +14,8 @@
 namespace multum {
 namespace {
 
-// Returns the output name of a map in a folder of several maps. It is the beginning of the names of files, or a folder
-// if each level is an image.
+// Returns the output name of a map in a folder for several maps. File names begin with this name. If each level is an
+// image, it is the name of a folder.
 std::string output_suffix(const ExportJob& job) {
   if (job.format == MaterialFormat::kKtx2) return ".ktx2";
   return job.format == MaterialFormat::kDds ? ".dds" : "";
@@ -75,7 +75,7 @@ std::vector<ExportJob> make_export_jobs(const ExportJob& pattern, const std::vec
     const std::string name = std::filesystem::path(job.output).lexically_normal().string();
     const auto [other, is_new] = taken.emplace(name, map.path);
     if (!is_new)
-      throw Error(ErrorCode::kUsage, name + ": both " + other->second + " and " + map.path + " would go there");
+      throw Error(ErrorCode::kUsage, name + ": both " + other->second + " and " + map.path + " would be written there");
     jobs.push_back(std::move(job));
   }
   return jobs;

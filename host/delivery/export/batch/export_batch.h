@@ -17,8 +17,8 @@ void apply(const ParameterValues& values, ExportJob& job);
 /// Makes one job per map. Each job is `pattern` with its own paths. A single map without `<UDIM>` keeps the pattern's
 /// output and report names. Otherwise pattern.output, and pattern.report if it is set, must be an existing folder or
 /// contain `<UDIM>`. Files in a folder are named after the maps: NAME_normal.ktx2, or a folder NAME if each level is an
-/// image. In the names of the other maps, `<UDIM>` is replaced by the map's tile. Throws Error(kUsage) if names do not
-/// fit together or two maps would have the same name, and Error(kInput) if a set has no tile.
+/// image. In the names of the other maps, `<UDIM>` is replaced by the map's tile. Throws Error(kUsage) if names
+/// contradict each other or if two maps would have the same name. Throws Error(kInput) if a set has no tiles.
 std::vector<ExportJob> make_export_jobs(const ExportJob& pattern, const std::vector<std::string>& inputs);
 
 }  // namespace multum

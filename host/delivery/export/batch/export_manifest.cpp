@@ -39,15 +39,14 @@ std::vector<std::string> map_keys() {
 void check_names(const StrictTable& table, const ExportJob& job) {
   const bool is_set = has_udim(job.input);
   if (is_set && !has_udim(fs::path(job.input).filename().string()))
-    table.refuse("input",
-                 fmt::format("is \"{}\", expected <UDIM> in the file's name instead of a folder's name", job.input));
+    table.refuse("input", fmt::format("is \"{}\", expected <UDIM> in the file name, not in a folder name", job.input));
   if (is_set != has_udim(job.output))
     table.refuse("output", fmt::format("is \"{}\" although the input is {}; expected a name {} <UDIM>", job.output,
                                        is_set ? "a set" : "one map", is_set ? "with" : "without"));
   for (const std::string ExportJob::*beside : kExportMapsBeside)
     if (!is_set && has_udim(job.*beside))
       table.refuse(
-          "", fmt::format("names \"{}\" although the input is not a set; expected a name without <UDIM>", job.*beside));
+          "", fmt::format("names \"{}\", but the input is not a set; expected a name without <UDIM>", job.*beside));
 }
 
 struct ManifestEntry {
@@ -71,7 +70,7 @@ ManifestEntry read_export_entry(const std::string& path, const toml::table& toml
   } catch (const Error& error) {
     entry.table.refuse("output", std::string("is ") + error.what());
   }
-  // A set without tiles counts as one map, which cannot be read later.
+  // A set without tiles becomes one map, and reading this map fails later.
   const bool is_one = !has_udim(job.input) || find_tiles(job.input).empty();
   for (ExportJob& one : is_one ? std::vector<ExportJob>{job} : make_export_jobs(job, {job.input})) {
     const std::string name = fs::path(one.output).lexically_proximate(fs::path(path).parent_path()).string();

@@ -18,8 +18,8 @@ struct ManifestExport {
   ExportJob job;
 };
 
-/// Reads and validates a manifest. Each map's job is `pattern` with the manifest's settings. A set gives one map per
-/// tile. Opens no other file. Throws Error(kInput) that names the file, the line, the value found and the value
+/// Reads and validates a manifest. Each map's job is `pattern` with the manifest's settings. A set becomes one map per
+/// tile. No other file is opened. Throws Error(kInput) that names the file, the line, the value found and the value
 /// expected.
 std::vector<ManifestExport> read_export_manifest(const std::string& path, const ExportJob& pattern);
 

@@ -29,7 +29,7 @@ Json read_record(const std::string& path) {
                                                                                                              : Json();
 }
 
-// Accepts only names in the record's own folder, so that no path leads out of the folder.
+// Accepts only names in the record's own folder, so that no path can lead out of the folder.
 bool is_plain_name(const std::string& name) { return !name.empty() && fs::path(name).filename() == name; }
 
 }  // namespace
@@ -58,7 +58,8 @@ ExportState find_export_state(const ExportJob& job) {
     return {ExportFinding::kStale, "other tiles of its set that affect its borders or its green axis have changed"};
   for (const auto& [text, hash] : record["files"].items()) {
     const std::string name = path_of_text(text);
-    if (!is_plain_name(name)) return {ExportFinding::kStale, fmt::format("{}: names files in other folders", path)};
+    if (!is_plain_name(name))
+      return {ExportFinding::kStale, fmt::format("{}: the record names files in other folders", path)};
     const std::string file = folder + "/" + name;
     std::error_code none;
     if (!fs::exists(file, none)) return {ExportFinding::kMissing, fmt::format("there is no {}", name)};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Records the inputs of an export in a hidden file next to its outputs. A manifest run then exports only what has
-// changed. File times are ignored, because a fresh checkout has new ones.
+// Records the inputs of an export in a hidden file next to its outputs, so that a manifest run exports only maps that
+// have changed. File times are ignored, because a fresh checkout has new ones.
 #pragma once
 
 #include <string>

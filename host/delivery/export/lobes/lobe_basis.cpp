@@ -13,8 +13,8 @@
 namespace multum {
 namespace {
 
-// The spread at which a lobe's weight is one half, about the spread of a highlight with s = 100. Errors are more
-// visible in sharper lobes.
+// The spread at which a lobe's weight is one half. It is approximately the spread of a highlight with s = 100. Errors
+// are more visible in sharper lobes.
 constexpr float kHalfSpread = 0.02f;
 
 float weight_of(const glm::vec4& lobe) {
@@ -50,7 +50,7 @@ LobeBasis fit_lobe_basis(const MovmfMipmap& mipmap, int first_level, int lobe) {
   LobeBasis basis;
   const double amplitude = normal[2][2];
   if (amplitude <= 0.0) return basis;  // the lobe has no amplitude in any texel
-  // Adds a ridge of 1e-6, so that x or y predicts nothing if it is 0 everywhere.
+  // Adds a ridge of 1e-6, so that a channel that is 0 everywhere is not used for prediction.
   for (int i = 0; i < 3; ++i) normal[i][i] += 1e-6 * amplitude;
   basis.mean = glm::dvec2(normal[2]) / amplitude;
   basis.predictor = glm::inverse(normal) * right;

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // Chooses the contents of the channels of a lobe's layers (docs/reference/lobe_textures.md, "Lobes for GPUs"). A lobe
 // has x, y, z = a r and the amplitude a. Its channels are x, y, s = a - z and a. Each channel stores only the part that
-// the others do not predict:
+// cannot be predicted from the others:
 //
 //     x' = x - m_x a,   y' = y - m_y a,   s' = s - (c_x x + c_y y + c_a a),   a
 //
 // The coefficients come from weighted least squares over all texels of the lobe. s is a second moment: 1 - r_z is half
 // the mean square of the normals' x and y, up to fourth-order terms. The spread 1 - |r|, multiplied by a, is therefore
-// about s - (x^2 + y^2) / (2 a). s' is small if the lobes of one index all point in similar directions. Eight or
-// sixteen bits are then enough for the spread. Filtering gives the exact s of a mixture, whereas a filtered spread
-// would not include the differences between the texels.
+// about s - (x^2 + y^2) / (2 a). If all lobes of one index point in similar directions, s' is small, so eight or
+// sixteen bits are enough for the spread. Filtering s gives the exact s of a mixture, whereas a filtered spread would
+// not include the differences between the texels.
 #pragma once
 
 #include <array>

@@ -18,10 +18,10 @@
 namespace multum {
 namespace {
 
-// Lobes per pair of layers. Readers without BC5 store a pair in one RGBA layer.
+// The number of lobes per pair of layers. Readers without BC5 store a pair in one RGBA layer.
 constexpr std::size_t kLobesPerPair = 4;
-constexpr float kTintsMax = 4.0f;  // limit for a lobe's luminance relative to the texel's luminance, because lobes do
-                                   // not emit light
+constexpr float kTintsMax = 4.0f;  // limit for a lobe's luminance relative to the texel's luminance; lobes reflect
+                                   // light, but do not emit it
 constexpr float kLeastLuminance = 1e-4f;
 const glm::vec3 kLuminance(0.2126f, 0.7152f, 0.0722f);
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Exports colours of lobes (Han et al. 2007, section 7.3) for GPUs. Colour depends on the normal if, for example,
-// bricks are red and mortar is grey, or if dents are dark. The stored tint of a lobe is a y / t - a, where a is the
-// lobe's amplitude, y is the luminance of its colour, and t is the luminance of the texel. The tints of a texel add up
-// to 0, and are small and smooth. At half of the lobes' resolution, 4 bits per texel and lobe lose almost no accuracy
-// (docs/evidence/GLTF_TEXTURES.md, "Colours of lobes").
+// Exports the colours of lobes (Han et al. 2007, section 7.3) for GPUs. A surface's colour depends on its normal if,
+// for example, bricks are red and mortar is grey, or if dents are dark. The stored tint of a lobe is a y / t - a, where
+// a is the lobe's amplitude, y is the luminance of its colour, and t is the luminance of the texel. The tints of a
+// texel add up to 0, and are small and smooth. At half the resolution of the lobes, 4 bits per texel and lobe are
+// enough for almost the same accuracy (docs/evidence/GLTF_TEXTURES.md, "Colours of lobes").
 #pragma once
 
 #include <cstdint>
@@ -31,8 +31,8 @@ struct LobeColourJob {
   int threads = 1;
 };
 
-/// Returns the file's bytes. If the map has no level kLobeColourFirstLevel, returns 0 and writes no file. Holds the
-/// lobes in memory. Throws Error and Cancelled. Leaves no partial file.
+/// Returns the file's bytes. If the map has no level kLobeColourFirstLevel, returns 0 and writes no file. The lobes are
+/// held in memory. Throws Error and Cancelled. Leaves no partial file.
 std::uint64_t export_lobe_colours(const LobeColourJob& job, Device& device, Progress* progress);
 
 }  // namespace multum

@@ -17,11 +17,11 @@ constexpr int kBandRows = 64;  // rows of a level per band: a multiple of a bloc
 
 // Weights of errors. A lobe's error is weighted by its amplitude, so that small lobes keep their direction and spread,
 // and large lobes compensate errors of the sums. Broader lobes have less weight, because errors of their moments are
-// less visible. At level 3 of a real map (a barrel, 2048 x 2048, BC5), these weights of the sums lower the error of the
-// sum of amplitudes from 2.9 % to 1.5 % rms, and the error of the mean normal from 1.6 to 1.4 degrees. The table lists
-// the error that storage adds to a picture of metal of roughness 0.4 (accuracy/storage_error.h), in points. In the
-// first column, lobes are rounded one by one. In the second, they are rounded together with weights of 1 / amplitude,
-// and in the third, together with the weights below.
+// less visible. At level 3 of a real map (a barrel, 2048 x 2048 texels, BC5), these weights of the sums reduce the rms
+// error of the sum of amplitudes from 2.9 % to 1.5 %, and the error of the mean normal from 1.6 to 1.4 degrees. The
+// table lists the percentage points that storage adds to the error of a picture of metal with roughness 0.4
+// (accuracy/storage_error.h). In the first column, lobes are rounded one by one. In the second column, they are rounded
+// together with weights of 1 / amplitude. In the third column, they are rounded together with the weights below.
 //
 //     barrel, 2048 x 2048                          1.47   1.49   1.37
 //     Corset, 256 x 256                            0.50   0.74   0.46
@@ -29,14 +29,16 @@ constexpr int kBandRows = 64;  // rows of a level per band: a multiple of a bloc
 constexpr float kAmplitudeSumWeight = 12.0f, kAxisSumWeight = 50.0f, kSpreadSumWeight = 3.0f;
 constexpr float kLeastAmplitude = 0.1f, kLeastSpread = 0.02f;
 
-// The moments that a band's texels store so far, lobe by lobe.
+// The moments of a band's texels that have been stored so far, lobe by lobe.
 struct StoredMoments {
   std::vector<std::vector<float>> x, y, a;
 };
 
 // Returns the moment s that gives a lobe of amplitude `a` the wanted spread, for the given x and y.
 float s_of_spread(const glm::vec4& lobe, float x, float y, float a) {
-  if (lobe.w <= 0.0f) return a;  // there is no lobe, only an amplitude from rounding errors without a direction
+  if (lobe.w <= 0.0f)
+    return a;  // there is no lobe, only an amplitude that consists of rounding errors and has no
+               // direction
   const float scale = a / lobe.w;
   const float square = scale * scale * glm::dot(glm::vec3(lobe), glm::vec3(lobe)) - x * x - y * y;
   const float z = std::sqrt(std::max(square, 0.0f));
@@ -49,7 +51,7 @@ float weight_of_lobe(const glm::vec4& lobe, int channel) {
   return 1.0f / (amplitude * amplitude * (channel == 3 ? 1.0f : channel == 2 ? width * width : width));
 }
 
-// Rows of all lobes of a level.
+// The rows of all lobes of a level.
 class LobeBand {
  public:
   LobeBand(const std::vector<LobeBasis>& bases, const std::vector<std::vector<glm::vec4>>& lobes, std::size_t first,
@@ -100,7 +102,7 @@ class LobeBand {
         3, amplitude, [](std::size_t, std::size_t) { return 0.0f; }, sums(amplitude), kAmplitudeSumWeight);
   }
 
-  // Keeps each lobe's direction at the stored amplitude.
+  // Keeps the direction of each lobe for its stored amplitude.
   void round_axis(int axis) {
     const auto wanted = [&](std::size_t j, std::size_t i) {
       const glm::vec4& one = lobe(j, i);

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Encodes the lobes of a level as layers of a lobe texture. Channels are encoded one after the other, and each
-// compensates the errors of the earlier channels. The amplitude a comes first, then x and y for the stored amplitude,
-// then s for the wanted spread with the stored a, x and y. Errors of the channels then do not add up in the spread,
-// which is a small difference of channels and determines the highlight's width. All lobes of a channel are rounded
-// together (host/delivery/export/lobes/lobe_rounding.h), so that a texel keeps its sum of amplitudes and its mean
-// normal.
+// compensates the errors of the earlier channels. The amplitude a is encoded first. Then x and y are encoded for the
+// stored amplitude, and finally s, for the wanted spread with the stored a, x and y. The spread determines the
+// highlight's width, but it is a small difference of channels. In this order, the errors of the channels do not add up
+// in the spread. All lobes of a channel are rounded together (host/delivery/export/lobes/lobe_rounding.h), so that a
+// texel keeps its sum of amplitudes and its mean normal.
 #pragma once
 
 #include <cstdint>

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Exports the lobes of a baked file as a texture for GPUs, from file to file (docs/reference/lobe_textures.md, "Lobes
-// for GPUs").
+// Exports the lobes of a baked file to a texture file for GPUs (docs/reference/lobe_textures.md, "Lobes for GPUs").
 #pragma once
 
 #include <cstdint>
@@ -36,8 +35,8 @@ struct LobeExportReport {
   std::string to_json() const;
 };
 
-/// Throws Error and Cancelled. Leaves no partial file. Holds the file's lobes in memory, 16 bytes per lobe and texel.
-/// Progress: one unit per texel and lobe.
+/// Throws Error and Cancelled. Leaves no partial file. The file's lobes are held in memory, with 16 bytes per lobe and
+/// texel. Progress: one unit per texel and lobe.
 LobeExportReport export_lobes(const LobeExportJob& job, Device& device, Progress* progress);
 
 }  // namespace multum

@@ -20,7 +20,7 @@ constexpr int kBlockSide = 4;
 constexpr std::size_t kBlockTexels = 16, kScalarBytes = 8;  // sizes of a BC4 block
 constexpr std::size_t kPaletteSize = 8;
 
-// The storable values of a lobe's texel directly below and above the wanted value.
+// The nearest values below and above the wanted value that can be stored for a texel of a lobe.
 struct StorablePair {
   float values[2];
   int codes[2];
@@ -49,7 +49,7 @@ float offset_at(const RoundedChannel& lobe, std::size_t texel) {
   return lobe.offset.empty() ? 0.0f : lobe.offset[texel];
 }
 
-// Returns the share 0 to 1 of a texel. A constant channel has no range.
+// Returns the value of a texel as a share of the channel's range, from 0 to 1. A constant channel has no range.
 float share_of(const RoundedChannel& lobe, std::size_t texel) {
   return (lobe.wanted[texel] - offset_at(lobe, texel) - lobe.low) / std::max(lobe.range, 1e-30f);
 }
@@ -152,9 +152,9 @@ class RechosenBlock {
   std::uint64_t codes_ = 0;
 };
 
-// Stores two BC5 layers per lobe: one BC4 block per channel. First, for one lobe after the other, the blocks get
-// endpoints that compensate the errors of all other lobes. Then the texels of all lobes together choose among their
-// blocks' values.
+// Stores two BC5 layers per lobe, with one BC4 block per channel. First, for one lobe after the other, chooses the
+// endpoints of blocks so that they compensate the errors of all other lobes. Then chooses, for all lobes together,
+// which value of its block each texel uses.
 class BlockRounding : public LobeRounding {
  public:
   BlockRounding(BlockEncoder& encoder, int lobe_count, int width, int row_count)

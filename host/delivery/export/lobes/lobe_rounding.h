@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Rounds a channel of all lobes of some rows to values that a lobe texture can store. The lobes of a texel are rounded
-// together. Each lobe uses the storable value below or above its target value. The chosen combination has the lowest
-// error of the values and of their sum. If lobes were rounded separately, their errors would add up in the sum of
-// amplitudes and in the mean normal.
+// together. For each lobe, either the next lower or the next higher value that can be stored is used. The combination
+// with the lowest error of the values and of their sum is chosen. If lobes were rounded separately, their errors would
+// add up in the sum of amplitudes and in the mean normal.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +14,7 @@
 
 namespace multum {
 
-/// A channel of a lobe. Texels store c from 0 to 1, which means low + range * c + offset.
+/// A channel of a lobe. Texels store c from 0 to 1, which represents the value low + range * c + offset.
 struct RoundedChannel {
   float low = 0.0f, range = 1.0f;
   std::vector<float> offset;  // offsets by texel; 0 if empty

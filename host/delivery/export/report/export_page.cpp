@@ -97,7 +97,7 @@ void write_export_page(const ExportJob& job, const ExportReport& report, const s
                        Progress* progress) {
   check_writable(path);
   const std::unique_ptr<WorkFolder> scratch = WorkFolder::take(partial_folder_of(path));
-  if (!scratch) throw Error(ErrorCode::kEnvironment, path + ": another process is making it");
+  if (!scratch) throw Error(ErrorCode::kEnvironment, path + ": another process is writing this page");
   scratch->clear();
   const SurfaceStudy study = study_surface(job, scratch->path(), device, progress);
   Json json = study_values(study);

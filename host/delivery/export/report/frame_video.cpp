@@ -70,11 +70,12 @@ std::string encode_webm(const VideoFrames& video, const std::string& folder) {
                         webm},
                        limits);
   } catch (const Error& error) {
-    throw Error(ErrorCode::kEnvironment,
-                std::string("ffmpeg cannot be started, expected the Debian package ffmpeg: ") + error.what());
+    throw Error(
+        ErrorCode::kEnvironment,
+        std::string("ffmpeg cannot be started, expected the Debian package ffmpeg to be installed: ") + error.what());
   }
   if (result.exit_code == 127)
-    throw Error(ErrorCode::kEnvironment, "ffmpeg was not found, expected the Debian package ffmpeg");
+    throw Error(ErrorCode::kEnvironment, "ffmpeg was not found, expected the Debian package ffmpeg to be installed");
   if (result.exit_code != 0)
     throw Error(ErrorCode::kEnvironment,
                 fmt::format("ffmpeg failed{}: {}", result.is_over_time ? " (over time)" : "", result.output));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Encodes grey frames as VP9 in WebM. Runs ffmpeg (Debian package ffmpeg), which is not part of multum.
+// Encodes grey frames as VP9 in WebM by running ffmpeg (Debian package ffmpeg), which is not part of multum.
 #pragma once
 
 #include <cstdint>

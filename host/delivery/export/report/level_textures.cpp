@@ -21,7 +21,7 @@ int wrapped(int texel, int size) {
 
 constexpr int kMeanChannels = 4;
 
-// Adds a row of the finest level to the rows of a coarser level that contain it.
+// Adds a row of the finest level to the rows of a coarser level that cover it.
 void add_row(TextureLevel& level, int row, int width, int height, const std::vector<float>& values) {
   const auto begin = static_cast<int>(std::int64_t{row} * level.height / height);
   for (int y = begin; y < level.height; ++y) {

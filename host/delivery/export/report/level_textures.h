@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Holds texture levels as a renderer does and filters them like hardware. The pictures of a comparison are drawn from
+// Holds texture levels like a renderer and filters them like hardware. The pictures of a comparison are drawn with
 // these textures.
 #pragma once
 
@@ -34,8 +34,9 @@ class LevelTexture {
   std::vector<TextureLevel> levels_;
 };
 
-/// Averages the finest texels under each texel: three channels of normals that are not normalized, and perceptual
-/// roughness. The first plane of `material` is alpha^2. If `material` is null, all texels have `alpha_squared`.
+/// Averages the finest texels that each texel covers. The result has three channels of normals, which are not
+/// normalized, and perceptual roughness. The first plane of `material` is alpha^2. If `material` is null, all texels
+/// have `alpha_squared`.
 LevelTexture averaged_levels(const PlaneStore& normals, const PlaneStore* material, double alpha_squared,
                              int first_level);
 

@@ -43,7 +43,7 @@ LightSet one_light(const glm::dvec3& light) {
   return set;
 }
 
-// Adds the weighted highlights of adjacent facets under one light, as add_highlights() does. The inner loop is over
+// Adds the weighted highlights of adjacent facets under one light, like add_highlights(). The inner loop is over
 // facets. `base` holds alpha^2 of each facet. If it is null, all facets have `alpha_squared`.
 MULTUM_VECTOR_CLONES double facets_highlight(const glm::dvec3& l, const glm::dvec3& v, const glm::dvec3& h,
                                              const float* x, const float* y, const float* z, const float* base,
@@ -154,7 +154,7 @@ FramePixels draw_reference(const PlaneStore& normals, const PlaneStore* material
         const CoveredSide& column = columns[size_of(x)];
         const glm::dvec3 light = light_of(view, x, y), half = glm::normalize(light + eye());
         double& pixel = pixels[size_of(y) * size_of(kFrameSide) + size_of(x)];
-        for (std::size_t c = 0; c < column.texels.size();) {  // runs of adjacent texels end at the map's border
+        for (std::size_t c = 0; c < column.texels.size();) {  // a run of adjacent texels ends at the map's border
           const std::size_t at = size_of(column.texels[c]);
           const std::size_t count = std::min(column.texels.size() - c, size_of(width) - at);
           pixel += rows.shares[r] * facets_highlight(light, eye(), half, &nx[at], &ny[at], &nz[at],

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Draws one surface under one light by every filtering method. A picture is a square of pixels. The distance determines
-// how many finest texels are under one pixel. The reference shades every finest texel under a pixel.
+// Draws one surface under one light with every filtering method. A picture is a square of pixels. The distance
+// determines the number of finest texels per pixel. The reference shades every finest texel that a pixel covers.
 #pragma once
 
 #include <string>
@@ -34,12 +34,13 @@ struct SurfaceModel {
   LevelTexture texture;
 };
 
-/// Draws a model from `texture`. For kOneLobe, it holds normal and roughness, and with 7 channels also axis and
-/// strength. For kBakedLobes, it holds (a r, a) per lobe, and the roughness is that of `averages` (averaged_levels()).
+/// Draws a model with `texture`. For kOneLobe, the texture holds normal and roughness and, if it has 7 channels, also
+/// axis and strength. For kBakedLobes, it holds (a r, a) per lobe, and the roughness is taken from `averages`
+/// (averaged_levels()).
 FramePixels draw_model(const SurfaceModel& model, const LevelTexture& averages, const FrameView& view, int map_width,
                        int map_height, int threads);
 
-/// Draws all finest texels under each pixel. `alpha_squared` is used if `material` is null.
+/// Draws all finest texels that each pixel covers. If `material` is null, `alpha_squared` is used.
 FramePixels draw_reference(const PlaneStore& normals, const PlaneStore* material, double alpha_squared,
                            const FrameView& view, int threads);
 

@@ -21,9 +21,9 @@ constexpr int kLastLevel = 6;
 constexpr int kFrameCount = 48;      // frames per motion: two seconds
 constexpr double kTurnReach = 0.15;  // slope of the circling half vector
 constexpr double kTurnLevel = 4.0;
-constexpr double kWhiteShare = 0.98;  // share of the reference's pixels that must be darker than white
+constexpr double kWhiteShare = 0.98;  // share of the reference's pixels that are darker than white
 
-// Stores levels from kStudyFirstLevel on as a texture: normal, roughness, axis and strength.
+// Stores level kStudyFirstLevel and coarser levels as a texture of normal, roughness, axis and strength.
 class LevelSink : public MaterialSink {
  public:
   LevelSink(int width, int height, bool has_axis) : texture(has_axis ? 7 : 4, kStudyFirstLevel) {
@@ -111,7 +111,7 @@ struct Stage {
   }
 };
 
-// Returns the number by which displayed values are divided, so that most of the reference is below 1.
+// Returns the number by which values are divided for display, so that most of the reference is below 1.
 double white_of(FramePixels reference) {
   const auto place =
       reference.begin() + static_cast<std::ptrdiff_t>(kWhiteShare * static_cast<double>(reference.size()));
@@ -176,7 +176,7 @@ StudyMotion motion_of(const Stage& stage, const std::string& id, Progress* progr
   for (int frame = 0; frame < kFrameCount; ++frame) {
     progress_advance(progress, 0);
     std::vector<FramePixels> drawn = stage.draw(view_of_frame(stage, id, frame));
-    // All frames share one exposure, so that brief bright flashes stay visible.
+    // All frames have the same exposure, so that brief flashes remain visible.
     if (frame == 0) white = white_of(drawn[0]);
     total += sum_of(drawn[0]);
     for (std::size_t m = 0; m < motion.models.size(); ++m) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Compares filtering methods by pictures and motion: averaged normals, the engines' rules, the exported lobe (isotropic
-// and anisotropic), and the lobes of a bake. Each method is compared with the reference.
+// Compares filtering methods with the reference in pictures and motion. The methods are averaged normals, the engines'
+// rules, the exported lobe (isotropic and anisotropic), and the lobes of a bake.
 #pragma once
 
 #include <cstdint>
@@ -20,7 +20,7 @@ struct StudyPicture {
   double energy = 1.0;             // energy relative to the reference
 };
 
-/// Pictures from one distance. The reference comes first, then each model.
+/// Pictures from one distance. The first picture shows the reference, and the others show the models.
 struct StudyDistance {
   double level;
   std::vector<StudyPicture> pictures;
@@ -29,8 +29,8 @@ struct StudyDistance {
 /// The flicker of one model in one motion, over all frames.
 struct StudyFlicker {
   double error = 0.0;  // relative L1 error
-  // Sum over frames and pixels of |change of the model - change of the reference|, divided by the sum of the reference.
-  // This value measures false or missing flicker per frame. It is 0 for the reference.
+  // The sum over frames and pixels of |change of the model - change of the reference|, divided by the sum of the
+  // reference. This value measures false and missing flicker per frame, and is 0 for the reference.
   double flicker = 0.0;
   double change = 0.0;  // the same sum with only |change of the model|
 };
@@ -40,7 +40,7 @@ struct StudyMotion {
   int frame_count = 0;
   double reference_change = 0.0;  // StudyFlicker::change of the reference
   std::vector<StudyFlicker> models;
-  // [frame][picture][pixel]. The reference is the first picture, then the models follow.
+  // The pixels, as [frame][picture][pixel]. The first picture is the reference, followed by the models.
   std::vector<std::vector<std::vector<std::uint8_t>>> frames;
 };
 
@@ -50,7 +50,7 @@ struct SurfaceStudy {
   std::vector<StudyMotion> motions;
 };
 
-/// The finest level in the pictures. At finer levels, all methods give the same result.
+/// The finest level in the pictures. On finer levels, all methods give the same result.
 constexpr int kStudyFirstLevel = 2;
 
 /// Reads the job's source again, and fits isotropic and anisotropic lobes. Throws the same errors as export_file().

@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // Encodes texture levels as UASTC blocks with the npm package ktx2-encoder (Basis Universal, compiled to WebAssembly).
-// Blocks are independent, so strips of a level are encoded on any number of threads, and the bytes are always the same.
+// Blocks are independent. Strips of a level can therefore be encoded on any number of threads, and the bytes are always
+// the same.
 //
 //   node encode_uastc.mjs PLAN.json
 //
 // PLAN: {"encoder": FOLDER or "", "threads": 2, "effort": 1, "input": FILE, "output": FILE, "decoded": FILE, "levels":
 // [{"width": 4, "height": 4}, ...]}. The input is RGBA of 8 bits, level after level (level_file.h). The output is rows
-// of 16-byte blocks, level after level. "normals": true is for normal maps, whose blocks are chosen by the angle
-// errors of the normals. "decoded" is optional. This file gets the decoded texels in the format of the input. Without
-// "input", the script only searches for the package. Exit code 3: the package is missing.
+// of 16-byte blocks, level after level. "normals" is true for normal maps, for which blocks are chosen by the angle
+// errors of the normals. "decoded" is optional. This file receives the decoded texels in the format of the input.
+// Without "input", the script only searches for the package. Exit code 3 means that the package is missing.
 import { closeSync, existsSync, openSync, readFileSync, readSync, writeSync } from "node:fs";
 import path from "node:path";
 import { pathToFileURL } from "node:url";
@@ -18,8 +19,8 @@ const STRIP_TEXELS = 1 << 17; // texels of a strip; the encoder accepts at most 
 const BLOCK_SIDE = 4;
 const BLOCK_BYTES = 16;
 
-// Lists folders that may hold the package, in node's order: the given folder, the parent folders, and the system
-// folders.
+// Lists folders that may contain the package. As in node, the order is the given folder, the parent folders, and the
+// system folders.
 function findEncoder(said) {
   const above = [];
   for (let at = process.cwd(); ; at = path.dirname(at)) {
@@ -59,7 +60,7 @@ function stripsOf(levels) {
   return strips;
 }
 
-// Returns the only level of a KTX2 file with one level.
+// Returns the level of a KTX2 file that has one level.
 function levelOf(file) {
   const view = new DataView(file.buffer, file.byteOffset, file.byteLength);
   const LEVEL_COUNT = 40, LEVEL_INDEX = 80;
@@ -101,7 +102,7 @@ function texelsOfBlock({ width, rows }, block) {
     Math.min(x + i % BLOCK_SIDE, width - 1) + width * Math.min(y + Math.floor(i / BLOCK_SIDE), rows - 1));
 }
 
-// Returns three numbers per texel, -1 to 1, of any length.
+// Returns three numbers from -1 to 1 per texel, which form a vector of any length.
 function vectorsAt(texels, places) {
   const made = new Float64Array(48);
   places.forEach((place, i) => { for (let c = 0; c < 3; ++c) made[3 * i + c] = texels[4 * place + c] / 127.5 - 1; });
@@ -117,8 +118,8 @@ function normalized(v) {
   return made;
 }
 
-// Returns the directions of a block's texels, and of the points between four texels. A sampler's mean at such a point
-// depends on the lengths.
+// Returns the directions of a block's texels and of the points between four texels. The mean that a sampler computes at
+// such a point depends on the lengths of the normals.
 function directionsOf(v) {
   const all = new Float64Array(48 + 27);
   all.set(v);
@@ -138,8 +139,8 @@ function squaredAngles(one, other) {
 }
 
 // Returns the same directions with other lengths, which the encoder stores differently. The encoder minimizes the error
-// of all three numbers. If the ends of all normals are on one plane, this is an angle error. The plane is perpendicular
-// to `axis`. Returns null if a normal is behind the plane.
+// of all three numbers. If the ends of all normals are on one plane, this error corresponds to an angle error. The
+// plane is perpendicular to `axis`. Returns null if a normal is behind the plane.
 function onPlane(v, axis) {
   const unit = normalized(v), made = new Float64Array(48);
   let most = 1;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stores a texture's mip levels on disk, as 8-bit RGBA, between fit and encoding. Levels follow one another, level 0
-// first, and each level begins with its top row.
+// Stores a texture's mip levels on disk as 8-bit RGBA between the fit and the encoding. Levels follow one another,
+// beginning with level 0, and each level begins with its top row.
 #pragma once
 
 #include <array>

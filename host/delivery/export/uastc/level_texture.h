@@ -10,7 +10,7 @@
 
 namespace multum {
 
-/// Holds small levels in memory, and reads texels of the others from disk.
+/// Holds small levels in memory, and reads texels of other levels from disk.
 class LevelFileTexture : public SharesTexture {
  public:
   /// `file` must outlive this object. `bytes_max` limits the size of the levels in memory.

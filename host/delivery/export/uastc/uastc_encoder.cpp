@@ -95,7 +95,7 @@ std::vector<std::vector<std::uint8_t>> encode_uastc(const LevelFile& levels, con
   for (int level = 0; level < levels.level_count(); ++level) {
     std::vector<std::uint8_t> blocks(level_bytes(texture, level));
     file.read(reinterpret_cast<char*>(blocks.data()), static_cast<std::streamsize>(blocks.size()));
-    if (!file) refuse_encoder(settings, "the block file of the encoder is incomplete");
+    if (!file) refuse_encoder(settings, "the block file that the encoder wrote is incomplete");
     made.push_back(std::move(blocks));
   }
   return made;

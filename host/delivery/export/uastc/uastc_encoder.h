@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Encodes textures as UASTC, Basis Universal's format of 8 bits per texel, which loaders convert to a format of the
-// GPU. Runs an npm package in Node.js. Both are installed separately.
+// Encodes textures as UASTC, a format of Basis Universal with 8 bits per texel that loaders convert to a format of the
+// GPU. Runs an npm package in Node.js. Both must be installed separately.
 #pragma once
 
 #include <cstdint>

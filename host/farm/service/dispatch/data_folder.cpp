@@ -70,7 +70,7 @@ std::int64_t DataFolder::bytes() {
     const std::lock_guard lock(mutex_);
     if (counted_ != Clock::time_point() && Clock::now() - counted_ <= kCountedFor) return bytes_;
   }
-  // Small requests do not wait until the files of the folder are counted.
+  // Small requests do not wait until the files in the folder have been counted.
   std::int64_t counted = 0;
   std::error_code error;
   for (const fs::directory_entry& entry : fs::directory_iterator(path_, error))
@@ -93,7 +93,7 @@ void DataFolder::count_result(const std::string& output) {
   bytes_ += bytes;
 }
 
-// Removes the path relative to the descriptor of its folder, so that links above the folder have no effect.
+// Removes the path relative to the descriptor of its folder, so that symbolic links above the folder have no effect.
 void DataFolder::remove_own(const std::string& path, const char* why) {
   const std::int64_t bytes = bytes_on_disk(path);
   try {
@@ -196,8 +196,8 @@ void DataFolder::sweep(QueueThread& ledger, std::chrono::hours upload_age, std::
   sweep_some(ledger, sweep);
 }
 
-// A purge must be on disk before any of its files is removed. Files are therefore found in one commit and removed after
-// it.
+// A purge must be on disk before any of its files is removed. Therefore the files are found in one commit and removed
+// after this commit.
 void DataFolder::sweep_some(QueueThread& ledger, const std::shared_ptr<Sweep>& sweep) {
   const auto end = [sweep] {
     if (sweep->done) sweep->done();
@@ -230,9 +230,9 @@ void DataFolder::remove_found(JobQueue& queue, const Sweep& sweep) {
   std::error_code error;
   for (const auto& [job, output, identity] : sweep.left_overs) {
     if (fs::remove(fmt::format("{}/logs/{}.log", path_, job), error))
-      service_log(LogSeverity::kInfo, job, "the job was purged; removed its log");
+      service_log(LogSeverity::kInfo, job, "the log of the purged job was removed");
     if (!output.empty() && is_used(output)) continue;
-    // Files that replaced the result, or that changed within it, have an unknown owner and are not removed.
+    // Files that replaced the result, or that changed within it, have an unknown owner and therefore are not removed.
     try {
       const bool is_ours = !identity.empty() && result_identity(own_, output) == identity;
       const bool is_folder = fs::is_directory(fs::symlink_status(output, error));

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Manages the folder DATA, where the daemon stores files for clients: uploads by content, results that have no other
-// place, and logs. Limits its size, and removes only files that the ledger lists as no longer needed.
+// Manages the folder DATA, where the daemon stores files for clients. These files are uploads by content, results that
+// have no other place, and logs. Limits the size of the folder, and removes only files that the ledger lists as no
+// longer needed.
 #pragma once
 
 #include <chrono>
@@ -17,12 +18,13 @@
 
 namespace multum {
 
-/// Returns the bytes of a file, or of all files below a folder, or 0 for a link or a missing path. Blocks.
+/// Returns the size in bytes of a file, or of all files below a folder. Returns 0 for a symbolic link or a missing
+/// path. Blocks.
 std::int64_t bytes_on_disk(const std::string& path);
 
 class DataFolder {
  public:
-  /// `bytes_max` limits the size of the whole folder except for the ledger; 0 means no limit.
+  /// `bytes_max` limits the size of the whole folder except for the ledger. 0 means that there is no limit.
   DataFolder(std::string path, std::int64_t bytes_max);
   DataFolder(const DataFolder&) = delete;
   DataFolder& operator=(const DataFolder&) = delete;
@@ -32,19 +34,19 @@ class DataFolder {
   /// The seal of all folders that this daemon publishes, in DATA and elsewhere.
   const ResultSeal& seal() const { return seal_; }
 
-  /// Blocks. Reserves room for an upload of at most `bytes_max`; the destructor of the upload frees the unused part.
-  /// Throws like check_room(), and Error(kEnvironment) for file errors. The folder must outlive the upload.
+  /// Blocks. Reserves room for an upload of at most `bytes_max`. The destructor of the upload frees the unused part.
+  /// Throws like check_room(), and throws Error(kEnvironment) for file errors. The folder must outlive the upload.
   std::shared_ptr<UploadFile> begin_upload(std::int64_t bytes_max);
   struct Upload {
     std::string path, sha256;
   };
-  /// Blocks. Stores uploads of the same name and content as one file; its age counts from the last upload. Throws
+  /// Blocks. Stores uploads with the same name and content as one file, whose age counts from the last upload. Throws
   /// Error(kEnvironment) for file errors.
   Upload store(const std::string& name, UploadFile& file);
   /// Blocks. Throws Refusal 507 "quota" when `bytes` more would exceed the limit.
   void check_room(std::int64_t bytes);
-  /// Blocks. Counts files that other processes have made in the folder. Throws like check_room(); the files are then
-  /// not counted.
+  /// Blocks. Counts files that other processes have made in the folder. Throws like check_room(). In this case, the
+  /// files are not counted.
   void take_room(std::int64_t bytes);
   /// Subtracts bytes that take_room() counted.
   void give_back(std::int64_t bytes);
@@ -55,9 +57,9 @@ class DataFolder {
   /// Counts a new result if it is in this folder.
   void count_result(const std::string& output);
 
-  /// Runs on the ledger's thread, which publishes results too. Removes results and logs of purged jobs if no other job
-  /// uses them, and uploads that are older than `upload_age` if no unfinished job names them. Does not remove files
-  /// that are not recorded in a ledger.
+  /// Removes results and logs of purged jobs if no other job uses them. Also removes uploads that are older than
+  /// `upload_age` if no unfinished job names them. Does not remove files that are not recorded in a ledger. Runs on the
+  /// ledger's thread, which also publishes results.
   void sweep(QueueThread& ledger, std::chrono::hours upload_age, std::function<void()> done = nullptr);
 
  private:

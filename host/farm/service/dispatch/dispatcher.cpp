@@ -143,15 +143,16 @@ void Dispatcher::recover() {
       }
     }
     for (const std::int64_t id : recovered.lost)
-      service_log(LogSeverity::kWarning, id, "was running when the daemon ended; it will be tried again");
+      service_log(LogSeverity::kWarning, id, "was running when the daemon ended, and will be tried again");
     folders = queue.files().output_folders();
     numbers = queue.numbers();
     for (const auto& [name, states] : queue.counts())
       for (const auto& [state, count] : states)
         if (!is_final(state) && !limits_.queues.contains(name))
-          service_log(LogSeverity::kWarning, 0,
-                      fmt::format("{} jobs are {} in queue {}, which the settings do not define: they will not start",
-                                  count, job_state_name(state), name));
+          service_log(
+              LogSeverity::kWarning, 0,
+              fmt::format("{} jobs are {} in queue {}, which the settings do not define, so they will not start", count,
+                          job_state_name(state), name));
   });
   const auto is_finished_with = [&](std::int64_t id) { return numbers.is_finished_with(id); };
   for (const std::string& path : sweep_staging(roots_.outputs, folders, instance_, is_finished_with))
@@ -202,7 +203,7 @@ void Dispatcher::claim_for_slurm() {
         &Dispatcher::claim_for_slurm);
 }
 
-// A finished claim queues only its own kind again. If it queued both kinds of claims, each kind would find the other
+// A finished claim queues only another claim of its own kind. If it queued both kinds, each kind would find the other
 // one waiting, and both would loop.
 void Dispatcher::claim(Claims& claims, std::vector<std::string> owners, ClaimLimits limits,
                        void (Dispatcher::*again)()) {
@@ -293,7 +294,7 @@ void Dispatcher::end_drain_if_idle() {
   if (is_draining_ && drained_ && running_.empty() && unsettled_ == 0) std::exchange(drained_, nullptr)();
 }
 
-// An existing result of the same key is copied instead of being made again.
+// If a result with the same key exists, it is copied instead of being made again.
 Dispatcher::Claimed Dispatcher::with_reuse(JobQueue& queue, Job job) const {
   Claimed claimed{std::move(job), ""};
   for (const Job& other : queue.succeeded_with_key(claimed.job.key)) {
@@ -342,10 +343,10 @@ void Dispatcher::start_job(const Claimed& claimed) {
   std::string made;
   if (data_.is_full() && roots_.results.is_inside(job.output))
     return note_end(job.id, job.owner, job.attempt,
-                    {AttemptOutcome::kFailed, 4, "data_max is reached: there is no room for the job's result"});
+                    {AttemptOutcome::kFailed, 4, "data_max is reached, so there is no room for the job's result"});
   try {
     order = order_of(job, made);
-    // Slurm's nodes cannot see files in the daemon's data.
+    // Slurm's nodes cannot see files in the daemon's data folder.
     if (!claimed.copy_from.empty() && !(is_for_slurm && roots_.results.is_inside(claimed.copy_from))) {
       order.copy_from = claimed.copy_from;
       order.copy_to = made;
@@ -382,8 +383,9 @@ void Dispatcher::on_ended(std::int64_t id, const std::string& owner, int attempt
   note_end(id, owner, attempt, {outcome_of(code), code, result.message});
 }
 
-// First, the ledger records that this attempt counts, and where its result is. Then the result gets its name. Then the
-// ledger records that the result is published. After a crash in between, the next daemon knows which step was reached.
+// First, the ledger records that this attempt counts, and where its result is. Then the result gets its final name.
+// Then the ledger records that the result is published. If the daemon crashes in between, the next daemon knows which
+// step was reached.
 void Dispatcher::publish_result(std::int64_t id, const std::string& owner, int attempt, bool have_inputs_changed) {
   const Job job = running_.at(id).job;
   std::string identity;
@@ -544,7 +546,7 @@ void Dispatcher::set_paused(const std::string& queue, bool is_paused) {
 
 void Dispatcher::reload(const ServiceSettings& settings) {
   ClaimLimits limits = limits_of(settings);
-  // Queues that a request paused or resumed stay paused or resumed, unless their settings have changed.
+  // If a request has paused or resumed a queue, the queue stays paused or resumed unless its settings have changed.
   for (auto& [name, of_queue] : limits.queues) {
     const auto before = settings_.queues.find(name);
     if (before != settings_.queues.end() && before->second.is_paused == of_queue.is_paused)
@@ -602,7 +604,7 @@ void Dispatcher::drain(std::function<void()> done) {
   drain_timer_.async_wait([this](const boost::system::error_code& error) {
     if (error) return;
     for (const std::int64_t id : pool_.running())
-      stop_job(id, "returned to the queue by a daemon that was told to stop", AttemptOutcome::kReturned);
+      stop_job(id, "returned to the queue, because the daemon was told to stop", AttemptOutcome::kReturned);
   });
   changed({});
 }

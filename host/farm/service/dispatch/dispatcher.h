@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Brings jobs and workers together: claims jobs for idle workers, publishes results, records how jobs ended, and wakes
-// when a back-off or a deadline has passed. Runs on the thread of its io_context, which also receives the ledger's
+// Brings jobs and workers together. Claims jobs for idle workers, publishes results, records how jobs ended, and wakes
+// up when a back-off or a deadline has passed. Runs on the thread of its io_context, which also receives the ledger's
 // answers.
 #pragma once
 
@@ -34,32 +34,32 @@ class Dispatcher {
   };
 
   /// `worker_command` is the command line of a worker, without its socket. Results are published below the output
-  /// roots. `data` counts the results in its folder. While this folder is full, a job does not start if its result
-  /// belongs there.
+  /// roots. `data` counts the results in its folder. While this folder is full, jobs whose results belong there do not
+  /// start.
   Dispatcher(boost::asio::io_context& io, QueueThread& ledger, EventHub& events, DataFolder& data,
              ServiceSettings settings, const JobRoots& roots, std::string instance,
              std::vector<std::string> worker_command);
 
-  /// Recovers the jobs of an earlier daemon, before anything starts. Blocks.
+  /// Recovers the jobs of an earlier daemon. Must be called before anything starts. Blocks.
   void recover();
   void start();
-  /// Called whenever there may be work.
+  /// Must be called whenever there may be work.
   void pump();
-  /// Called when other code has changed jobs. Tells listeners, and looks for work.
+  /// Must be called when other code has changed jobs. Tells listeners, and looks for work.
   void changed(const std::set<std::int64_t>& ids);
-  /// Tells the worker of a running job to stop; the attempt ends with `outcome`.
+  /// Tells the worker of a running job to stop. The attempt ends with `outcome`.
   void stop_job(std::int64_t id, const std::string& why, AttemptOutcome outcome);
   void set_paused(const std::string& queue, bool is_paused);
-  /// Takes new limits from the settings.
+  /// Applies new limits from the settings.
   void reload(const ServiceSettings& settings);
-  /// Starts no more jobs. Calls `done` when no job is running, at the latest after the grace period. Jobs that are
+  /// Starts no more jobs. Calls `done` when no job is running, or after the grace period at the latest. Jobs that are
   /// still running at that time are handed back to the queue.
   void drain(std::function<void()> done);
 
   const std::map<std::int64_t, JobProgress>& progress() const { return progress_; }
   const Counters& counters() const { return counters_; }
   const WorkerPool& workers() const { return pool_; }
-  /// Null if no jobs are sent to Slurm.
+  /// This pointer is null if no jobs are sent to Slurm.
   SlurmPool* slurm() const { return slurm_.get(); }
   bool uses_slurm(const std::string& queue) const;  // whether Slurm runs at least one job type of this queue
   bool goes_to_slurm(const std::string& queue, const std::string& type) const;
@@ -84,13 +84,13 @@ class Dispatcher {
     std::vector<Claimed> claimed;
     std::optional<TimeMs> due;
   };
-  /// Runs on the ledger's thread: records changes, and claims jobs for these workers.
+  /// Records changes, and claims jobs for these workers. Runs on the ledger's thread.
   void settle(JobQueue& queue, const ClaimLimits& limits, const std::vector<std::string>& owners,
               Outcome& outcome) const;
-  /// Runs afterwards, on the dispatcher's thread: tells listeners, and starts the claimed jobs.
+  /// Tells listeners, and starts the claimed jobs. Runs afterwards, on the dispatcher's thread.
   void take(const std::vector<std::string>& owners, const Outcome& outcome);
   void end_drain_if_idle();
-  /// Runs `work` in the ledger until it is committed, even if the disk is full for a time; then runs `done`.
+  /// Runs `work` in the ledger, and repeats it while the disk is full until it is committed. Then runs `done`.
   void note(std::int64_t id, QueueThread::Work work, std::function<void()> done);
   void finish_publishing(const Job& job, const std::string& identity);
   std::vector<std::string> reserve(const std::vector<std::string>& owners);

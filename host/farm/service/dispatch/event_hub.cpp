@@ -22,7 +22,7 @@ EventHub::EventHub(std::uint64_t first)
     : work_(boost::asio::make_work_guard(io_)),
       first_(first),
       last_(first),
-      thread_([this] { run_handlers(io_, LogSeverity::kWarning, "dropped a listener to events"); }) {}
+      thread_([this] { run_handlers(io_, LogSeverity::kWarning, "dropped an event listener"); }) {}
 
 EventHub::~EventHub() {
   io_.stop();

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Sends events to all listeners: job changes and progress, each with a number. The last events are kept for clients
-// that reconnect. The hub serves listeners on a separate thread, so publishers and other requests do not wait, however
-// many listeners there are.
+// Sends events to all listeners. Events report job changes and progress, and each event has a number. The last events
+// are kept for clients that reconnect. The hub serves listeners on a separate thread, so publishers and other requests
+// do not wait, however many listeners there are.
 #pragma once
 
 #include <atomic>
@@ -44,8 +44,8 @@ class EventHub {
 
   /// The hub's thread runs this io_context. Use listeners, and make the calls below, only on that thread.
   boost::asio::io_context& io() { return io_; }
-  /// Hands out the kept events after number `after` (all of them if it is 0), and then new ones until remove(). If some
-  /// of these events are lost, or if `after` is a number from another daemon, begins with an event of the kind
+  /// Sends the kept events after number `after` (or all of them if it is 0), and then new events until remove(). If
+  /// some of these events are lost, or if `after` is a number from another daemon, first sends an event of the kind
   /// "missed", which belongs to no job.
   std::uint64_t add(std::uint64_t after, Listener listener);
   void remove(std::uint64_t key) { listeners_.erase(key); }

@@ -154,7 +154,7 @@ ListenAddress parse_listen_address(const std::string& text) {
   if (text.starts_with("unix:")) {
     address.unix_path = text.substr(5);
     if (address.unix_path.empty() || address.unix_path.size() > 107)
-      throw Error(ErrorCode::kUsage, fmt::format("'{}': expected unix: and a path of up to 107 bytes", text));
+      throw Error(ErrorCode::kUsage, fmt::format("'{}': expected unix: followed by a path of up to 107 bytes", text));
     return address;
   }
   const std::size_t colon = text.rfind(':');
@@ -175,7 +175,7 @@ ListenAddress parse_listen_address(const std::string& text) {
 
 namespace {
 
-// Resolves the links of the existing part of a path.
+// Resolves the symbolic links in the existing part of a path.
 std::string canonical_name(const std::string& path) {
   std::error_code error;
   const std::filesystem::path name = std::filesystem::weakly_canonical(std::filesystem::absolute(path), error);
@@ -229,8 +229,8 @@ void check_slurm(const SlurmSettings& settings) {
         fmt::format("the folder of [slurm] {}: expected a folder with the same path on all nodes", settings.folder));
   if (found.st_uid != ::geteuid() || (found.st_mode & 022) != 0)
     throw Error(ErrorCode::kUsage,
-                fmt::format("the folder of [slurm] {}: other users own it or may write to it, expected a folder that "
-                            "only the user of the service may use (chmod 700)",
+                fmt::format("the folder of [slurm] {}: other users own it or can write to it, expected a folder that "
+                            "only the user of the service can use (chmod 700)",
                             settings.folder));
 }
 

@@ -38,13 +38,13 @@ struct ServiceSettings {
   SlurmSettings slurm;
 };
 
-/// Throws Error(kInput) that names the file, the line, the value found and the value expected.
+/// Throws Error(kInput), which names the file, the line, the value found and the value expected.
 void read_service_settings(const std::string& path, ServiceSettings& settings);
 
 /// Throws Error(kUsage) for an invalid address, an address that others can reach without a token, or missing roots. A
 /// root must not contain the daemon's data, token, settings or socket, because jobs could then write to these. A root
-/// must not be inside the data either. The data, token, settings and socket must not be in `system`, the part of the
-/// machine that every worker sees. `settings_file` may be empty.
+/// must not be inside the data either. The data, token, settings and socket must not be in `system`, which is the part
+/// of the machine that every worker sees. `settings_file` may be empty.
 void check_service_settings(const ServiceSettings& settings, const std::string& settings_file,
                             const Confinement& system);
 

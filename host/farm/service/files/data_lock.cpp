@@ -18,12 +18,12 @@ namespace {
 bool is_of_us_or_root(const struct stat& found) { return found.st_uid == ::geteuid() || found.st_uid == 0; }
 
 [[noreturn]] void refuse(const std::string& path, const std::string& what) {
-  throw Error(ErrorCode::kEnvironment, fmt::format("{}: {}; expected a folder that only the daemon's user can write "
-                                                   "to: choose another folder, or change its owner and mode",
+  throw Error(ErrorCode::kEnvironment, fmt::format("{}: {}; expected a folder to which only the daemon's user can "
+                                                   "write. Choose another folder, or change its owner and mode",
                                                    path, what));
 }
 
-// Follows a link that this user or root made; returns other paths unchanged.
+// Follows a symbolic link that this user or root made. Returns other paths unchanged.
 std::string resolved(const std::string& path) {
   struct stat found {};
   if (::lstat(path.c_str(), &found) != 0 || !S_ISLNK(found.st_mode)) return path;
@@ -34,7 +34,7 @@ std::string resolved(const std::string& path) {
   return target;
 }
 
-// The group may write if root owns the folder, because volumes of containers have such permissions.
+// If root owns the folder, its group may have write permission, because volumes of containers have such permissions.
 void check_owner(const OpenFile& folder, const std::string& path) {
   struct stat found {};
   if (::fstat(folder.descriptor(), &found) != 0) fail_by_errno(path, "cannot be examined");
@@ -50,7 +50,7 @@ void check_owner(const OpenFile& folder, const std::string& path) {
 std::unique_ptr<DataLock> DataLock::take(const std::string& path) {
   while (true) {
     const std::string folder = resolved(path);
-    if (::mkdir(folder.c_str(), 0700) != 0 && errno != EEXIST) fail_by_errno(path, "cannot be made");
+    if (::mkdir(folder.c_str(), 0700) != 0 && errno != EEXIST) fail_by_errno(path, "cannot be created");
     OpenFile opened(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC));
     if (!opened.is_open() && (errno == ENOENT || errno == ELOOP)) continue;  // removed, or replaced by a link
     if (!opened.is_open()) fail_by_errno(path, "cannot be opened");

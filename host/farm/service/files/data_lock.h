@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Locks DATA, the daemon's folder, for one living process. Also ensures that no other user can put files into the
-// folder, because the daemon opens its ledger, uploads, results and logs there by name.
+// Locks the daemon's folder DATA for one living process. Also ensures that no other user can put files into the folder,
+// because the daemon opens its ledger, uploads, results and logs there by name.
 #pragma once
 
 #include <memory>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Computes SHA-256 of files on its own threads. Remembers a hash as long as the file has the same inode, size and time.
+// Computes SHA-256 hashes of files on its own threads. Remembers a hash as long as the file has the same inode, size
+// and time.
 #pragma once
 
 #include <boost/asio/thread_pool.hpp>

@@ -10,7 +10,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Returns the number between `before` and `after`; any text may follow `after`. Returns 0 if there is no number, or if
+// Returns the number between `before` and `after`. Any text may follow `after`. Returns 0 if there is no number, or if
 // it is too large.
 std::int64_t number_in(const std::string& name, const std::string& before, const std::string& after) {
   constexpr std::int64_t kHighest = std::int64_t{1} << 52;  // JSON readers keep such integers exact

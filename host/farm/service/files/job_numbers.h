@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Finds the highest job number in the file names of a folder DATA.
+// Finds the highest job number in the file names of the folder DATA.
 #pragma once
 
 #include <cstdint>

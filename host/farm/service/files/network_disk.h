@@ -9,8 +9,8 @@
 
 namespace multum {
 
-/// Returns the name of a network or FUSE file system, such as "NFS", for an f_type of statfs(). Returns "" for a local
-/// disk or an unknown type.
+/// Returns the name of a network or FUSE file system, such as "NFS", for a value of f_type from statfs(). Returns ""
+/// for a local disk or an unknown type.
 std::string network_disk_name(std::int64_t type);
 
 /// Throws Error(kEnvironment), which names the file system, when the folder is not on a local disk.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Defines the error of a disk without space: the disk is full, or a quota or the file size limit (ulimit -f) is
+// Defines the error for a lack of disk space. The disk is full, or a quota or the file size limit (ulimit -f) is
 // reached.
 #pragma once
 
@@ -9,7 +9,7 @@
 
 namespace multum {
 
-/// The request is answered with status 507, because there may be room later. The refused request has no effect.
+/// The request is answered with status 507, because there may be enough space later. The refused request has no effect.
 class NoSpaceError : public Error {
  public:
   using Error::Error;

@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 constexpr std::size_t kCopyPiece = 1 << 20;  // bytes copied at once
 constexpr int kCopyDepthMax = 32;            // nested folders, each of which takes two open files
 
-// An entry of an open folder; messages show `path`.
+// An entry of an open folder. Messages show `path`.
 struct Place {
   int folder;
   std::string name, path;
@@ -64,10 +64,10 @@ void copy_entry(const Place& source, const Place& target, int depth) {
   if (S_ISREG(found.st_mode)) return copy_file(from, found.st_mode, source, target);
   if (!S_ISDIR(found.st_mode) || depth == kCopyDepthMax)
     throw Error(ErrorCode::kEnvironment,
-                fmt::format("{}: cannot be copied: expected a file, or folders nested at most {} levels deep",
+                fmt::format("{}: cannot be copied; expected a file, or folders that are nested at most {} levels deep",
                             source.path, kCopyDepthMax));
   if (::mkdirat(target.folder, target.name.c_str(), found.st_mode & 0777) != 0)
-    fail_by_errno(target.path, "cannot be made");
+    fail_by_errno(target.path, "cannot be created");
   const OpenFile to(::openat(target.folder, target.name.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC));
   if (!to.is_open()) fail_by_errno(target.path, "cannot be opened");
   for (const std::string& name : names_in(from, source.path))

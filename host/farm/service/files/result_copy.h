@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Copies the result of an earlier job for a job that would make the same result.
+// Copies the result of an earlier job for a new job that would make the same result.
 #pragma once
 
 #include <string>
@@ -8,9 +8,9 @@
 
 namespace multum {
 
-/// Copies a finished result, a file or folder, to another name, and syncs it. Follows no links on either side. Throws
-/// Error(kEnvironment), for example if the result contains a link or a device. Also throws like
-/// PathRoots::open_folder_of().
+/// Copies a finished result, which is a file or a folder, to another name, and syncs it. Follows no symbolic links in
+/// the source or the target. Throws Error(kEnvironment), for example if the result contains a link or a device. Also
+/// throws like PathRoots::open_folder_of().
 void copy_result(const PathRoots& roots, const std::string& from, const std::string& to);
 
 }  // namespace multum

@@ -114,7 +114,7 @@ OpenFile opened(const std::string& folder) {
 }
 
 Listing read_listing(const OpenFile& folder, const std::string& path, const ResultSeal& seal) {
-  // A pipe, a link or an endless file is not accepted as a listing.
+  // A pipe, a symbolic link or an endless file is not accepted as a listing.
   const OpenFile file(
       ::openat(folder.descriptor(), kResultListingName, O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC));
   // A listing that cannot be read at present does not count as missing.
@@ -142,7 +142,7 @@ bool is_listed(const Listing& listing, const Found& found) {
   return line != listing.end() && line->second == found.state;
 }
 
-// Returns the first file that differs from the listing; `count` counts the unchanged files before it.
+// Returns the first file that differs from the listing. `count` counts the unchanged files before it.
 std::string first_unlisted(const OpenFile& folder, const Listing& listing, std::size_t& count) {
   std::string unlisted;
   Walk{[&](const Found& found) {
@@ -231,7 +231,7 @@ PublishedFiles published_files(const OpenFile& folder, const std::string& path, 
 }
 
 OpenFile open_published(const OpenFile& folder, const std::string& name, const std::string& state) {
-  // Any user who may write to the folder may have written the listing.
+  // Any user who has write permission in the folder may have written the listing.
   const bool is_plain = fs::path(name).lexically_normal() == name && !name.starts_with("..") && !name.starts_with('/');
   OpenFile file = is_plain ? open_beneath_folder(folder, name, O_RDONLY | O_NONBLOCK) : OpenFile();
   if (!file.is_open() || !is_in_state(file, state))

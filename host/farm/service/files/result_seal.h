@@ -6,13 +6,13 @@
 
 namespace multum {
 
-/// Key of the service. The key is empty for workers, which only read. Any listing is then accepted.
+/// The key of the service. The key is empty for workers, which only read. Any listing is then accepted.
 struct ResultSeal {
   std::string key;
 };
 
-/// Reads the key's file in the daemon's data, which jobs cannot read; creates it at the first start. Throws
-/// Error(kEnvironment).
+/// Reads the key from a file in the daemon's data folder, which jobs cannot read. Creates the file at the first start.
+/// Throws Error(kEnvironment).
 ResultSeal take_up_seal(const std::string& path);
 
 }  // namespace multum

@@ -80,7 +80,7 @@ std::string file_identity(const std::string& path) {
 
 namespace {
 
-// Opens the folder of a result. Returns nullopt if it is missing, or behind a link.
+// Opens the folder of a result. Returns nullopt if it is missing or behind a symbolic link.
 std::optional<OpenFile> open_place(const PathRoots& roots, const std::string& path) {
   try {
     return roots.open_folder_of(path);
@@ -146,7 +146,7 @@ std::string StagedResult::publish(const std::string& identity) const {
     const bool is_folder = S_ISDIR(state_of(staging.descriptor(), name_)->st_mode);
     check_place(is_folder);
     if (is_folder) write_result_listing(name_of(staging) + "/" + name_, seal_);
-    // Exchanges two folders, because a rename cannot replace a folder that is not empty.
+    // Exchanges two folders, because a folder that is not empty cannot be replaced by a rename.
     const bool is_exchange = is_folder && state_of(folder, name_).has_value();
     if (::renameat2(staging.descriptor(), name_.c_str(), folder, name_.c_str(), is_exchange ? RENAME_EXCHANGE : 0) != 0)
       fail_by_errno(output_, "cannot rename the result");
@@ -166,8 +166,8 @@ std::string StagedResult::publish(const std::string& identity) const {
   return kept;
 }
 
-// After an exchange, the staging folder holds the previous folder. Removes the published files of that folder, and
-// renames everything that was added to it since.
+// After an exchange, the staging folder contains the previous folder. Removes the published files of the previous
+// folder, and renames everything that was added to it since its publication.
 std::string StagedResult::put_aside(const OpenFile& staging) const {
   const std::optional<struct stat> old = state_of(staging.descriptor(), name_);
   if (!old || !S_ISDIR(old->st_mode)) return "";

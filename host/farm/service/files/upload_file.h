@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Receives an upload: writes it to an unnamed file as it arrives, and hashes it. The file gets its name when it is
-// complete; if the daemon dies before, nothing remains.
+// Receives an upload. The upload is written to an unnamed file as it arrives, and hashed. The file gets its name when
+// it is complete. If the daemon dies before, nothing remains.
 #pragma once
 
 #include <cstdint>
@@ -20,8 +20,8 @@ class UploadFile {
   /// Blocks. Throws NoSpaceError when the disk is full, and Error(kEnvironment) for other failures.
   void write(std::string_view bytes);
   std::int64_t bytes() const { return bytes_; }
-  /// Blocks. Syncs the file and gives it this name, readable but not writable. An existing file of that name is kept.
-  /// Throws Error(kEnvironment).
+  /// Blocks. Syncs the file and gives it this name. The file is readable but not writable. An existing file of that
+  /// name is kept. Throws Error(kEnvironment).
   void name(const std::string& path);
   /// Returns the hash of the written bytes. May be called only once.
   std::string sha256() { return hash_.finish(); }

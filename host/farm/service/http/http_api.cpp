@@ -66,7 +66,7 @@ struct HttpApi::State {
         pictures(context, data, roots),
         driver(context, std::move(driver_command)) {}
 
-  // Runs `work` in the ledger; rethrows its exception.
+  // Runs `work` in the ledger and rethrows its exception.
   asio::awaitable<void> in_ledger(QueueThread::Work work) {
     std::exception_ptr error;
     const auto initiate = [&](auto handler) {
@@ -80,7 +80,7 @@ struct HttpApi::State {
     if (error) std::rethrow_exception(error);
   }
 
-  // Runs `work` on a thread that may wait for disks.
+  // Runs `work` on a thread that is allowed to wait for disks.
   asio::awaitable<void> beside(std::function<void()> work) {
     std::exception_ptr error;
     const auto initiate = [&](auto handler) {
@@ -182,7 +182,7 @@ struct HttpApi::State {
 
   asio::awaitable<HttpResponse> show(std::string text) {
     // Reads all data in one transaction. With two transactions, a job could seem to run without an attempt, or to be
-    // dead with a running attempt.
+    // dead while an attempt is running.
     const std::optional<std::int64_t> id = parse_integer(text);
     Json json;
     if (id) co_await in_ledger([&](JobQueue& queue) { json = shown(queue, *id); });
@@ -352,9 +352,9 @@ struct HttpApi::State {
         {{"path", path}, {"bytes", request.upload->bytes()}, {"sha256", stored.sha256}, {"use", use}}, 201);
   }
 
-  // Counts jobs by queue and state. A million jobs take the ledger's thread about a second, and every page asks once
-  // per second. So a slow count is reused for nine times its duration, and counting takes at most a tenth of the
-  // thread's time.
+  // Counts jobs by queue and state. The ledger's thread needs about a second to count a million jobs, and every page
+  // asks once per second. So a slow count is reused for nine times its duration, and counting takes at most a tenth of
+  // the thread's time.
   asio::awaitable<Counts> count_jobs() {
     constexpr double kQuick = 0.01;
     if (Clock::now() < counted_until) co_return counted;
@@ -471,7 +471,7 @@ struct HttpApi::State {
 
 namespace {
 
-// All requests. "{}" stands for one part of the path.
+// The table of all requests. In a path, "{}" stands for one part.
 struct Route {
   const char* method;
   std::vector<std::string> parts;
@@ -579,7 +579,7 @@ bool matches(const Route& route, const std::vector<std::string>& parts, std::str
   return true;
 }
 
-// Returns null if the path does not support this method; `others` gets the supported methods.
+// Returns null if the path does not support this method. In this case, `others` gets the supported methods.
 const Route* find_route(const std::string& method, const std::string& path, std::string& part,
                         std::vector<std::string>& others) {
   const std::vector<std::string> parts = split_path(path);
@@ -595,7 +595,7 @@ bool is_same_secret(const std::string& a, const std::string& b) {
   return a.size() == b.size() && CRYPTO_memcmp(a.data(), b.data(), a.size()) == 0;
 }
 
-// Parses "Bearer TOKEN", with the scheme in any case (RFC 9110, section 11.1). Returns "" for other schemes.
+// Parses "Bearer TOKEN". The scheme is not case-sensitive (RFC 9110, section 11.1). Returns "" for other schemes.
 std::string bearer_token(const std::string& field) {
   constexpr std::string_view kScheme = "bearer";
   const std::size_t space = field.find(' ');
@@ -615,8 +615,8 @@ bool is_own_origin(const HttpRequest& request, bool has_token, bool is_page) {
   const auto origin = request.headers.find("origin");
   if (origin != request.headers.end() && origin->second != "http://" + name && origin->second != "https://" + name)
     return false;
-  // Requests without an origin are usually for pictures. Browsers report whether another page makes such a request.
-  // Links from other pages to this page are allowed.
+  // Requests without an origin are usually for pictures. Browsers report whether such a request comes from another
+  // site. Links from other pages to this page are allowed.
   const auto site = request.headers.find("sec-fetch-site"), mode = request.headers.find("sec-fetch-mode");
   const bool is_foreign =
       site != request.headers.end() && (site->second == "cross-site" || site->second == "same-site");
@@ -673,7 +673,7 @@ std::unique_ptr<HttpResponse> HttpApi::check(const HttpRequest& request) const {
         (given != request.headers.end() && is_same_secret(bearer_token(given->second), state_->token)) ||
         (query != request.query.end() && request.method == "GET" && is_same_secret(query->second, state_->token));
     if (!is_known)
-      return refuse({401, "token", "a bearer token is needed", {{"WWW-Authenticate", "Bearer realm=\"multum\""}}});
+      return refuse({401, "token", "a bearer token is required", {{"WWW-Authenticate", "Bearer realm=\"multum\""}}});
   }
   return nullptr;
 }

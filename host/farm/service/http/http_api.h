@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Answers the requests of the web interface. docs/reference/openapi.json describes every request and answer; tests keep
-// the two in agreement.
+// Answers the requests of the web interface. docs/reference/openapi.json describes every request and answer. Tests
+// check that this description matches the code.
 #pragma once
 
 #include <boost/asio/awaitable.hpp>
@@ -21,7 +21,7 @@ namespace multum {
 
 class HttpApi {
  public:
-  /// DriverProbe explains `driver_command`.
+  /// `driver_command` is explained in DriverProbe.
   HttpApi(boost::asio::io_context& io, QueueThread& ledger, Dispatcher& dispatcher, EventHub& events, DataFolder& data,
           const JobRoots& roots, std::string token, std::vector<std::string> driver_command);
   ~HttpApi();
@@ -31,12 +31,12 @@ class HttpApi {
   /// Checks a request before its body is read. Returns a refusal for clients without permission and for unknown paths.
   std::unique_ptr<HttpResponse> check(const HttpRequest& request) const;
   static bool is_upload(const std::string& method, const std::string& path);
-  /// Returns the routes for programs, such as "GET /v1/jobs/{}"; the web page is not included.
+  /// Returns the routes for programs, such as "GET /v1/jobs/{}". The web page is not included.
   static std::vector<std::string> routes();
   boost::asio::awaitable<HttpResponse> answer(HttpRequest request);
-  /// Runs `work` on a thread that may wait for disks; rethrows its exception.
+  /// Runs `work` on a thread that is allowed to wait for disks. Rethrows its exception.
   boost::asio::awaitable<void> beside(std::function<void()> work);
-  /// Gives /metrics the server whose counters it shows.
+  /// Sets the server whose counters /metrics shows.
   void set_server(const HttpServer* server);
   bool has_token() const;
   void set_token(std::string token);

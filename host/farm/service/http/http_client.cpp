@@ -26,8 +26,8 @@ using Json = nlohmann::json;
 
 using std::chrono::milliseconds;
 
-// A socket with timeouts, because asio's own blocking calls have no time limit. Beast reads and writes it like any
-// stream.
+// A socket with timeouts, because asio's own blocking calls have no time limit. Beast reads from it and writes to it as
+// with any stream.
 template <typename Protocol>
 class PatientSocket {
  public:

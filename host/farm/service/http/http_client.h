@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The client side of the web interface, for the command line: one request at a time.
+// The client side of the web interface, for the command line. It sends one request at a time.
 #pragma once
 
 #include <chrono>
@@ -24,10 +24,10 @@ class HttpClient {
   HttpClient(std::string server, std::string token, HttpPatience patience = {});
 
   /// Returns the answer's JSON, or its text as a JSON string. Throws Error(kEnvironment) when the server cannot be
-  /// reached or is silent for too long. For a refusal, throws an Error with the message of the refusal: kUsage for a
-  /// status below 500, otherwise kEnvironment.
+  /// reached or is silent for too long. For a refusal, throws an Error with the message of the refusal. The error is
+  /// kUsage for a status below 500, and otherwise kEnvironment.
   nlohmann::json ask(const std::string& method, const std::string& target, const nlohmann::json& body = nullptr);
-  /// Returns the answer's body unchanged; throws like ask().
+  /// Returns the answer's body unchanged. Throws like ask().
   std::string text(const std::string& target);
   /// Passes each event's kind and data to `take` until `take` returns false or the connection ends. Calls `opened`
   /// before the first event, so that answers to requests made in `opened` are not older than the events. If `opened`

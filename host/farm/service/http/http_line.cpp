@@ -29,8 +29,8 @@ bool is_folded(std::string_view header) {
   return header.find("\r\n ") != std::string_view::npos || header.find("\r\n\t") != std::string_view::npos;
 }
 
-// Detects early that bytes are not a header, from a line that ends without a carriage return, or from the first bytes
-// of TLS.
+// Detects early that bytes are not a header. Such bytes have a line that ends without a carriage return, or begin like
+// TLS.
 bool is_text(std::string_view header) {
   char before = ' ';
   for (const char c : header) {
@@ -49,9 +49,9 @@ void check_fields(const HttpLine::Parser& parser) {
   for (const http::field once :
        {http::field::host, http::field::content_length, http::field::transfer_encoding, http::field::authorization,
         http::field::origin, http::field::expect, http::field::content_type})
-    if (head.count(once) > 1) throw no_http(std::string(http::to_string(once)) + " is there twice");
+    if (head.count(once) > 1) throw no_http(std::string(http::to_string(once)) + " occurs twice");
   for (const char* once : {"Sec-Fetch-Site", "Sec-Fetch-Mode", "Last-Event-ID"})
-    if (head.count(once) > 1) throw no_http(std::string(once) + " is there twice");
+    if (head.count(once) > 1) throw no_http(std::string(once) + " occurs twice");
   if (head.version() >= 11 && head.count(http::field::host) == 0) throw no_http("Host is missing");
   if (head.count(http::field::transfer_encoding) == 0) return;
   if (head.version() < 11) throw no_http("HTTP/1.0 has no Transfer-Encoding");
@@ -62,12 +62,12 @@ void check_fields(const HttpLine::Parser& parser) {
 
 }  // namespace
 
-// Cancels the socket's operations after a timeout. This object outlives the line, because the timer may fire after the
-// line's end.
+// Cancels the socket's operations after a timeout. This object outlives the connection, because the timer may fire
+// after the connection has ended.
 struct HttpLine::Watch : std::enable_shared_from_this<HttpLine::Watch> {
   explicit Watch(Socket& watched) : socket(&watched), timer(watched.get_executor()) {}
 
-  // At most one wait is pending, so a busy line does not set its timer for each request.
+  // At most one wait is pending, so a busy connection does not set its timer for each request.
   void wait(Clock::time_point until) {
     waits_until = until;
     timer.expires_at(until);
@@ -137,7 +137,7 @@ asio::awaitable<void> HttpLine::read_header(Parser& parser, Clock::time_point un
     } catch (const UnreadableRequest& slow) {
       throw is_silent ? gone() : slow;  // there was no request
     }
-    if (count == 0) throw is_silent ? gone() : no_http("it ends within its header");
+    if (count == 0) throw is_silent ? gone() : no_http("the request ends within its header");
     end = text().find("\r\n\r\n", before < 3 ? 0 : before - 3);
     if (!is_text(text().substr(0, end))) throw no_http("expected lines of text that end in CR LF");
   }
@@ -178,7 +178,7 @@ asio::awaitable<void> HttpLine::read_body(Parser& parser, std::size_t bytes_max,
     const std::size_t count = co_await read_some(std::min(Clock::now() + silence, until));
     if (count == 0) throw gone();
     heard += count;
-    // Limits chunk overhead: a client could send one byte per chunk with a long extension.
+    // Limits the overhead of chunks, because a client could send one byte per chunk with a long extension.
     if (heard > 2 * bytes_max + kOverheadBytes) throw too_large;
   }
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// One connection: reads requests and writes answers, within limits of bytes and of time. Faulty input can only end the
-// connection of the client that sent it: the read buffer does not grow, and exceptions of the parser are thrown here.
+// Reads requests and writes answers on one connection, within limits of bytes and of time. Faulty input can only end
+// the connection of the client that sent it. The read buffer does not grow, and exceptions of the parser are thrown
+// here.
 #pragma once
 
 #include <boost/asio/awaitable.hpp>
@@ -24,8 +25,8 @@
 
 namespace multum {
 
-/// The reason why a request cannot be read further. A `status` of 0 means that the client is gone, so no answer is
-/// sent.
+/// The reason why a request cannot be read further. A `status` of 0 means that the client has disconnected, so no
+/// answer is sent.
 struct UnreadableRequest {
   int status;
   const char* code;
@@ -38,11 +39,11 @@ class HttpLine {
   using Clock = std::chrono::steady_clock;
   using Parser = boost::beast::http::request_parser<boost::beast::http::buffer_body>;
 
-  /// Size of the buffer for bytes that are read but not yet used. A whole header, a chunk's extension or a trailer must
-  /// fit.
+  /// The size of the buffer for bytes that are read but not yet used. A whole header, a chunk's extension or a trailer
+  /// must fit into this buffer.
   static constexpr std::size_t kBufferBytes = 16384;
-  /// Approximate memory of a line without bodies and answers: the buffer, a piece of a body, and a header's fields
-  /// twice.
+  /// The approximate memory of a connection without bodies and answers. This is the memory for the buffer, a piece of a
+  /// body, and two copies of a header's fields.
   static constexpr std::size_t kBytes = 4 * kBufferBytes;
 
   explicit HttpLine(Socket socket);
@@ -50,11 +51,12 @@ class HttpLine {
   HttpLine(const HttpLine&) = delete;
   HttpLine& operator=(const HttpLine&) = delete;
 
-  /// Reads a header. Throws UnreadableRequest if the bytes are not a header, or if the header is too large or
-  /// incomplete at `until`. Refuses a header that could mean one request or two (RFC 9112, sections 5.2, 6.1 and 11.2).
+  /// Reads a header. Throws UnreadableRequest if the bytes are not a header, if the header is too large, or if it is
+  /// incomplete at the time `until`. Refuses a header that could mean one request or two (RFC 9112, sections 5.2, 6.1
+  /// and 11.2).
   boost::asio::awaitable<void> read_header(Parser& parser, Clock::time_point until);
   /// Reads the body after the header, piece by piece, up to `bytes_max`. `silence` is the client's longest pause, and
-  /// `until` the latest end of the body. Throws UnreadableRequest, and passes on exceptions of `take`.
+  /// `until` is the time at which the body must end. Throws UnreadableRequest, and passes on exceptions of `take`.
   boost::asio::awaitable<void> read_body(Parser& parser, std::size_t bytes_max, Clock::duration silence,
                                          Clock::time_point until,
                                          std::function<boost::asio::awaitable<void>(std::string_view)> take);
@@ -73,7 +75,7 @@ class HttpLine {
 
   /// Cancels all pending operations.
   void close();
-  /// Gives up the socket, for a stream of events. The line cannot be used afterwards.
+  /// Gives up the socket, for a stream of events. This object cannot be used afterwards.
   Socket release() { return std::move(socket_); }
 
  private:

@@ -35,7 +35,7 @@ class FilePart : public HttpBody {
     ssize_t count = -1;
     do count = ::pread(file_->descriptor(), to, wanted, static_cast<off_t>(at_));
     while (count < 0 && errno == EINTR);
-    if (count < 0) fail_by_errno("a file that is sent", "cannot be read on");
+    if (count < 0) fail_by_errno("a file that is being sent", "cannot be read further");
     at_ += static_cast<std::uint64_t>(count);
     left_ -= static_cast<std::uint64_t>(count);
     return static_cast<std::size_t>(count);
@@ -46,7 +46,8 @@ class FilePart : public HttpBody {
   std::uint64_t at_, left_;
 };
 
-// A strong validator: if any byte of a file changes, one of these values changes too, up to the resolution of clocks.
+// A strong validator. If any byte of a file changes, at least one of these values changes too, unless the clock's
+// resolution is too low.
 std::string etag_of(const struct stat& found) {
   return fmt::format("\"{:x}-{:x}-{:x}\"", found.st_ino, found.st_size,
                      found.st_mtim.tv_sec * 1000000000LL + found.st_mtim.tv_nsec);

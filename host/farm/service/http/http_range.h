@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Serves byte ranges (RFC 9110, section 14), so that a broken download can continue. Serves a single range. For several
-// ranges, or an invalid one, sends the whole body, as the RFC allows.
+// Serves byte ranges (RFC 9110, section 14), so that a broken download can continue. Only a single range is served. For
+// several ranges, or an invalid one, the whole body is sent, as the RFC allows.
 #pragma once
 
 #include <cstdint>
@@ -19,15 +19,15 @@ using ByteRange = HttpBodyPart;  // a count of 0 means that the range is outside
 std::optional<ByteRange> parse_byte_range(std::string_view field, std::uint64_t bytes);
 
 /// The header fields with which a request asks for ranges, or names the state of the body that the client already has.
-/// Missing fields are empty.
+/// If a header field is missing, its text is empty.
 struct RangeRequest {
   std::string range, if_range, if_none_match = {};
 };
 RangeRequest range_request(const HttpRequest& request);
 
 /// Adapts an answer of status 200, with a file or a seekable body, to this request. The status becomes 304 if the
-/// client has the body already, 206 for a part of the body, and 416 for a part beyond it. Adds the ETag of the file's
-/// state, and announces ranges. If `is_head`, ignores ranges, which are only for GET.
+/// client already has the body, 206 for a part of the body, and 416 for a part beyond its end. Adds the ETag of the
+/// file's state, and announces ranges. If `is_head`, ignores ranges, which are only for GET.
 void serve_range(HttpResponse& response, const RangeRequest& request, bool is_head);
 
 }  // namespace multum

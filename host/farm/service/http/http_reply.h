@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Makes JSON answers and refusals. Code that must refuse a request throws a Refusal. The answer has the status of this
-// Refusal.
+// Makes JSON answers and refusals. If code must refuse a request, it throws a Refusal, whose status becomes the status
+// of the answer.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -17,10 +17,10 @@ namespace multum {
 HttpResponse json_response(const nlohmann::json& json, int status = 200);
 /// Returns {"error": {"code", "message"}}.
 HttpResponse refusal_response(const Refusal& refusal);
-/// Returns the Content-Disposition of a download of this name (RFC 6266). The header has the ASCII characters of the
-/// name and, if the name has other characters, the whole name as UTF-8.
+/// Returns the Content-Disposition header for a download of this name (RFC 6266). The header has the ASCII characters
+/// of the name. If the name has other characters, the header also has the whole name as UTF-8.
 std::string attachment(const std::string& name);
-/// Returns 400 for usage and input errors, 507 for a disk without space, 503 for other errors of the environment.
+/// Returns 400 for usage and input errors, 507 for a disk without space, and 503 for other errors of the environment.
 Refusal refusal_of(const Error& error);
 
 }  // namespace multum

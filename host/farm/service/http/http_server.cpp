@@ -193,7 +193,7 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
       asio::co_spawn(io, serve(this->shared_from_this(), line, std::move(share)), asio::detached);
       return;
     }
-    // The latest connections get the spare lines: silent clients must not keep monitors out.
+    // The latest connections get the spare connections, because silent clients must not keep monitors out.
     ++counters.refused_connections;
     spare_lines.push_back(line);
     if (spare_lines.size() > kSpareLines) {
@@ -203,7 +203,7 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
     asio::co_spawn(io, serve_spare(line, this->shared_from_this()), asio::detached);
   }
 
-  // Arguments are destroyed in reverse order, so the share is returned to a budget that still exists.
+  // Arguments are destroyed in reverse order, so the budget still exists when the share is returned to it.
   static asio::awaitable<void> serve(std::shared_ptr<State> self, std::shared_ptr<HttpLine> line,
                                      [[maybe_unused]] MemoryShare its_own) {
     const Counted counted(self->open);
@@ -273,7 +273,7 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
         co_return false;
       }
       keep = false;
-      response = busy("too many clients listen to events");
+      response = busy("too many clients are listening to events");
     } else if (!is_urgent && !share.resize(response.made ? response.made->memory() + kPiece : response.body.size())) {
       keep = false;
       response = busy("there is not enough memory for the answer");
@@ -281,7 +281,7 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
     co_return co_await send(line, version, keep && !is_closed, is_head, std::move(response));
   }
 
-  // Returns the answer if one can be given at once.
+  // Returns the answer if it can be given at once.
   std::optional<HttpResponse> take_header(const HttpLine::Parser& parser, HttpRequest& request) {
     const auto& head = parser.get();
     request.method = head.method() == http::verb::head ? "GET" : std::string(head.method_string());
@@ -320,7 +320,7 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
         co_await settings.beside([&] { request.upload->write(piece); });
         co_return;
       }
-      // Reserves twice the size, because both copies exist while a growing string is moved.
+      // Reserves twice the size, because moving a growing string needs memory for both copies.
       if (!share.resize(2 * (request.body.size() + piece.size())))
         throw Refusal{503, "busy", "there is not enough memory for the request", {{"Retry-After", "1"}}};
       request.body += piece;
@@ -359,7 +359,7 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
     co_return co_await finish(line, message, keep, is_head);
   }
 
-  // Sends any number of bytes, as long as the client keeps receiving.
+  // Sends any number of bytes, as long as the client continues to receive them.
   template <typename Message>
   static asio::awaitable<bool> finish(HttpLine& line, Message& message, bool keep, bool is_head) {
     http::response_serializer<typename Message::body_type> serializer(message);
@@ -457,7 +457,7 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
           co_await asio::async_write(stream, http::make_chunk(asio::buffer(text)), use_awaitable);
           text.clear();
           if (!line->waiting.empty()) continue;
-          // Sends all events that arrive within the pause together, so that many listeners cost little more than a few.
+          // Sends all events that arrive within the pause together. Many listeners then cost little more than a few.
           line->wake.expires_after(kStreamPause);
           co_await line->wake.async_wait(asio::redirect_error(use_awaitable, error));
         }
@@ -524,7 +524,7 @@ void HttpServer::listen_unix(const std::string& path) {
   asio::local::stream_protocol::socket probe(state_->io);
   boost::system::error_code error;
   probe.connect(path, error);
-  if (!error) throw Error(ErrorCode::kEnvironment, path + ": another program listens on this socket");
+  if (!error) throw Error(ErrorCode::kEnvironment, path + ": another program is listening on this socket");
   ::unlink(path.c_str());
   const auto acceptor = std::make_shared<asio::basic_socket_acceptor<asio::local::stream_protocol>>(state_->io);
   const mode_t mask = ::umask(0177);

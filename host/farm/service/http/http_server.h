@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Serves HTTP/1.1 over TCP or a unix socket, to few trusted or many unknown clients. Uses one thread, bounded
-// connections, one memory budget for all requests and answers, and time limits for slow clients. The content of answers
-// is made elsewhere (http_api.h).
+// Serves HTTP/1.1 over TCP or a unix socket, to few trusted or many unknown clients. Uses one thread, a limited number
+// of connections, one memory budget for all requests and answers, and time limits for slow clients. The content of
+// answers is made elsewhere (http_api.h).
 #pragma once
 
 #include <boost/asio/awaitable.hpp>
@@ -32,16 +32,18 @@ struct HttpRequest {
   MemoryShare* memory = nullptr;                 // the request's part of the budget; making the answer may need more
 };
 
-/// A body that is made while it is sent; its length is known in advance.
+/// A body that is made while it is sent. Its length is known in advance.
 class HttpBody {
  public:
   virtual ~HttpBody() = default;
   virtual std::uint64_t bytes() const = 0;
   /// The bytes of memory that the body uses while it is sent.
   virtual std::size_t memory() const = 0;
-  /// Blocks. Returns the next bytes, as many as requested unless the body ends. Any exception ends the connection.
+  /// Blocks. Returns the next bytes. Their number is the requested number, unless the body ends. Any exception ends the
+  /// connection.
   virtual std::size_t read(char* to, std::size_t bytes_max) = 0;
-  /// A strong validator, in quotes, if the bytes are the same each time; otherwise "", and ranges are not available.
+  /// Returns a strong validator, in quotes, if the bytes are the same each time. Otherwise returns "", and ranges are
+  /// not available.
   virtual std::string etag() const { return ""; }
   /// Blocks. Skips the next bytes. Call it only for a body with an etag().
   virtual void skip(std::uint64_t) {}
@@ -73,11 +75,11 @@ class HttpServer {
     std::size_t body_max = 1 << 20;      // bytes per POST body; uploads are the only other requests with a body
     std::size_t upload_max = 64 << 20;   // bytes per request with is_upload
     std::function<bool(const std::string& method, const std::string& path)> is_upload;
-    /// Opens the file for an upload of at most `bytes_max` bytes. May block, and throw Refusal.
+    /// Opens the file for an upload of at most `bytes_max` bytes. May block, and may throw Refusal.
     std::function<std::shared_ptr<UploadFile>(std::size_t bytes_max)> open_upload;
-    /// Runs a function on a thread that may wait for disks.
+    /// Runs a function on a thread that is allowed to wait for disks.
     std::function<boost::asio::awaitable<void>(std::function<void()>)> beside;
-    /// Checks a request before its body is read: returns null to continue, or the answer to send.
+    /// Checks a request before its body is read. Returns null to continue, or else the answer to send.
     std::function<std::unique_ptr<HttpResponse>(const HttpRequest& without_body)> check;
     std::function<boost::asio::awaitable<HttpResponse>(HttpRequest request)> answer;
     /// Returns true for the paths that monitoring programs request. Requests for these paths are answered before other
@@ -99,7 +101,7 @@ class HttpServer {
   int listen_tcp(const std::string& host, int port);
   /// Makes a socket that only its owner can read and write. Removes the socket of a dead daemon.
   void listen_unix(const std::string& path);
-  /// Accepts no new connections; ends streams at once, and other connections after their answers.
+  /// Accepts no new connections. Ends streams at once, and ends other connections after their answers.
   void close();
   Counters counters() const;
 

@@ -40,7 +40,7 @@ constexpr int kNiceness = 10;  // children have a lower priority than jobs
 constexpr std::uint64_t kMemoryMax = std::uint64_t{3} << 30;
 constexpr char kSaid[] = "said.txt", kSources[] = "sources.txt";
 // The page contains all its data. The page may run its own script and save recorded paths as files, but it has no
-// origin. Malicious data in the page can therefore not reach the service or a token.
+// origin. Malicious data in the page can therefore reach neither the service nor a token.
 constexpr char kPagePolicy[] =
     "sandbox allow-scripts allow-downloads; default-src 'none'; script-src 'unsafe-inline' 'wasm-unsafe-eval'; "
     "worker-src blob:; style-src 'unsafe-inline'; img-src data: blob:; base-uri 'none'; form-action 'none'";
@@ -118,7 +118,7 @@ std::vector<std::string> confined(const JobRoots& roots, const std::string& fold
 JobPictures::JobPictures(asio::io_context& io, DataFolder& data, const JobRoots& roots)
     : io_(io), data_(data), folder_(data.path() + "/pictures"), roots_(roots), one_at_a_time_(pool_.get_executor()) {
   make_folder(folder_);
-  // Views that an earlier daemon could not make are tried once more, because the cause of the failure may be gone.
+  // If an earlier daemon could not make a view, it is tried once more, because the cause of the failure may be gone.
   std::error_code ignored;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder_, ignored)) {
     if (id_of(entry.path().filename()) == 0 || !has_view(entry.path())) fs::remove_all(entry.path(), ignored);
@@ -156,7 +156,7 @@ asio::awaitable<HttpResponse> JobPictures::answer(Job job, std::string name) {
 
 asio::awaitable<void> JobPictures::made(Request request) {
   if (waiters_.size() >= kWaitingMax)
-    throw Refusal{503, "busy", "too many jobs wait for pictures", {{"Retry-After", "10"}}};
+    throw Refusal{503, "busy", "too many jobs are waiting for pictures", {{"Retry-After", "10"}}};
   std::exception_ptr error;
   const auto initiate = [&](auto handler) {
     const auto shared = std::make_shared<decltype(handler)>(std::move(handler));
@@ -174,7 +174,7 @@ asio::awaitable<void> JobPictures::made(Request request) {
       });
     };
     asio::post(pool_, [this, done, request] {
-      // Existing pictures do not wait for pictures that are being made.
+      // Requests for existing pictures do not wait for pictures that are being made.
       try {
         if (has_result(request) && is_made(request)) return done(nullptr);
       } catch (const std::exception&) {  // make() will find the same error
@@ -229,7 +229,7 @@ bool JobPictures::has_result(const Request& request) const {
   return is_as_made(roots_.outputs, request.job.output, request.job.result_identity, roots_.seal);
 }
 
-// Lists the identities of the job's maps; "gone" stands for a map that no longer exists.
+// Lists the identities of the job's maps. The word "gone" stands for a map that no longer exists.
 std::string JobPictures::sources_of(const Request& request) const {
   std::string text;
   const nlohmann::json parameters = nlohmann::json::parse(request.job.parameters);
@@ -270,7 +270,7 @@ void JobPictures::make(const Request& request) {
   std::error_code error;
   fs::remove_all(unfinished, error);
   fs::create_directory(unfinished, error);
-  if (error) throw Error(ErrorCode::kEnvironment, unfinished + ": cannot be made: " + error.message());
+  if (error) throw Error(ErrorCode::kEnvironment, unfinished + ": cannot be created: " + error.message());
   try {
     run(request, unfinished);
     check_result();
@@ -294,7 +294,7 @@ void JobPictures::publish(const std::string& unfinished, const std::string& fold
 
 void JobPictures::run(const Request& request, const std::string& folder) {
   const JobView& view = request.view;
-  // Written before the maps are read, so that the view is made again if a map changes afterwards.
+  // This file is written before the maps are read, so that the view is made again if a map changes afterwards.
   write_text_file(folder + "/" + kSources, sources_of(request));
   const std::vector<std::string> words = command(request, folder);
   ChildLimits limits{kTimeMax, kNiceness, kMemoryMax};

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// Makes small pictures of finished jobs, and pages that show their results in a browser: the views of the job's type
-// (workers/job_types.h). A child process makes them, one at a time, at the first request. If a map or a driver crashes
-// the child, only the pictures are missing.
+// Makes small pictures of finished jobs, and pages that show their results in a browser. These are the views of the
+// job's type (workers/job_types.h). A child process makes them, one at a time, at the first request. If a map or a
+// driver crashes the child, only the pictures are missing.
 //
 //   DATA/pictures/ID-IDENTITYENDING/   render.png, player.html ...   files of the view that could be made
 //                                      said.txt                      the child's output, and how it ended if it failed
 //                                      sources.txt                   identities of the maps that the child was given
 //
-// IDENTITY is the identity of the published result (staging.h). Pictures of another result are never shown, and
-// pictures that show a map are made again when the map has changed. All files count against data_max. Of large views,
-// such as pages that contain maps, only the newest are kept; others are made again on request.
+// IDENTITY is the identity of the published result (staging.h). Pictures of another result are never shown. Pictures
+// that show a map are made again when the map has changed. All files count towards data_max. Of large views, such as
+// pages that contain maps, only the newest are kept, and others are made again on request.
 #pragma once
 
 #include <atomic>
@@ -43,7 +43,8 @@ class JobPictures {
   JobPictures& operator=(const JobPictures&) = delete;
 
   /// `name` is a file of one of the type's views, such as "render.png". The first of several requests starts the child,
-  /// and all wait for it. Throws Refusal 404 "no_picture" with the reason, and 507 "quota" if data_max leaves no room.
+  /// and all requests wait for it. Throws Refusal 404 "no_picture" with the reason, and 507 "quota" if data_max leaves
+  /// no room.
   boost::asio::awaitable<HttpResponse> answer(Job job, std::string name);
 
   /// Removes the pictures of these jobs. Blocks.
@@ -75,7 +76,7 @@ class JobPictures {
   const std::string folder_;
   const JobRoots& roots_;
   std::atomic<bool> is_ending_ = false;
-  /// Waiting requests by folder. Used on the thread of io_.
+  /// The waiting requests, by folder. They are used on the thread of io_.
   using Waiter = std::function<void(std::exception_ptr)>;
   std::map<std::string, std::vector<Waiter>> waiters_;
   boost::asio::thread_pool pool_{2};  // one thread may wait for a child, the other looks for existing files

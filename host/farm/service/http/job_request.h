@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads and checks clients' requests: turns bodies and queries into requests to the ledger. If a value differs from
+// Reads and checks clients' requests. Turns bodies and queries into requests to the ledger. If a value differs from
 // docs/reference/openapi.json, throws a Refusal that names the key, the value found and the value expected.
 #pragma once
 
@@ -19,7 +19,7 @@ std::optional<std::int64_t> parse_integer(const std::string& text);
 /// Splits "/v1/jobs/7" into v1, jobs, 7.
 std::vector<std::string> split_path(const std::string& path);
 
-/// Returns the body; {} if it is empty.
+/// Returns the body, or {} if the body is empty.
 nlohmann::json parse_body(const HttpRequest& request);
 
 /// Parses the request of POST /v1/jobs. Files must be below `roots`, and are replaced by their canonical names, which
@@ -41,8 +41,8 @@ void check_is_on_nodes(const SubmitRequest& request, const JobRoots& roots);
 /// Returns the queue of POST /v1/retry, or "" for all queues.
 std::string parse_retry(const nlohmann::json& body);
 
-/// Parses the request of POST /v1/purge: jobs by number, or all jobs that finished at least a given number of seconds
-/// ago.
+/// Parses the request of POST /v1/purge, which names jobs by number, or all jobs that finished at least a given number
+/// of seconds ago.
 struct PurgeRequest {
   std::vector<std::int64_t> jobs;
   std::optional<std::int64_t> finished_before_s;

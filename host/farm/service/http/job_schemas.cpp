@@ -125,7 +125,7 @@ OrderedJson list_of(const char* name) { return {{"type", "array"}, {"items", ref
 OrderedJson job_schemas() {
   const OrderedJson progress = {{"oneOf", {reference_to("Progress"), {{"type", "null"}}}}};
   OrderedJson parts = list_of("Part");
-  parts["description"] = "Parts of all attempts that were sent to Slurm.";
+  parts["description"] = "The parts that were sent to Slurm, for all attempts of the job.";
   OrderedJson schemas = {{"Submission", submission_schema()}};
   for (const JobType& type : job_types()) schemas[parameters_name(type)] = OrderedJson(parameters_schema(type));
   schemas["Job"] = job_schema(OrderedJson::object());

@@ -6,8 +6,8 @@
 
 namespace multum {
 
-/// Returns schemas by name: Submission, the parameters of each type, Job, and its extra fields in lists and in single
-/// answers.
+/// Returns schemas by name. These are Submission, the parameters of each type, Job, and its extra fields in lists and
+/// in single answers.
 nlohmann::ordered_json job_schemas();
 
 }  // namespace multum

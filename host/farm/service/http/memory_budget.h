@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Defines a budget of bytes that many users share. A request for more bytes than are left fails. Destructors return the
-// bytes.
+// Defines a budget of bytes that many users share. If a request asks for more bytes than are left, it fails.
+// Destructors return the bytes.
 #pragma once
 
 #include <cstddef>
@@ -23,7 +23,7 @@ class MemoryBudget {
   std::size_t used_ = 0;
 };
 
-/// A part of a budget, returned by its destructor.
+/// A part of a budget. Its destructor returns the part to the budget.
 class MemoryShare {
  public:
   explicit MemoryShare(MemoryBudget& budget) : budget_(&budget) {}

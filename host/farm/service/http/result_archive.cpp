@@ -92,8 +92,8 @@ std::size_t ResultArchive::memory() const {
   return bytes;
 }
 
-// A pax header comes before the ustar header. The pax header holds values that do not fit into the ustar header, and
-// names, because the ustar header does not state their encoding.
+// A pax header comes before the ustar header. The pax header has the values that do not fit into the ustar header. It
+// also has the names, because the ustar header does not state their encoding.
 std::string ResultArchive::header(const File& file) const {
   const std::string name = name_ + "/" + file.path;
   const auto [size, nanoseconds] = size_and_time(file.state);
@@ -127,15 +127,15 @@ void ResultArchive::begin_next() {
 void ResultArchive::end_file() {
   const File& file = files_[next_ - 1];
   if (!is_in_state(open_, file.state))
-    throw Error(ErrorCode::kUsage, fmt::format("{}: was changed while it was sent", file.path));
+    throw Error(ErrorCode::kUsage, fmt::format("{}: was changed while it was being sent", file.path));
   open_ = OpenFile();
   is_open_ = false;
   sent_ = 0;
   pending_.assign(padding_of(size_and_time(file.state).first), '\0');
 }
 
-// Writes the next bytes from one source: headers, padding or a file. Returns 0 at the end of the archive. If `to` is
-// null, skips the bytes.
+// Writes the next bytes from one source, which is headers, padding or a file. Returns 0 at the end of the archive. If
+// `to` is null, skips the bytes.
 std::size_t ResultArchive::advance(char* to, std::uint64_t bytes_max) {
   for (;;) {
     if (sent_ < pending_.size()) {
@@ -150,7 +150,7 @@ std::size_t ResultArchive::advance(char* to, std::uint64_t bytes_max) {
       const ssize_t count =
           to == nullptr ? (moved < 0 ? -1 : static_cast<ssize_t>(wanted)) : ::read(open_.descriptor(), to, wanted);
       if (count < 0 && errno == EINTR) continue;
-      if (count <= 0) throw Error(ErrorCode::kUsage, fmt::format("{}: cannot be read on", files_[next_ - 1].path));
+      if (count <= 0) throw Error(ErrorCode::kUsage, fmt::format("{}: cannot be read further", files_[next_ - 1].path));
       left_ -= static_cast<std::uint64_t>(count);
       return static_cast<std::size_t>(count);
     }

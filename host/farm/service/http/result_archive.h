@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Makes an archive of a folder of results for download: pax interchange format (POSIX.1-2001), which tar, bsdtar and
+// Makes an archive of a result folder for download, in the pax interchange format (POSIX.1-2001), which tar, bsdtar and
 // Python's tarfile read. The archive is made piece by piece while it is sent, and is stored neither in memory nor on
 // disk. The archive contains only the files in .multum-result, read beneath the folder's descriptor. If a file has
-// changed since it was published, there is no archive.
+// changed since it was published, no archive is made.
 #pragma once
 
 #include <string>
@@ -16,8 +16,8 @@ namespace multum {
 
 class ResultArchive : public HttpBody {
  public:
-  /// Blocks. Archives an open folder; its files are named NAME/... in the archive. Throws Error(kUsage) when the folder
-  /// was not published, or a file has changed. Throws Error(kEnvironment) when this cannot be determined.
+  /// Blocks. Archives an open folder. Its files are named NAME/... in the archive. Throws Error(kUsage) when the folder
+  /// was not published, or when a file has changed. Throws Error(kEnvironment) when this cannot be determined.
   ResultArchive(OpenFile folder, std::string name, const ResultSeal& seal);
 
   std::uint64_t bytes() const override { return bytes_; }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Runs thousands of waiting tasks one at a time. Each runs after all other work that is ready, so that tasks do not
-// delay answers to monitors.
+// Runs thousands of waiting tasks one at a time. Each task runs after all other work that is ready, so that tasks do
+// not delay answers to monitors.
 #pragma once
 
 #include <boost/asio/io_context.hpp>

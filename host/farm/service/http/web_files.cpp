@@ -10,7 +10,7 @@
 namespace multum {
 namespace {
 
-// "blob:" allows pictures that the page has fetched with its token; <img> could not send the token.
+// "blob:" allows pictures that the page has fetched with its token, which <img> could not send.
 constexpr char kSecurityPolicy[] =
     "default-src 'self'; img-src 'self' blob:; object-src 'none'; base-uri 'none'; form-action 'none'; "
     "frame-ancestors 'none'";

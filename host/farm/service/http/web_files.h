@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The page that the daemon serves: files of host/farm/service/web and some of runtime_gl/web, embedded at build time.
+// The page that the daemon serves. Its files are those of host/farm/service/web and some of runtime_gl/web, embedded at
+// build time.
 #pragma once
 
 #include <map>
@@ -17,8 +18,8 @@ const std::map<std::string, std::string_view>& shared_web_files();
 /// The service's own files and the shared ones together.
 const std::map<std::string, std::string_view>& web_files();
 
-/// Answers "/" and "/NAME" for each file, with status 304 if the client has it already. Whatever untrusted text the
-/// page shows, the page may load nothing from elsewhere and run only its own script.
+/// Answers "/" and "/NAME" for each file, with status 304 if the client already has it. Even if the page shows
+/// untrusted text, it cannot load anything from elsewhere and can run only its own script.
 HttpResponse web_file_response(const HttpRequest& request);
 
 }  // namespace multum

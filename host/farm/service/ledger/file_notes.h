@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Records in the ledger the files that the daemon made or may remove: outputs, uploads, and files of purged jobs.
+// Records the files that the daemon made or may remove in the ledger. These are outputs, uploads, and files of purged
+// jobs.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +12,7 @@
 
 namespace multum {
 
-/// Lists the files in the daemon's own folders that the ledger records; no other file in these folders may be removed.
+/// Lists the files in the daemon's own folders that the ledger records. No other file in these folders may be removed.
 /// The ledger stores paths as texts (path_text.h).
 class FileNotes {
  public:
@@ -31,7 +32,7 @@ class FileNotes {
   std::vector<std::string> uploads(const std::string& after, int limit);
   void forget_upload(const std::string& path);
 
-  /// Returns the folders that hold or will hold results of jobs, without duplicates.
+  /// Returns the folders that contain results of jobs or will contain them, without duplicates.
   std::vector<std::string> output_folders();
   /// Paths that jobs use.
   struct Uses {

@@ -73,7 +73,7 @@ enum class AttemptOutcome {
 
 const char* attempt_outcome_name(AttemptOutcome outcome);
 
-/// The owner of leases for jobs that a daemon has sent to Slurm; such leases outlive the daemon.
+/// The owner of leases for jobs that a daemon has sent to Slurm. Such leases outlive the daemon.
 std::string slurm_owner(const std::string& instance);
 bool is_slurm_owner(const std::string& owner);
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// The table of a job's fields, one row each. The table determines the ledger's columns, the JSON of jobs, the fields of
-// a submission, the options of `multum jobs submit`, the rows of the page, and schemas of docs/reference/openapi.json.
-// To add a field, add a member of Job, its row, and the code that sets it, and update the schemas with
-// tools/parameter_documents.
+// The table of a job's fields, with one row per field. The table determines the ledger's columns, the JSON of jobs, the
+// fields of a submission, the options of `multum jobs submit`, the rows of the page, and schemas of
+// docs/reference/openapi.json. To add a field, add a member of Job, its row, and the code that sets it, and update the
+// schemas with tools/parameter_documents.
 #pragma once
 
 #include <limits>

@@ -9,7 +9,7 @@
 
 namespace multum {
 
-/// Writes paths as texts (path_text.h), except in `parameters`, where they stay as submitted.
+/// Writes paths as texts (path_text.h), except in `parameters`, where paths stay as submitted.
 nlohmann::json job_json(const Job& job);
 /// Writes a job on one line, for events.
 std::string job_text(const Job& job);

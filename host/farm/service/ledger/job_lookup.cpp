@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads from the ledger single jobs, lists, counts and numbers. Changes nothing.
+// Reads single jobs, lists, counts and numbers from the ledger. Changes nothing.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -29,8 +29,9 @@ std::vector<std::int64_t> JobQueue::needs_of(std::int64_t id) {
 
 namespace {
 
-// ?1 state, ?2 queue, ?3 before, ?4 limit. Each query reads rows in the order of an index and stops at the limit. Only
-// the query by queue and state reads the numbers of all matching jobs, also from an index.
+// The parameters are ?1 state, ?2 queue, ?3 before, and ?4 limit. Each query reads rows in the order of an index and
+// stops at the limit. Only the query by queue and state reads the numbers of all matching jobs, which are also in an
+// index.
 constexpr char kOfAll[] =
     "WHERE (?2 = '' OR queue = ?2) AND id < IFNULL(?3, 9223372036854775807) ORDER BY id DESC LIMIT ?4";
 constexpr char kOfState[] =
@@ -40,7 +41,7 @@ constexpr char kOfQueueAndState[] =
     "WHERE id IN (SELECT id FROM jobs INDEXED BY jobs_next WHERE queue = ?2 AND state = ?1 AND id < IFNULL(?3, "
     "9223372036854775807) ORDER BY id DESC LIMIT ?4) ORDER BY id DESC";
 
-// One query for each kind of filter; `text` makes a query from its conditions.
+// One query for each kind of filter. `text` makes a query from its conditions.
 struct FilteredQueries {
   template <typename Text>
   explicit FilteredQueries(const Text& text)
@@ -71,7 +72,7 @@ std::vector<Job> JobQueue::list(const JobFilter& filter) {
 
 std::int64_t JobQueue::list_bytes(const JobFilter& filter) {
   // Casts texts to blobs, because the length of a text is its number of characters, for which SQLite must read the
-  // whole text. Adds 10 bytes per need, and 500 for a job's names and times.
+  // whole text. Adds 10 bytes per need, and 500 bytes for a job's names and times.
   static const FilteredQueries sql([](const char* conditions) {
     std::string bytes = "500 + 10 * (SELECT COUNT(*) FROM needs WHERE needs.job = jobs.id)";
     for (const JobField& field : job_fields())

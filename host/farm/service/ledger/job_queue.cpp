@@ -28,7 +28,7 @@ JobQueue::JobQueue(const LedgerSettings& settings)
   if (const std::string damage = database_.damage(); !damage.empty())
     throw Error(
         ErrorCode::kInput,
-        fmt::format("{}: is damaged: {}; docs/reference/service.md explains how to repair it", settings.path, damage));
+        fmt::format("{}: is damaged: {}. docs/reference/service.md explains how to repair it", settings.path, damage));
   take_instance(settings);
   take_numbers();
   resync();
@@ -66,8 +66,8 @@ void JobQueue::take_numbers() {
 
 void JobQueue::reserve(std::int64_t id) {
   if (numbers_.empty() || id <= reserved_) return;
-  // The file is not synced. The file is needed only if the ledger is lost, and it need not survive a power cut at the
-  // same time.
+  // The file is not synced. It is needed only if the ledger is lost, and it need not survive a power cut at the same
+  // time.
   const std::int64_t last = id + kReservedAtOnce - 1;
   const std::string fresh = numbers_ + ".new";
   std::ofstream file(fresh);
@@ -160,7 +160,7 @@ std::optional<JobQueue::Candidate> JobQueue::first_candidate(const std::string& 
   while (!found && query.step()) {
     Job job = job_from_row(query);
     // Skips jobs of busy devices, but waits for memory, because otherwise large jobs would never start. A job that
-    // exceeds a limit by itself runs when no other job does.
+    // exceeds a limit by itself runs when no other job is running.
     const auto device = all.device_jobs_max.find(job.device);
     if (device != all.device_jobs_max.end() && device_use_[job.device].jobs >= device->second) continue;
     const auto fits = [&](const Use& use, std::int64_t memory_max) {
@@ -214,7 +214,7 @@ std::optional<Job> JobQueue::claim(const ClaimLimits& limits, const std::string&
 }
 
 std::optional<TimeMs> JobQueue::next_due() {
-  // Names the indices, because SQLite would otherwise use the index of states and read all queued jobs.
+  // Names the indices in the query. Otherwise SQLite would use the index of states and read all queued jobs.
   SqliteStatement& query = statement(
       "SELECT MIN(t) FROM (SELECT MIN(not_before) AS t FROM jobs INDEXED BY jobs_back_off WHERE not_before IS NOT NULL "
       "AND state = 1 UNION ALL SELECT MIN(deadline) FROM jobs INDEXED BY jobs_deadline WHERE deadline IS NOT NULL AND "
@@ -363,7 +363,7 @@ CancelResult JobQueue::cancel(std::int64_t id, const std::string& why, TimeMs no
   const std::optional<Job> job = find(id);
   if (!job) return CancelResult::kUnknown;
   if (job->state == JobState::kRunning) {
-    // The ledger may not know yet that the attempt has failed; the job would then be queued again.
+    // The ledger may not know yet that the attempt has failed. In this case, the job would be queued again.
     statement("UPDATE jobs SET stop_asked = ? WHERE id = ?").bind(1, why).bind(2, id).run();
     return CancelResult::kStopWorker;
   }
@@ -373,8 +373,8 @@ CancelResult JobQueue::cancel(std::int64_t id, const std::string& why, TimeMs no
   return CancelResult::kCancelled;
 }
 
-// Collects in `roots` the job itself and, recursively, all of its needs that are dead or cancelled. Returns a
-// description of a need that was purged, or an empty text if there is none.
+// Collects in `roots` the job itself and, recursively, all of its needs that are dead or cancelled. If a need was
+// purged, returns a description of it, and otherwise an empty text.
 std::string JobQueue::gone_need(std::int64_t id, std::vector<std::int64_t>& roots) {
   std::set<std::int64_t> seen = {id};
   roots = {id};
@@ -409,8 +409,8 @@ RetryResult JobQueue::retry(std::int64_t id, TimeMs now) {
   if (const std::string gone = gone_need(id, result.queued); !gone.empty())
     return {{}, fmt::format("job {} {}: the job cannot be retried; submit it again", id, gone)};
   for (const std::int64_t root : result.queued) queue_again(root, now);
-  // Jobs that died without running because they need these jobs wait again, unless another need is missing or their
-  // deadline has passed. Each such job is examined once per job that it needs.
+  // Some jobs died without running because they need these jobs. They wait again, unless another need is missing or
+  // their deadline has passed. Each such job is examined once per job that it needs.
   for (std::size_t i = 0; i < result.queued.size(); ++i) {
     SqliteStatement& dependents = statement(
         "SELECT job FROM needs JOIN jobs ON jobs.id = needs.job WHERE needs.needs = ? AND jobs.state = 5 AND "
@@ -528,8 +528,8 @@ void JobQueue::forgive_back_offs(TimeMs now) {
       .run();
 }
 
-// No job may wait for a job that has failed or does not exist. Jobs that do so occur in rescued ledgers, and in ledgers
-// older than version 4.
+// No job may wait for a job that has failed or does not exist. Such jobs occur in rescued ledgers, and in ledgers older
+// than version 4.
 void JobQueue::settle_waiting(TimeMs now) {
   SqliteStatement& query = statement(
       "SELECT needs.job, needs.needs FROM needs JOIN jobs ON jobs.id = needs.job LEFT JOIN jobs AS other ON other.id = "

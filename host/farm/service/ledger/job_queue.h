@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Defines the ledger of jobs. The ledger keeps every accepted job until the job is purged, and lets each result be
-// published only once. The ledger is pure state: it starts nothing, waits for nothing, and gets the time from its
+// published only once. The ledger contains only state. It starts nothing, waits for nothing, and gets the time from its
 // caller. Only one thread uses it (queue_thread.h).
 #pragma once
 
@@ -19,7 +19,7 @@
 
 namespace multum {
 
-/// Limits of the jobs that run at the same time in a queue.
+/// The limits of the jobs that run at the same time in a queue.
 struct QueueLimits {
   int priority = 0;             // queues with higher values go first, whatever their jobs' priorities
   int jobs_max = 1 << 30;       // jobs that run at the same time
@@ -78,34 +78,34 @@ struct RetryResult {
 
 class JobQueue {
  public:
-  /// Opens or creates the database. Throws like SqliteDatabase and prepare_ledger(), and Error(kEnvironment) for the
+  /// Opens or creates the database. Throws like SqliteDatabase and prepare_ledger(). Throws Error(kEnvironment) for the
   /// ledger of another instance.
   explicit JobQueue(const LedgerSettings& settings);
   /// Returns the name of the folder that owns the ledger, or "" if no folder owns it yet.
   const std::string& instance() const { return instance_; }
   /// Makes the next job's number larger than `number`, even if this ledger has not used the numbers up to `number`. A
-  /// new ledger, or a restored older copy, automatically skips the job numbers up to the one in the file
+  /// new ledger, or a restored older copy, automatically skips the job numbers up to the number in the file
   /// LedgerSettings::numbers.
   void number_above(std::int64_t number);
   /// Throws Error(kEnvironment) if a job submitted now would be lost.
   void check_kept() const { database_.check_may_change(); }
 
   /// Adds a job. If a job of the same key and output already waits, runs, or has a result that `is_intact` accepts,
-  /// returns that job instead. Throws Error(kUsage) for needs that do not exist, or have failed for good.
+  /// returns that job instead. Throws Error(kUsage) for needs that do not exist or have failed permanently.
   using IsIntact = std::function<bool(const Job& succeeded)>;
   SubmitResult submit(const JobSubmission& submission, const IsIntact& is_intact, TimeMs now);
 
-  /// Gives `owner` a lease on the first job that may run, and returns this job, or nullopt if no job may run.
+  /// Gives `owner` a lease on the first job that may run. Returns this job, or nullopt if no job may run.
   std::optional<Job> claim(const ClaimLimits& limits, const std::string& owner, TimeMs now);
   /// The earliest end of a back-off or deadline among jobs that do not run.
   std::optional<TimeMs> next_due();
 
-  /// The holder of the lease reports that the result is ready under its staging name. Returns false if the caller no
-  /// longer holds the lease.
+  /// Records the report of a lease's holder that the result is ready under its staging name. Returns false if the
+  /// caller no longer holds the lease.
   bool begin_publishing(std::int64_t id, const std::string& owner, int attempt, const std::string& identity);
   /// Records that the result has its final name. Queues the jobs that needed it.
   void published(std::int64_t id, TimeMs now);
-  /// Removes the key of a job whose inputs have changed since it was submitted, because the key does not describe its
+  /// Removes the key of a job whose inputs have changed since it was submitted, because the key no longer describes its
   /// result.
   void forget_key(std::int64_t id);
   /// Records that an attempt failed, or ended without a result to publish. Returns false if `owner` no longer holds the
@@ -113,10 +113,10 @@ class JobQueue {
   bool ended(std::int64_t id, const std::string& owner, int attempt, const AttemptResult& result, TimeMs now);
 
   CancelResult cancel(std::int64_t id, const std::string& why, TimeMs now);
-  /// Queues a dead or cancelled job again, together with its dead or cancelled needs, recursively, and the jobs that
-  /// died because of any of these. Refuses jobs in other states, and jobs with a purged need.
+  /// Queues a dead or cancelled job again. Also queues its dead or cancelled needs, recursively, and the jobs that died
+  /// because of any of these. Refuses jobs in other states, and jobs with a purged need.
   RetryResult retry(std::int64_t id, TimeMs now);
-  /// Retries all dead jobs of one queue or of all queues, except for jobs that retry() would refuse; the messages of
+  /// Retries all dead jobs of one queue or of all queues, except for jobs that retry() would refuse. The messages of
   /// these jobs give the reason. Returns all jobs that are queued again.
   std::vector<std::int64_t> retry_dead(const std::string& queue, TimeMs now);
   /// Marks jobs as dead if their deadline has passed. Returns the ids of these jobs, and of running jobs that must be
@@ -135,7 +135,7 @@ class JobQueue {
   /// The approximate bytes of the texts of all jobs that list() would return.
   std::int64_t list_bytes(const JobFilter& filter);
   std::vector<JobAttempt> attempts(std::int64_t id);
-  /// Counts jobs by queue and state: "default" -> {queued -> 12, ...}.
+  /// Counts jobs by queue and state. An example is "default" -> {queued -> 12, ...}.
   std::map<std::string, std::map<JobState, std::int64_t>> counts();
   /// Returns jobs that succeeded with this key, the newest first. The outputs of these jobs may have changed since
   /// then.
@@ -146,7 +146,7 @@ class JobQueue {
   void resync();
 
   /// Recovers after a start. Marks running jobs as lost, which counts as an attempt. Returns jobs that were being
-  /// published; the caller completes them.
+  /// published, which the caller must complete.
   struct Recovered {
     std::vector<std::int64_t> lost;
     std::vector<Job> with_slurm;
@@ -206,7 +206,7 @@ class JobQueue {
   std::vector<std::int64_t> needs_of(std::int64_t id);
   std::vector<std::int64_t> ids(SqliteStatement& query);
 
-  /// Resources that running and publishing jobs use; a copy of data in the database.
+  /// The resources that running and publishing jobs use. This is a copy of data in the database.
   struct Use {
     int jobs = 0;
     std::int64_t memory = 0;

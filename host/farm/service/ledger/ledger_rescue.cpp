@@ -60,8 +60,8 @@ const RescuedTable kAttempts = {
     "number BETWEEN 1 AND 1000000000 AND outcome BETWEEN 0 AND 6 AND typeof(owner) = 'text' AND typeof(started) = "
     "'integer' AND typeof(ended) IN ('integer', 'null') AND typeof(message) = 'text'"};
 const RescuedTable kNeeds = {"needs", "job", {"job", "needs"}, "typeof(needs) = 'integer' AND needs < job"};
-// If the list of tables is copied from another ledger, this table's place may really hold another table that also has
-// pairs of small numbers. Therefore the index must contain each pair too.
+// If the list of tables is copied from another ledger, this table's place may contain another table that also has pairs
+// of small numbers. Therefore each pair must also be in the index.
 const RescuedTable kNeedsByIndex = {
     "needs",
     "job",
@@ -80,7 +80,7 @@ bool is_text(const std::string& text) {
   }
 }
 
-// Runs `read`; returns false if the data are damaged.
+// Runs `read`, and returns false if the data are damaged.
 template <typename Read>
 bool reads(Read read) {
   try {
@@ -130,8 +130,8 @@ class Rescue {
     return is_there;
   }
 
-  // Returns the numbers of all possible rows: those of the readable rows at both ends, up to a damaged row, and all
-  // numbers in between.
+  // Returns the numbers of all possible rows. These are the numbers of the readable rows at both ends, up to a damaged
+  // row, and all numbers in between.
   Ids numbers_of(const RescuedTable& table) {
     Ids numbers;
     const auto scan = [&](const char* order) {
@@ -155,7 +155,7 @@ class Rescue {
     return numbers;
   }
 
-  // Copies the rows with these numbers; returns the numbers of saved rows.
+  // Copies the rows with these numbers, and returns the numbers of saved rows.
   Ids copy(const RescuedTable& table, const Ids& numbers) {
     RescueReport::Table& report = tables_.emplace_back();
     report.name = table.name;
@@ -381,7 +381,7 @@ RescueReport rescue_ledger(const std::string& data) {
   if (!fs::is_regular_file(path, error))
     throw Error(ErrorCode::kInput, path + ": is missing, expected a ledger to rescue");
   const std::unique_ptr<DataLock> lock = DataLock::take(data);
-  if (!lock) throw Error(ErrorCode::kEnvironment, data + ": a daemon is running there; stop it first");
+  if (!lock) throw Error(ErrorCode::kEnvironment, data + ": a daemon is running there, and must be stopped first");
   if (fs::file_size(path, error) == 0 && !fs::exists(path + "-wal", error))
     throw Error(ErrorCode::kInput, path +
                                        ": is empty, so there is nothing to rescue; move it away, and start once "

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Rescues the readable part of a damaged ledger into a new one. Reads every table one row at a time: forwards,
-// backwards, and by row number in between. A damaged page then costs only the rows it holds. If the page with the list
-// of tables is lost, the page of a new ledger replaces it, because all ledgers have the same layout.
+// backwards, and by row number in between. If a page is damaged, only the rows in this page are lost. If the page with
+// the list of tables is lost, the page of a new ledger replaces it, because all ledgers have the same layout.
 #pragma once
 
 #include <cstdint>
@@ -20,7 +20,7 @@ struct RescueReport {
   std::string kept;  // path of the old ledger
 };
 
-/// Replaces DATA/jobs.sqlite by a new ledger; the old ledger stays next to it under another name. Throws
+/// Replaces DATA/jobs.sqlite by a new ledger. The old ledger is kept next to it under another name. Throws
 /// Error(kEnvironment) while a daemon runs there, and Error(kInput) when nothing can be read. In both cases, nothing is
 /// changed.
 RescueReport rescue_ledger(const std::string& data);

@@ -86,7 +86,7 @@ CREATE TABLE left_overs (  -- of purged jobs: what the next sweep of DATA remove
 CREATE TABLE uploads (path TEXT PRIMARY KEY NOT NULL) WITHOUT ROWID;
 )sql";
 
-// Since version 5.
+// This table exists since version 5.
 constexpr const char* kSlurmSchema = R"sql(
 CREATE TABLE slurm_parts (  -- what was sent to Slurm for running jobs, and what became of it (slurm_notes.h)
   batch INTEGER NOT NULL,
@@ -105,7 +105,7 @@ CREATE INDEX slurm_parts_job ON slurm_parts (job);
 CREATE INDEX slurm_parts_sent ON slurm_parts (batch) WHERE state = 0;
 )sql";
 
-// Since version 6: an index of the numbers of jobs by state, in order, for lists of one state.
+// Since version 6, there is an index of the numbers of jobs by state, in order, for lists of one state.
 constexpr const char* kListSchema = "CREATE INDEX IF NOT EXISTS jobs_listed ON jobs (state);";
 
 // Since version 3.
@@ -123,7 +123,7 @@ std::int64_t first_integer(SqliteDatabase& database, const char* sql) {
   return query.step() ? query.integer(0) : 0;
 }
 
-// Fields of other types are needs, which have their own table.
+// Fields of other types are needs, which are in their own table.
 void read_column(const SqliteStatement& row, int column, const JobField& field, std::string& value) {
   value = field.form == JobField::Form::kPath ? path_of_text(row.text(column)) : row.text(column);
 }

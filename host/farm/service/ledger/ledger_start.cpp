@@ -68,7 +68,7 @@ std::string take_up_ledger(QueueThread& ledger, const std::string& data) {
     queue.number_above(highest);
     instance = queue.instance();
   });
-  // The name is written last, because a start that is interrupted earlier has used no numbers.
+  // The name is written last, because a start that is interrupted before has used no numbers.
   if (read_instance(data) != instance) write_text_file(data + "/instance", instance + "\n");
   return instance;
 }

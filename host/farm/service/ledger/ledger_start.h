@@ -13,9 +13,9 @@ namespace multum {
 /// Reads DATA/instance. Returns "" if the file is missing or contains no name.
 std::string read_instance(const std::string& data);
 
-/// Finds the ledger before it is opened. `begins_anew` says that `--new-ledger` was given, for a folder whose ledger is
-/// lost. Throws Error(kEnvironment) if a used folder's ledger is missing or empty, and Error(kUsage) if a new one would
-/// replace an existing one.
+/// Finds the ledger before it is opened. `begins_anew` means that `--new-ledger` was given, for a folder whose ledger
+/// is lost. Throws Error(kEnvironment) if a used folder's ledger is missing or empty, and Error(kUsage) if a new one
+/// would replace an existing one.
 LedgerSettings find_ledger(const std::string& data, RetryPolicy retry, bool begins_anew);
 
 /// Continues an opened ledger. New numbers begin above all numbers in the folder, and the folder gets the ledger's

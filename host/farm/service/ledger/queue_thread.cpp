@@ -12,10 +12,10 @@
 namespace multum {
 namespace {
 
-// The largest number of tasks per commit. With more tasks, the first one would wait long for the last one.
+// The largest number of tasks per commit. With more tasks, the first task would wait too long for the last one.
 constexpr std::size_t kBatchMax = 256;
 
-// Repeats `work` until there is enough memory, so that callers get the result.
+// Repeats `work` until there is enough memory, so that callers get the result in any case.
 template <typename Work>
 void until_it_can(const Work& work) {
   for (;;) {
@@ -63,7 +63,8 @@ void QueueThread::run(Work work, Done done) { add({std::move(work), std::move(do
 
 void QueueThread::run_now(const Work& work) {
   std::promise<std::exception_ptr> ended;
-  // Does not use `post`, because the caller's thread waits. Waits for the commit, because the commit may fail.
+  // The result is not sent through `post`, because the caller's thread waits. Waits for the commit, because the commit
+  // may fail.
   add({work, [&](const std::exception_ptr& error) { ended.set_value(error); }, nullptr, true});
   if (const std::exception_ptr error = ended.get_future().get()) std::rethrow_exception(error);
 }
@@ -110,15 +111,15 @@ void QueueThread::loop() {
   }
 }
 
-// Called at the start of a batch and before its commit, because clients must not be told that data in a removed file is
-// safe.
+// Called at the start of a batch and before its commit. Clients must not be told that their data is safe if it was
+// written to a removed file.
 void QueueThread::look_for_loss() {
   if (is_lost_) return;
   const std::string what = queue_.database().displaced();
   if (what.empty()) return;
   const std::string why =
       "the ledger is lost: " + what +
-      "; the service accepts and records nothing until the ledger is put back and the service is restarted";
+      "; the service neither accepts nor records anything until the ledger is put back and the service is restarted";
   queue_.database().look_only(why);
   is_lost_ = true;
   service_log(LogSeverity::kError, 0, "ALARM: " + why);

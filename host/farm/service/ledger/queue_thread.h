@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Runs the only thread that uses the ledger. Concurrent requests are committed together: one disk sync serves all of
+// Runs the only thread that uses the ledger. Concurrent requests are committed together. One disk sync serves all of
 // them, and none is answered before that sync. If the ledger's file is removed or replaced, the ledger becomes
 // read-only, because commits would be lost.
 #pragma once
@@ -19,16 +19,16 @@ namespace multum {
 
 class QueueThread {
  public:
-  /// May throw; its changes are then undone. The work may run again if its changes were undone together with other
-  /// work.
+  /// The work may throw, and its changes are then undone. The work may run again if its changes were undone together
+  /// with those of other work.
   using Work = std::function<void(JobQueue&)>;
   using Done = std::function<void(std::exception_ptr)>;     // called after the commit, through `post`; null means
                                                             // success
   using Post = std::function<void(std::function<void()>)>;  // runs a function on the caller's thread
 
-  /// Opens the ledger; throws like JobQueue.
+  /// Opens the ledger. Throws like JobQueue.
   QueueThread(const LedgerSettings& settings, Post post);
-  /// Finishes all requested work, then ends the thread.
+  /// Finishes all requested work, and then ends the thread.
   ~QueueThread();
   QueueThread(const QueueThread&) = delete;
   QueueThread& operator=(const QueueThread&) = delete;

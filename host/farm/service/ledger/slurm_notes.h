@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Records in the ledger the jobs that were sent to Slurm. A restarted daemon then knows its jobs at Slurm, including
+// Records the jobs that were sent to Slurm in the ledger. A restarted daemon then knows its jobs at Slurm, including
 // those that no client waits for.
 #pragma once
 
@@ -17,7 +17,7 @@ enum class SlurmPartState { kSent, kSucceeded, kFailed, kLost, kCancelled };
 /// Returns "sent" ... "cancelled".
 const char* slurm_part_state_name(SlurmPartState state);
 
-/// A part of a job's attempt, done by a Slurm task. Each Slurm job is a batch. A batch is either one task that does
+/// A part of a job's attempt that a Slurm task does. Each Slurm job is a batch. A batch is either one task that does
 /// parts of many jobs one after the other, or an array of tasks that each do one share of a map.
 struct SlurmPart {
   std::int64_t batch = 0;
@@ -45,7 +45,7 @@ class SlurmNotes {
   std::vector<SlurmPart> sent();
   bool has_sent(std::int64_t job, int attempt);
   std::vector<SlurmPart> of_job(std::int64_t job);
-  /// The highest number of a batch, or 0 if there is no batch yet.
+  /// Returns the highest number of a batch, or 0 if there is no batch yet.
   std::int64_t last_batch();
   /// Cancels parts of jobs whose attempts have ended.
   void cancel_orphans();

@@ -44,7 +44,7 @@ SqliteStatement& SqliteStatement::bind(int number, std::int64_t value) {
   return *this;
 }
 
-// Messages may quote file names that are not UTF-8; paths come as texts (path_text.h).
+// Messages may quote file names that are not UTF-8. Paths are stored as texts (path_text.h).
 SqliteStatement& SqliteStatement::bind(int number, std::string_view bytes) {
   const std::string text = text_of_message(bytes);
   check(sqlite3_bind_text64(statement_, number, text.data(), text.size(), SQLITE_TRANSIENT, SQLITE_UTF8));
@@ -112,7 +112,7 @@ SqliteDatabase::SqliteDatabase(std::string path) : path_(std::move(path)) {
     log_file_ = file_number(path_ + "-wal");
     int has_moved = 0;  // whether the file was replaced before its inode was read
     sqlite3_file_control(handle_, "main", SQLITE_FCNTL_HAS_MOVED, &has_moved);
-    if (has_moved != 0) throw Error(ErrorCode::kEnvironment, path_ + ": was replaced while it was opened");
+    if (has_moved != 0) throw Error(ErrorCode::kEnvironment, path_ + ": was replaced while it was being opened");
   } catch (...) {
     sqlite3_close(handle_);
     throw;
@@ -128,7 +128,7 @@ SqliteStatement& SqliteDatabase::statement(const char* sql) {
 
 SqliteDatabase::~SqliteDatabase() {
   statements_.clear();
-  if (sqlite3_close(handle_) != SQLITE_OK) log_warning(path_, "was closed with statements that are still in use");
+  if (sqlite3_close(handle_) != SQLITE_OK) log_warning(path_, "was closed while statements were still in use");
 }
 
 void SqliteDatabase::execute(const std::string& sql) {
@@ -181,8 +181,8 @@ void SqliteDatabase::check_may_change() const {
   if (is_look_only()) throw Error(ErrorCode::kEnvironment, look_only_);
 }
 
-// Returns the errno of the last failed call if it reports a lack of space, otherwise 0. SQLite itself keeps the errno
-// only for some statements, and not for COMMIT.
+// Returns the errno of the last failed call if it reports a lack of space, and otherwise 0. SQLite itself keeps the
+// errno only for some statements, but not for COMMIT.
 int SqliteDatabase::no_space_errno() const {
   if (const int error = sqlite3_system_errno(handle_); is_no_space(error)) return error;
   for (const int kind : {SQLITE_FCNTL_FILE_POINTER, SQLITE_FCNTL_JOURNAL_POINTER}) {
@@ -218,7 +218,7 @@ void SqliteDatabase::fail(int result) const {
       throw SqliteError(
           ErrorCode::kInput,
           fmt::format(
-              "{}: is damaged or not a database of jobs: {}; docs/reference/service.md explains how to repair it",
+              "{}: is damaged or not a database of jobs: {}. docs/reference/service.md explains how to repair it",
               path_, what),
           result);
     case SQLITE_READONLY: check_may_change(); break;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Wraps SQLite and turns its errors into exceptions. Only this code includes the header of SQLite. One thread uses a
-// database at a time.
+// Wraps SQLite and turns its errors into exceptions. Only this code includes the header of SQLite. A database must not
+// be used by two threads at the same time.
 #pragma once
 
 #include <cstdint>
@@ -25,15 +25,16 @@ class SqliteDatabase;
 class SqliteError : public Error {
  public:
   SqliteError(ErrorCode code, const std::string& message, int result) : Error(code, message), result_(result) {}
-  /// Returns whether the file's contents may be the cause: damage, or values that no ledger has. Otherwise the cause is
-  /// the disk or memory.
+  /// Returns whether the file's contents may be the cause, which are then damaged or have values that no ledger has.
+  /// Otherwise the cause is the disk or memory.
   bool is_of_content() const;
 
  private:
   int result_;  // an extended result code of SQLite
 };
 
-/// A statement that is prepared once and run often: bind all values, then call run(), or step() until it returns false.
+/// A statement that is prepared once and run often. The caller binds all values, and then calls run(), or calls step()
+/// until it returns false.
 class SqliteStatement {
  public:
   SqliteStatement(SqliteDatabase& database, std::string_view sql);
@@ -51,13 +52,13 @@ class SqliteStatement {
   /// Binds a column of another database's row.
   SqliteStatement& bind(int number, const SqliteStatement& row, int column);
 
-  /// Moves to the next row. Returns false after the last row; then values may be bound again.
+  /// Moves to the next row. Returns false after the last row, and then values may be bound again.
   bool step();
   /// Runs a statement without rows. Returns the number of changed rows.
   int run();
   void reset();
 
-  /// Columns of the current row of step(), from 0.
+  /// The columns of the current row of step(), counted from 0.
   std::int64_t integer(int column) const;
   std::optional<std::int64_t> optional_integer(int column) const;
   std::optional<int> optional_int(int column) const;
@@ -72,9 +73,9 @@ class SqliteStatement {
 
 class SqliteDatabase {
  public:
-  /// Opens or creates the file, with a write-ahead log, synchronous FULL (so that commits survive a power cut) and
-  /// foreign keys, and locks it for this process. Throws Error(kEnvironment) if another process has locked it, or for
-  /// disk errors. Throws Error(kInput) if it is damaged or not a database.
+  /// Opens or creates the file and locks it for this process. Uses a write-ahead log, foreign keys, and synchronous
+  /// FULL, so that commits survive a power cut. Throws Error(kEnvironment) if another process has locked the file, or
+  /// for disk errors. Throws Error(kInput) if it is damaged or not a database.
   explicit SqliteDatabase(std::string path);
   ~SqliteDatabase();
   SqliteDatabase(const SqliteDatabase&) = delete;
@@ -93,10 +94,10 @@ class SqliteDatabase {
   std::string damage();
   const std::string& path() const { return path_; }
 
-  /// Returns why commits would be lost: the file or its log was removed or replaced. Returns an empty text if both are
-  /// in place. Takes two calls of stat(). Throws Error(kEnvironment) when this cannot be determined.
+  /// Returns the reason if commits would be lost because the file or its log was removed or replaced. Returns an empty
+  /// text if both are in place. Takes two calls of stat(). Throws Error(kEnvironment) when this cannot be determined.
   std::string displaced() const;
-  /// Makes the database read-only: changes throw Error(kEnvironment, why).
+  /// Makes the database read-only. Changes then throw Error(kEnvironment, why).
   void look_only(const std::string& why);
   bool is_look_only() const { return !look_only_.empty(); }
   /// Throws if a change would throw.
@@ -118,8 +119,8 @@ class SqliteDatabase {
   std::map<const char*, std::unique_ptr<SqliteStatement>> statements_;
 };
 
-/// A transaction: either all changes up to commit() are made, or none. The destructor undoes them if commit() was not
-/// called.
+/// A transaction, which makes either all changes up to commit() or none. The destructor undoes the changes if commit()
+/// was not called.
 class SqliteTransaction {
  public:
   explicit SqliteTransaction(SqliteDatabase& database) : database_(database) {
@@ -135,7 +136,7 @@ class SqliteTransaction {
   bool is_open_ = true;
 };
 
-/// A transaction within a transaction: if it fails, only its own changes are undone.
+/// A transaction within a transaction. If it fails, only its own changes are undone.
 class SqliteSavepoint {
  public:
   explicit SqliteSavepoint(SqliteDatabase& database) : database_(database) { database_.execute("SAVEPOINT part"); }

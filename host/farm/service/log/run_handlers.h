@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Runs the event loop of a serving thread. A handler that throws, usually for lack of memory, loses only its own work;
-// the other handlers continue.
+// Runs the event loop of a serving thread. If a handler throws, usually for lack of memory, only its own work is lost.
+// The other handlers continue.
 #pragma once
 
 #include <boost/asio/io_context.hpp>

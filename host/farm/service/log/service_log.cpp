@@ -20,7 +20,7 @@ void service_log(LogSeverity severity, std::int64_t job, const std::string& mess
   if (job != 0) line["job"] = job;
   line["message"] = text_of_message(message);
   const std::string text = escaped_json(line.dump()) + "\n";
-  // One write per line keeps the lines of several threads whole.
+  // Each line is one write, so that lines of several threads are not mixed.
   [[maybe_unused]] const ssize_t ignored = ::write(2, text.data(), text.size());
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writes the daemon's log: JSON objects on stderr, one per line, which systemd and container platforms collect.
+// Writes the daemon's log as JSON objects on stderr, one per line. Such lines can be collected by systemd and container
+// platforms.
 #pragma once
 
 #include <cstdint>

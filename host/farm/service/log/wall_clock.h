@@ -7,8 +7,8 @@
 
 namespace multum {
 
-/// Milliseconds since 1970 on the machine's clock, for displayed times, back-off and deadlines. Leases and timeouts of
-/// running jobs instead use a monotonic clock in the process that holds them.
+/// Returns the milliseconds since 1970 on the machine's clock, for displayed times, back-off and deadlines. Leases and
+/// timeouts of running jobs instead use a monotonic clock in the process that holds them.
 using TimeMs = std::int64_t;
 
 TimeMs wall_clock_ms();

@@ -34,8 +34,8 @@ std::string in_one_line(std::string text) {
   return text.empty() ? "no message" : text;
 }
 
-// Texts of Slurm 22.05 (src/common/slurm_errno.c), in lower case. Slurm accepts the same order when the controller
-// answers again, or when the partition is up again.
+// The error texts of Slurm 22.05 (src/common/slurm_errno.c), in lower case. After these errors, Slurm accepts the same
+// order when the controller answers again, or when the partition is up again.
 constexpr std::array kNotNowTexts = {"unable to contact slurm controller",
                                      "timed out",
                                      "did not end within",
@@ -59,7 +59,7 @@ constexpr std::array kNotNowTexts = {"unable to contact slurm controller",
                                      "submissions disabled",
                                      "requested nodes are busy",
                                      "credential"};
-// The settings name something that does not exist, or that this user may not use.
+// After these errors, the settings name something that does not exist, or that this user may not use.
 constexpr std::array kNeverTexts = {"invalid",
                                     "unrecognized option",
                                     "option requires",

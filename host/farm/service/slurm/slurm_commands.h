@@ -39,10 +39,10 @@ struct SlurmTask {
   bool is_stuck() const;
 };
 
-/// Returns the name of a task for scancel and scontrol: "12" or "12_3".
+/// Returns the name of a task for scancel and scontrol, such as "12" or "12_3".
 std::string slurm_task_name(std::int64_t job, int item);
 
-/// The consequence of an error message of sbatch for the order.
+/// The reason why sbatch refused an order, according to its error message.
 enum class SlurmRefusal {
   kNotNow,        // the controller does not answer, or accepts nothing at present; the same order may succeed later
   kNever,         // a wrong partition or account, or a limit; the order fails until the settings are changed
@@ -52,8 +52,8 @@ enum class SlurmRefusal {
 /// Compares the message with the texts of slurm_strerror(), which are not translated.
 SlurmRefusal refusal_of(const std::string& said);
 
-/// A job to cancel, by name and number, or one of its tasks. Item -1 means the whole job. The name is needed because a
-/// controller that has lost a job reuses its number.
+/// A job to cancel, given by name and number, or one of its tasks. Item -1 means the whole job. The name is needed
+/// because a controller that has lost a job reuses its number.
 struct SlurmTarget {
   std::string name;
   std::int64_t job = 0;
@@ -62,12 +62,12 @@ struct SlurmTarget {
 
 class SlurmCommands {
  public:
-  /// `is_stopped` is called while a command runs; if it returns true, the command is killed.
+  /// `is_stopped` is called while a command runs. If it returns true, the command is killed.
   SlurmCommands(SlurmSettings settings, std::function<bool()> is_stopped);
 
   /// Returns the number of the Slurm job. Throws Error(kEnvironment) with sbatch's message (refusal_of()).
   std::int64_t submit(const SlurmSubmission& submission) const;
-  /// Returns Slurm's MaxArraySize, an exclusive limit of task numbers, or nullopt if scontrol does not print it.
+  /// Returns Slurm's MaxArraySize, which is above all task numbers, or nullopt if scontrol does not print it.
   std::optional<int> array_size_max() const;
   /// Returns this user's tasks whose names begin with `prefix`, including tasks that ended some minutes ago. Throws
   /// Error(kEnvironment) when Slurm does not answer.

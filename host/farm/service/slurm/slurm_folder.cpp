@@ -30,7 +30,7 @@ constexpr std::size_t kLogBytesAtOnce = 1 << 20;
 
 std::string order_text(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
 
-// Returns nullopt for a missing or incomplete file.
+// Returns nullopt if the file is missing or incomplete.
 std::optional<Json> read_json(const std::string& path) {
   std::ifstream file(path);
   if (!file) return std::nullopt;
@@ -38,7 +38,7 @@ std::optional<Json> read_json(const std::string& path) {
   return json.is_object() ? std::optional(std::move(json)) : std::nullopt;
 }
 
-// Returns nullopt for values of wrong types, too.
+// Also returns nullopt for values of wrong types.
 template <typename Value, typename Read>
 std::optional<Value> read_as(const std::string& path, const Read& read) {
   try {
@@ -153,7 +153,7 @@ std::optional<SlurmEnd> SlurmBatchFolder::end(int item) const {
 
 std::string SlurmBatchFolder::make_work_folder(int item) const {
   const std::string folder = fmt::format("{}/work-{}", path_, item);
-  // The folders of a daemon's data; Slurm workers do not use the last two.
+  // The folders of a daemon's data. Slurm workers do not use the last two.
   for (const char* part : {"logs", "scratch", "uploads", "results"}) make_folder(folder + "/" + part);
   return folder;
 }

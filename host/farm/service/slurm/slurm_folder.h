@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Defines the shared folder through which a daemon and its Slurm tasks communicate. Files appear by a rename. No times
-// are compared, because nodes have their own clocks.
+// Defines the shared folder through which a daemon and its Slurm tasks communicate. Each file is written under a
+// temporary name and then renamed. No times are compared, because nodes have their own clocks.
 //
 //   FOLDER/multum-INSTANCE/batch-17/
 //     order.json        the work; if the file is removed, the batch's tasks end
@@ -52,7 +52,7 @@ class SlurmBatchFolder {
   explicit SlurmBatchFolder(std::string path) : path_(std::move(path)) {}
   const std::string& path() const { return path_; }
 
-  /// Creates the folder too. Throws Error(kEnvironment), like all functions that write.
+  /// Also creates the folder. Throws Error(kEnvironment), like all functions that write.
   void write_order(const SlurmOrder& order) const;
   bool has_order() const;
   /// Throws Error(kEnvironment) when the order no longer exists.
@@ -73,10 +73,10 @@ class SlurmBatchFolder {
   std::optional<SlurmStatus> status(int item) const;
   std::optional<SlurmEnd> end(int item) const;
 
-  /// Creates the work folder, with all its folders, for a worker whose first item is `item`.
+  /// Creates the work folder, with all its subfolders, for a worker whose first item is `item`.
   std::string make_work_folder(int item) const;
   std::string log(int work_item, int item) const;
-  /// The path for the output of Slurm's tasks. "%a" stands for a task's number in an array.
+  /// Returns the path for the output of Slurm's tasks. "%a" stands for a task's number in an array.
   std::string output(bool is_array) const;
   /// Returns the last line that a task printed, or "" if there is none.
   std::string last_words(int item, bool is_array) const;

@@ -10,7 +10,8 @@ namespace multum {
 SlurmLook look_at_slurm(const SlurmCommands& commands, const SlurmFolder& folder, const std::string& prefix,
                         const std::vector<SlurmWatched>& watched) {
   SlurmLook look;
-  // Reads the files after the list, so that a task that is listed as ended has written all of its files.
+  // Reads the files after the list. If the list shows that a task has ended, the task has then written all of its
+  // files.
   try {
     look.tasks = commands.list(prefix);
   } catch (const Error& error) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Checks the work sent to Slurm once: first Slurm's list of tasks, then the tasks' files in the shared folder. Blocks.
+// Checks the work sent to Slurm once. Reads Slurm's list of tasks, and then the tasks' files in the shared folder.
+// Blocks.
 #pragma once
 
 #include <map>
@@ -12,7 +13,7 @@
 
 namespace multum {
 
-/// Number of the batch, and of the item.
+/// The number of the batch and the number of the item within it.
 using SlurmPartKey = std::pair<std::int64_t, int>;
 
 /// A part that the daemon watches.
@@ -43,9 +44,9 @@ struct SlurmLook {
 SlurmLook look_at_slurm(const SlurmCommands& commands, const SlurmFolder& folder, const std::string& prefix,
                         const std::vector<SlurmWatched>& watched);
 
-/// The second half of a check. Lists each batch's folder once and opens only existing files. Thousands of parts may
-/// wait, and each attempt to open a missing file would be a request to the file server. `watched` should be sorted by
-/// key; otherwise folders are listed more often.
+/// Does the second half of a check. Lists each batch's folder once and opens only existing files. Thousands of parts
+/// may wait, and each attempt to open a missing file would be a request to the file server. `watched` should be sorted
+/// by key, because otherwise folders are listed more often.
 void look_at_files(const SlurmFolder& folder, const std::vector<SlurmWatched>& watched,
                    std::map<SlurmPartKey, SlurmLook::Seen>& parts);
 

@@ -58,7 +58,7 @@ void SlurmPool::beside(asio::thread_pool& threads, std::function<std::function<v
   });
 }
 
-// Runs work in the ledger; repeats it while the disk is full, but not if the ledger is lost.
+// Runs work in the ledger. Repeats it while the disk is full, but not if the ledger is lost.
 void SlurmPool::note(QueueThread::Work work, std::function<void()> done) {
   ledger_.run(work, [=, this](const std::exception_ptr& error) {
     if (!error) return done();
@@ -127,7 +127,7 @@ void SlurmPool::order(SlurmWork work) {
 }
 
 void SlurmPool::flush() {
-  // When jobs arrive one by one, waits for a while, so that they can share a task.
+  // When jobs arrive one by one, waits for a while so that they can share a task.
   if (settings_.slurm.chunk_seconds <= 0.0 || new_.size() >= kEstimatedAtOnce) return estimate_new();
   if (new_.empty() || is_gathering_) return;
   is_gathering_ = true;
@@ -194,7 +194,7 @@ void SlurmPool::send(std::vector<std::vector<SlurmPart>> batches) {
   std::vector<SlurmPart> rows;
   std::vector<std::int64_t> numbers;
   for (std::vector<SlurmPart>& parts : batches) {
-    // Uses the clock, so that a number is not reused if the ledger has lost the earlier ones.
+    // Uses the clock, so that a number is not used again if the ledger has lost the earlier numbers.
     const std::int64_t number = last_batch_ = std::max(last_batch_ + 1, milliseconds_since_1970());
     Batch& batch = batches_[number];
     numbers.push_back(number);
@@ -261,7 +261,7 @@ SlurmPool::Sending SlurmPool::sending_of(std::int64_t number, const Batch& batch
   s.command = {settings_.slurm.program.empty() ? own_program() : settings_.slurm.program, "slurm-task",
                "--batch=" + folder.path()};
   s.output = folder.output(batch.is_array);
-  // Slurm lets users only raise the nice value.
+  // Slurm lets users raise the nice value, but not lower it.
   s.nice = std::max(0, settings_.slurm.nice - priority);
   s.time_max = batch.time_max;
   for (const auto& [other, of] : batches_) {
@@ -320,7 +320,7 @@ void SlurmPool::submit_ready() {
   });
 }
 
-// Runs on the thread of the commands. `known` has Slurm's numbers of the batches that were sent just before.
+// Runs on the thread of the commands. `known` has Slurm's numbers for the batches that were sent just before.
 SlurmPool::Sent SlurmPool::submit(const Sending& sending, std::map<std::int64_t, std::int64_t>& known) {
   Sent one{sending.number, std::nullopt, ""};
   SlurmSubmission submission = sending.submission;
@@ -359,7 +359,7 @@ void SlurmPool::take_sent(const std::vector<Sent>& sent) {
       batch.refusal.clear();
       known.emplace_back(one.number, *one.slurm_job);
     } else {
-      // Slurm may have the job although its answer was lost.
+      // Slurm may have accepted the job although its answer was lost.
       ++counters_.submit_failures;
       batch.stage = Stage::kUnsure;
       if (!one.refusal.empty()) take_refusal(batch, one.refusal);
@@ -407,7 +407,7 @@ void SlurmPool::split_array(std::int64_t number) {
   std::vector<SlurmPart> bands;
   for (const auto& [item, part] : batches_.at(number).parts) bands.push_back(part.row);
   replace(number, in_arrays(std::move(bands), array_size_max_),
-          "sbatch refused an array of so many tasks; the jobs are sent again in a smaller array");
+          "sbatch refused an array of so many tasks, so the jobs are sent again in a smaller array");
 }
 
 // The ledger records the parts of the old batch as lost, for this reason. The old order is removed, so that its tasks
@@ -517,7 +517,7 @@ void SlurmPool::end_if_idle(std::int64_t job) {
   const WorkResult result = *found->second.result;
   const int attempt = found->second.work.order.attempt;
   works_.erase(found);
-  // Posted and not called directly, because the receiver may order more work.
+  // This call is posted instead of being made directly, because the receiver may order more work.
   asio::post(io_, [this, job, attempt, result] { events_.ended(job, attempt, result); });
 }
 

@@ -65,7 +65,7 @@ class SlurmPool {
     std::uint64_t parts_ended = 0, parts_lost = 0, rounds = 0;
     double submit_seconds = 0.0;  // time spent on writing orders and running sbatch
   };
-  /// Data of a running part that its ledger record does not have.
+  /// The data of a running part that are not in its ledger record.
   struct PartView {
     std::string slurm_state, reason, node;
     JobProgress progress;
@@ -76,11 +76,11 @@ class SlurmPool {
   SlurmPool(const SlurmPool&) = delete;
   SlurmPool& operator=(const SlurmPool&) = delete;
 
-  /// Takes over the work that an earlier daemon has sent, as recorded in the ledger. Called before start().
+  /// Takes over the work that an earlier daemon has sent, as recorded in the ledger. Must be called before start().
   void adopt(const std::vector<SlurmWork>& works, const std::vector<SlurmPart>& parts, std::int64_t last_batch);
   /// Throws Error(kEnvironment) when the shared folder cannot be used.
   void start();
-  /// Sends no more jobs; work at Slurm continues.
+  /// Sends no more jobs. The work at Slurm continues.
   void close();
 
   /// Returns the number of further jobs that the pool accepts.
@@ -118,7 +118,7 @@ class SlurmPool {
     int refusals = 0, waits = 0;  // number of sbatch's refusals for unknown and for temporary reasons
     int looks_to_skip = 0;        // number of checks to wait before the batch is sent again
     std::string refusal;          // sbatch's last message
-    // If set, the batch is not sent; this is then the exit code of its parts.
+    // If set, the batch is not sent. The value is the exit code of its parts.
     std::optional<int> refused_with;
     bool has_worked = false;  // at least one part has begun
     std::chrono::seconds time_max{0};

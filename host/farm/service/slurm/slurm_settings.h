@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Settings for Slurm: table [slurm] of serve.toml, whose keys docs/reference/service.md lists.
+// The settings for Slurm, which are in the table [slurm] of serve.toml. docs/reference/service.md lists its keys.
 #pragma once
 
 #include <chrono>

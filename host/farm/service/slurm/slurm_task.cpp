@@ -85,12 +85,12 @@ class Task {
 
   void on_ended(const WorkResult& result) {
     is_running_ = false;
-    // An interrupted item starts again in another task, or no client waits for it.
+    // An interrupted item is either started again by another task, or no client waits for it.
     if (is_stopping_) return io_.stop();
     note_end(result);
   }
 
-  // A result counts only when it is written. If the folder is full, this is tried again later.
+  // A result counts only when it has been written. If the folder is full, writing is tried again later.
   void note_end(const WorkResult& result) {
     ended_ = result;
     try {
@@ -105,7 +105,7 @@ class Task {
     begin_next();
   }
 
-  // Ends, because no client waits for unfinished items.
+  // The task ends, because no client waits for unfinished items.
   void stop() {
     is_stopping_ = true;
     if (!is_running_ || !pool_.cancel(item().work.job)) io_.stop();

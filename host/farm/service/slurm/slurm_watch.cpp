@@ -188,9 +188,9 @@ SlurmPool::Fate SlurmPool::follow(Batch& batch, Part& part, const SlurmLook::See
   }
   if (is_given_up && !batch.is_revoked)
     stop_item(part.row.batch, part.row.item);  // repeated, because the folder may have been full
-  // A task that was told to stop before this check and has not begun will not begin.
+  // A task that was told to stop before this check, and that has not begun, will not begin.
   if (is_given_up && task->state == "PENDING") return end_part(part, SlurmPartState::kCancelled, {130, "", false});
-  // A task with several parts works at the first one that has not ended.
+  // A task with several parts works on the first part that has not ended.
   const bool is_at_work = task->state == "RUNNING" && (batch.is_array || &part == &batch.parts.begin()->second);
   if (!is_at_work) part.heard.reset();
   else if (!part.heard) part.heard = now;
@@ -229,7 +229,7 @@ SlurmPool::Fate SlurmPool::follow_absence(Batch& batch, Part& part, const SlurmT
   // The last files of the part may not be visible here yet.
   if (now - *part.gone < settings_.slurm.visible) return Fate::kGoesOn;
   if (batch.is_revoked) return end_part(part, SlurmPartState::kCancelled, {130, "", false});
-  // No task has begun the part, so the part is not the cause. A merge finds out by itself which shares are missing.
+  // No task has begun the part, so the part is not the cause. A merge detects by itself which shares are missing.
   if (!part.has_begun && (task == nullptr || (batch.has_worked && part.kind.is_whole()))) return Fate::kAgain;
   const std::string name = slurm_task_name(*batch.slurm_job, batch.is_array ? part.row.item : -1);
   std::string message = task == nullptr ? fmt::format("Slurm no longer knows its task {}", name)
@@ -368,9 +368,9 @@ void SlurmPool::send_again(std::int64_t number) {
   }
   ++counters_.forgotten;
   service_log(LogSeverity::kWarning, parts.front().job,
-              fmt::format("Slurm no longer knows its job {}, or did not start it; the job is sent again",
+              fmt::format("Slurm no longer knows its job {}, or did not start it, so the job is sent again",
                           old.slurm_job.value_or(0)));
-  replace(number, {std::move(parts)}, "Slurm no longer knew the job, or did not start it; the job was sent again");
+  replace(number, {std::move(parts)}, "Slurm no longer knew the job, or did not start it, so the job was sent again");
 }
 
 // Removes the files of batches once the ledger has recorded how their parts ended.

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Runs the page: the queues, the list of jobs, the open job, keys, and the state of the connection to the service.
+// Runs the page with the queues, the list of jobs, the open job, the keys, and the state of the connection to the
+// service.
 
 import { EventLine, ask } from "./client.js";
 import { errorText, sayUncaughtErrors } from "./error_text.js";
@@ -199,7 +200,7 @@ const line = new EventLine({
   state: setLine,
 });
 
-// Collects ends of jobs, because separate announcements for a thousand jobs would not help.
+// Collects the ends of jobs for one announcement, because a thousand separate announcements would not help.
 const ended = [];
 function say(job) {
   if (ended.push(job) > 1) return;

@@ -109,7 +109,7 @@ export class EventLine {
       this.on.state("broken");
       if (source.readyState !== EventSource.CLOSED) return; // the browser reconnects by itself
       this.close();
-      // The service refused the connection, usually because of the token; the next request then asks for a token.
+      // The service refused the connection, usually because of the token. The next request then asks for a token.
       setTimeout(() => fetchAnswer("GET", "/v1/queues").then(() => this.look(), () => this.look()), 2000);
     };
     source.addEventListener("job", (event) => this.take(event, this.on.job));

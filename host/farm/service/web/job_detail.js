@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Shows one job: all its fields, its pictures, and its growing log.
+// Shows one job with all its fields, its pictures, and its growing log.
 
 import { ask, askTypes, fetchAnswer, hasToken } from "./client.js";
 import { errorText } from "./error_text.js";
@@ -193,7 +193,7 @@ export class JobDetail {
 
   tick() {
     if (!this.job) return;
-    // Parts cause no events, neither when they are sent nor when they end.
+    // Parts cause no events when they are sent or when they end.
     const parts = this.job.parts ?? [];
     const mayChange = parts.length === 0 ? this.job.state === "running" : parts.some((one) => one.state === "sent");
     if (mayChange && ++this.ticks % 3 === 0) this.refresh();
@@ -209,7 +209,7 @@ export class JobDetail {
       if (this.number !== id) return;
       if (text.length !== this.logSize) this.showLog(text);
     } catch {
-      // The page shows that the connection is broken; the next request may succeed.
+      // The page shows that the connection is broken. The next request may succeed.
     }
     if (this.number === id && this.job && !isFinal(this.job.state))
       this.logTimer = setTimeout(() => this.loadLog(), this.logSize > LOG_LARGE ? 10000 : 2000);

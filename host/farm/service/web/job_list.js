@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Shows the table of jobs: one page, the newest first, updated by events. However busy the service is, the table has at
-// most PAGE rows and is drawn at most ten times per second.
+// Shows the table of jobs. It shows one page of jobs, the newest first, and events update it. However busy the service
+// is, the table has at most PAGE rows and is drawn at most ten times per second.
 
 import { ask } from "./client.js";
 import { errorText } from "./error_text.js";
@@ -240,7 +240,7 @@ export class JobList {
     byId("filter-text").focus();
   }
 
-  // ---- The chosen row: Tab reaches this row, and other keys lead from it to the other rows.
+  // ---- The chosen row. The Tab key reaches this row, and other keys lead from it to the other rows.
 
   choose(id) {
     const old = this.rows.get(this.chosen);

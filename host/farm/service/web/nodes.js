@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Makes nodes and texts. Untrusted text, such as labels, messages and file names, becomes text nodes and attributes
-// with known names, never markup.
+// with known names, but never markup.
 
 export const byId = (id) => document.getElementById(id);
 

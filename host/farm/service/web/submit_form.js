@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A form for each type of job, built from the schema of its parameters (GET /v1/types).
+// Makes a form for each type of job from the schema of its parameters (GET /v1/types).
 
 import { ask, askTypes } from "./client.js";
 import { errorText } from "./error_text.js";

@@ -21,7 +21,7 @@ class DriverProbe {
     std::string message;  // the reason if there is no device
   };
 
-  /// `command` ends with exit code 0 if there is a device; otherwise its last line gives the reason. Answers on the
+  /// `command` ends with exit code 0 if there is a device. Otherwise its last line gives the reason. Answers on the
   /// thread of `io`.
   DriverProbe(boost::asio::io_context& io, std::vector<std::string> command);
   /// Ends the running child.
@@ -29,7 +29,7 @@ class DriverProbe {
   DriverProbe(const DriverProbe&) = delete;
   DriverProbe& operator=(const DriverProbe&) = delete;
 
-  /// Returns the last finding. The first caller waits for it. A finding is renewed in the background after ten minutes,
+  /// Returns the last result. The first caller waits for it. A result is renewed in the background after ten minutes,
   /// or after half a minute if there was no device.
   boost::asio::awaitable<Finding> look();
 

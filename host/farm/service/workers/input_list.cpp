@@ -23,7 +23,7 @@ constexpr auto kTimeMax = std::chrono::seconds(10);
 constexpr std::uint64_t kMemoryMax = std::uint64_t{512} << 20;
 constexpr std::size_t kOutputMax = 16 << 20;  // in bytes; limited because the daemon reads the output
 
-// Returns the last line; skips warnings before it.
+// Returns the last line, and skips warnings before it.
 std::string last_line(std::string output) {
   while (output.ends_with('\n')) output.pop_back();
   return output.substr(output.rfind('\n') + 1);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lists the files that a job reads. Clients' scenes, inference jobs and manifests name other files. Only a child
-// process parses such files, confined to the roots and with limits of memory and time; the daemon never parses them.
+// Lists the files that a job reads. The scenes, inference jobs and manifests of clients name other files. The daemon
+// never parses such files. Only a child process parses them, confined to the roots and with limits of memory and time.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>

@@ -30,7 +30,7 @@ std::vector<JobType>& registered_types() {
   return types;
 }
 
-// A job accepts less than a command line does: no control characters, and no files except for its inputs.
+// A job accepts less than a command line does. It accepts no control characters, and no files except for its inputs.
 std::string expected_of_job(const Parameter& parameter) {
   return parameter.kind == Kind::kText ? "a string of up to 1000 characters without control characters"
                                        : expected_text(parameter);
@@ -65,7 +65,7 @@ bool is_accepted(const Parameter& parameter, const Json& json) {
   }
 }
 
-// Formats a value for the command line; files become the bytes of their paths.
+// Formats a value for the command line. Files become the bytes of their paths.
 std::string argument_text(const Parameter& parameter, const Json& value) {
   if (!value.is_string()) return value.dump();
   const std::string text = value.get<std::string>();

@@ -21,8 +21,8 @@ namespace multum {
 
 class Progress;
 
-/// Files that a child makes from a finished job's result at the first request (http/job_pictures.h): pictures, or a
-/// page. The command line is `program` `words` --output=PLACE, the options named below, then -- and the result.
+/// Files that a child makes from a finished job's result at the first request (http/job_pictures.h). They are pictures,
+/// or a page. The command line is `program` `words` --output=PLACE, the options named below, then -- and the result.
 struct JobView {
   struct Shown {
     std::string file, caption;
@@ -53,7 +53,7 @@ struct JobType {
   std::string name;  // such as "bake"
   std::string summary;
   std::string command = {};  // command of this program that does the work; if empty, `run`
-  /// Does the work within the worker. `arguments` come from job_arguments(); when `is_deaf` is set, the worker sends no
+  /// Does the work within the worker. `arguments` come from job_arguments(). When `is_deaf` is set, the worker sends no
   /// more signs of life. Returns the exit code.
   std::function<int(const std::vector<std::string>& arguments, Progress& progress, std::atomic<bool>& is_deaf)> run =
       nullptr;
@@ -62,14 +62,14 @@ struct JobType {
   bool needs_output = true;
   bool output_is_folder = false;
   /// Lists the files that the input names, with paths relative to the input's folder, because a child process reads the
-  /// input. Throws Error(kInput) when it cannot be read. Null if the input names no files.
+  /// input. Throws Error(kInput) when the input cannot be read. The function is null if the input names no files.
   std::vector<std::string> (*files_of_input)(const std::string& input) = nullptr;
   bool input_is_one_map = false;  // the input is one map, not a set of tiles
   std::vector<RefusedInput> refused_inputs = {};
   std::string output_extension = {};                 // "" means any extension
   std::vector<std::string> refused_extensions = {};  // file name extensions that an output folder must not have
-  /// Options of every job of the type, such as --absolute-geometry: a result is made next to its final place and may be
-  /// copied, so relative paths would break.
+  /// Options of every job of the type, such as --absolute-geometry. This option is needed because a result is made next
+  /// to its final place and may be copied, so relative paths would break.
   std::vector<std::string> fixed_options = {};
   std::int64_t memory_bytes = 0;          // memory of a job whose submission does not state it
   const ParameterTable* table = nullptr;  // a job takes its kInService parameters
@@ -78,7 +78,7 @@ struct JobType {
   /// A command of this program that takes the arguments of `command`, --json and --share-seconds, and prints a job's
   /// estimated cost (slurm/slurm_estimate.h). If empty, `estimated_seconds` is used.
   std::string estimate_command = {};
-  /// The estimated seconds of a job; null if unknown.
+  /// Returns the estimated seconds of a job. The function is null if they are unknown.
   double (*estimated_seconds)(const nlohmann::json& parameters) = nullptr;
 
   /// Returns null if jobs have no parameter of this name.
@@ -87,10 +87,10 @@ struct JobType {
   const JobView* find_view(const std::string& file) const;
 };
 
-/// Registers the types of jobs that this program runs, in the order in which users and clients see them. Call it once,
-/// before any other function of the farm, because the farm itself has no types.
+/// Registers the types of jobs that this program runs, in the order in which users and clients see them. Must be called
+/// once, before any other function of the farm, because the farm itself has no types.
 void register_job_types(std::vector<JobType> types);
-/// The registered types.
+/// Returns the registered types.
 const std::vector<JobType>& job_types();
 /// Throws Error(kUsage), which lists the registered names.
 const JobType& find_job_type(const std::string& name);
@@ -102,11 +102,11 @@ bool is_plain_text(const std::string& text);
 /// Returns a value as shown in messages, at most 60 bytes.
 std::string shortened(const nlohmann::json& value);
 
-/// Checks names, types and ranges. Throws Error(kUsage): "parameters.lobes is 9, expected an
-/// integer from 1 to 8".
+/// Checks names, types and ranges. Throws Error(kUsage), for example "parameters.lobes is 9, expected an integer from 1
+/// to 8".
 void check_parameters(const JobType& type, const nlohmann::json& parameters);
-/// Throws Error(kUsage) for an input that the type's row excludes. A command may accept more than its jobs:
-/// `multum bake` accepts a scene and a pattern of names, whose files the daemon would not have checked.
+/// Throws Error(kUsage) for an input that the type's row excludes. A command may accept more than its jobs. For
+/// example, `multum bake` accepts a scene and a pattern of names, whose files the daemon would not have checked.
 void check_input(const JobType& type, const nlohmann::json& parameters);
 /// Returns the schema (draft 2020-12) of the `parameters` object that check_parameters() accepts.
 nlohmann::json parameters_schema(const JobType& type);
@@ -117,12 +117,12 @@ nlohmann::json parameters_schema(const JobType& type);
 std::vector<std::string> job_arguments(const JobType& type, const nlohmann::json& parameters,
                                        const std::string& output);
 
-/// Returns every file whose content determines the result: the parameters' files, and the files that the input names.
-/// Throws Error(kInput) when such an input cannot be read.
+/// Returns every file whose content determines the result. These are the parameters' files, and the files that the
+/// input names. Throws Error(kInput) when such an input cannot be read.
 std::vector<std::string> input_files(const JobType& type, const nlohmann::json& parameters);
 
-/// Returns a text that changes when any of input_files() is written, replaced or removed. Fast, because it reads no
-/// contents. Returns "" if there are no inputs.
+/// Returns a text that changes when any of input_files() is written, replaced or removed. This is fast, because no
+/// contents are read. Returns "" if there are no inputs.
 std::string input_identity(const JobType& type, const nlohmann::json& parameters);
 
 /// Returns the SHA-256 of the type, the parameters without file names, the files' hashes and the version of multum. Two

@@ -40,7 +40,7 @@ constexpr auto kProgressPause = std::chrono::milliseconds(100);  // pause betwee
 // renamed meanwhile.
 class WorkingFolder {
  public:
-  /// With "", stays in the current folder.
+  /// If the folder is "", stays in the current folder.
   WorkingFolder(const PathRoots& roots, const std::string& path) {
     if (path.empty()) return;
     before_ = OpenFile(::open(".", O_PATH | O_DIRECTORY | O_CLOEXEC));
@@ -210,7 +210,7 @@ class Worker {
           {"inputs_changed", have_inputs_changed}});
   }
 
-  // An input may name more files than when it was submitted. Files that confinement (confinement.h) would block are
+  // An input may name more files than when it was submitted. Files that the confinement (confinement.h) would block are
   // refused here by their names, whether they exist or not.
   void check_inputs(const JobType& type, const Json& parameters) const {
     if (type.input.empty()) return;

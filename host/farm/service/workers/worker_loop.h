@@ -21,12 +21,12 @@
 
 namespace multum {
 
-/// Runs a command line of multum and returns its exit code; its output goes to the job's log. Reports progress to the
+/// Runs a command line of multum and returns its exit code. Its output goes to the job's log. Reports progress to the
 /// callback, which may cancel the command.
 using RunCommand = std::function<int(const std::vector<std::string>& arguments, const Progress::Callback& callback)>;
 
-/// Runs until the daemon ends or tells the worker to end. A job's inputs and its result must be below `roots`; the
-/// daemon has already checked this. Returns the exit code of the process.
+/// Runs until the daemon ends or tells the worker to end. A job's inputs and its result must be below `roots`, which
+/// the daemon has already checked. Returns the exit code of the process.
 int run_worker(int socket, const std::vector<std::string>& roots, const RunCommand& run);
 
 }  // namespace multum

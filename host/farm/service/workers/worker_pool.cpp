@@ -32,7 +32,7 @@ using std::chrono::milliseconds;
 constexpr auto kTick = milliseconds(250);
 constexpr int kSocket = 3;                 // descriptor of a worker's socket
 constexpr std::size_t kLineMax = 1 << 20;  // bytes per line; a worker that sends more is broken
-constexpr char kNonsense[] = "it talks nonsense";
+constexpr char kNonsense[] = "it sent an invalid message";
 constexpr int kBackOffDoublingsMax = 4;  // the pause before a worker is restarted begins at 250 ms and doubles at most
                                          // this many times
 
@@ -46,7 +46,7 @@ pid_t spawn_worker(std::vector<std::string> command, int socket) {
                                  .blocked_signals = std::vector<int>{}});
 }
 
-// Truncates worker text, which is stored and broadcast.
+// Truncates a worker's text, because it is stored and sent to all listeners.
 std::string text_of(const Json& said, const char* key) {
   constexpr std::size_t kLongest = 8192;  // bytes of the longest text
   std::string text = said.value(key, "");
@@ -117,7 +117,7 @@ void WorkerPool::spawn() {
   }
 }
 
-// Kills the process and waits until it has ended; later calls have no effect. Processes that it has started end with
+// Kills the process and waits until it has ended. Later calls have no effect. Processes that it has started end with
 // it.
 void WorkerPool::end_process(Worker& worker) {
   if (worker.pid <= 0) return;
@@ -127,7 +127,7 @@ void WorkerPool::end_process(Worker& worker) {
   worker.pid = -1;
 }
 
-// Any error in a worker's message, or in handling it (usually for lack of memory), ends the worker; its job is tried
+// Any error in a worker's message, or in handling it (usually for lack of memory), ends the worker. Its job is tried
 // again.
 void WorkerPool::read(const std::shared_ptr<Worker>& worker) {
   worker->socket.async_read_some(asio::buffer(worker->bytes),

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Manages the daemon's workers: child processes that bake, so that a driver crash ends only one of them. A worker is
-// killed if it sends no sign of life within its lease, or makes no progress for too long. The pool waits until a lost
-// worker has ended before another one gets its job.
+// Manages the daemon's workers. They are child processes that bake, so that a driver crash ends only one of them. A
+// worker is killed if it sends no sign of life within its lease, or makes no progress for too long. The pool waits
+// until a lost worker has ended before another worker gets its job.
 #pragma once
 
 #include <boost/asio/io_context.hpp>
@@ -54,12 +54,12 @@ class WorkerPool {
   WorkerPool& operator=(const WorkerPool&) = delete;
 
   void start();
-  /// The names of idle workers that are not reserved. order() takes such a name.
+  /// Returns the names of idle workers that are not reserved. order() takes such a name.
   std::vector<std::string> idle() const;
   bool is_idle(const std::string& owner) const;
   /// Returns false if that worker is no longer idle.
   bool order(const std::string& owner, const WorkOrder& work);
-  /// Tells a running job to stop; after the grace period its worker is killed. Returns false if no worker has the job.
+  /// Tells a running job to stop. After the grace period, its worker is killed. Returns false if no worker has the job.
   bool cancel(std::int64_t job);
   /// Starts no more workers and ends idle workers. Running jobs continue.
   void close();

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Estimates the probability of a binary symbol in one context from the earlier symbols in this context. The estimate is
-// the mean of a fast and a slow exponential average. In a context with few symbols, both averages cover all of them:
-// the nth symbol has the weight 1/(n + 1.5), as in the estimator of Krichevsky and Trofimov. Contexts with a few dozen
-// symbols then learn as fast as possible, which matters because a texture has only a few kilobytes for all its
-// contexts. All arithmetic is integer, so that encoder and decoder agree on every machine.
+// the mean of a fast and a slow exponential average. In a context with few symbols, both averages cover all symbols.
+// The nth symbol has the weight 1/(n + 1.5), as in the estimator of Krichevsky and Trofimov. Contexts with a few dozen
+// symbols then learn as fast as possible. Fast learning matters because a texture has only a few kilobytes for all its
+// contexts. All arithmetic is done with integers, so that encoder and decoder agree on every machine.
 #pragma once
 
 #include <algorithm>
@@ -31,9 +31,9 @@ class AdaptiveBit {
   static constexpr std::uint32_t kLeast = 32;
   static constexpr std::size_t kFastCount = 20, kSlowCount = 160;  // most symbols that each average covers
 
-  /// Entry n is ceil(2^26 / (2 n + 3)). Entry n times x, divided by 2^26 and rounded down, equals x / (2 n + 3) rounded
-  /// down for x up to 131070. The result is exact, because an entry exceeds the exact quotient by less than 1, and
-  /// 131070 * 323 is below 2^26. The table avoids divisions, which would take a third of the decoding time.
+  /// Entry n is ceil(2^26 / (2 n + 3)). For x up to 131070, the product of entry n and x, divided by 2^26 and rounded
+  /// down, equals x / (2 n + 3) rounded down. The result is exact, because an entry exceeds the exact quotient by less
+  /// than 1, and 131070 * 323 is below 2^26. The table avoids divisions, which would take a third of the decoding time.
   static constexpr auto kReciprocals = [] {
     std::array<std::uint64_t, kSlowCount + 1> table{};
     for (std::size_t n = 0; n < table.size(); ++n) table[n] = ((std::uint64_t{1} << 26) + 2 * n + 2) / (2 * n + 3);

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Mixes the predictions of several contexts for the next symbol into one probability. The mix is a weighted sum of log
 // odds whose weights are learnt from the symbols (logistic mixing: Mahoney 2005, "Adaptive weighing of context models
-// for lossless data compression"). All arithmetic is integer, so that encoder and decoder agree on every machine.
+// for lossless data compression"). All arithmetic is done with integers, so that encoder and decoder agree on every
+// machine.
 #pragma once
 
 #include <algorithm>
@@ -44,9 +45,9 @@ class BitMixer {
   }
   /// Learns from the symbol that followed when `mix` had returned `probability` for `inputs`.
   void update(std::span<const int> inputs, std::uint32_t probability, bool bit) {
-    // The gradient of the code length by weight i is (p - bit) inputs[i]. A step is 1/128 of the gradient, in natural
-    // logarithms. Half or twice this rate changes the file size of field_demo1 by at most 0.2 %. The product is below
-    // 2^27, because inputs are below 2^11.
+    // The gradient of the code length with respect to weight i is (p - bit) inputs[i], in natural logarithms. Each step
+    // is 1/128 of the gradient. Half or twice this rate changes the file size of field_demo1 by at most 0.2 %. The
+    // product is below 2^27, because inputs are below 2^11.
     const int error = (bit ? 65535 : 0) - static_cast<int>(probability);
     for (std::size_t i = 0; i < inputs.size(); ++i)
       weights_[i] = std::clamp(weights_[i] + error * inputs[i] / (1 << 15), -(1 << 15), 1 << 19);

@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::size_t kSideMax = 32;
 
-/// Fills row k with sqrt(2 / n) cos(pi (2 i + 1) k / (2 n)). The first row is also multiplied by sqrt(1/2).
+/// Sets row k to sqrt(2 / n) cos(pi (2 i + 1) k / (2 n)). The first row is also multiplied by sqrt(1/2).
 std::vector<float> cosines(std::size_t n) {
   std::vector<float> rows(n * n);
   for (std::size_t k = 0; k < n; ++k)

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads numbers from untrusted bytes: little-endian numbers, and numbers of variable length with seven bits per byte,
-// the lowest bits first. After the end of the bytes, or after the first invalid number, all reads return 0 and `failed`
-// is true.
+// Reads numbers from untrusted bytes. The numbers are little-endian, or have a variable length with seven bits per
+// byte, starting with the lowest bits. After the end of the bytes, or after the first invalid number, all reads return
+// 0 and `failed` is true.
 #pragma once
 
 #include <cstdint>
@@ -27,7 +27,7 @@ class ByteReader {
 
   std::int16_t int16() { return static_cast<std::int16_t>(fixed(2)); }
 
-  /// Returns a number of at most `most`, stored in up to nine bytes.
+  /// Returns a number that is at most `most` and stored in up to nine bytes.
   std::uint64_t number(std::uint64_t most) {
     std::uint64_t value = 0;
     for (int shift = 0; shift < 63; shift += 7) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Decodes the images of a pyramid over parameters from one stream: first cosine coefficients of square blocks
-// (dct_syntax.h), then samples. All images share contexts, so a stream is decoded from its beginning. An image's
-// samples are computed only on request.
+// Decodes the images of a pyramid over parameters from one stream. It first decodes the cosine coefficients of square
+// blocks (dct_syntax.h), and then computes samples. All images share contexts, so a stream is decoded from its
+// beginning. An image's samples are computed only on request.
 #pragma once
 
 #include <cstddef>
@@ -22,8 +22,8 @@ struct BlockGrid {
   std::size_t count() const { return columns() * rows(); }
 };
 
-/// Groups of 4 x 4 blocks in which blocks are coded, row by row; groups at the right and lower borders are smaller.
-/// Most groups of most images are empty.
+/// The groups of 4 x 4 blocks in which blocks are coded, row by row. The groups at the right and lower borders are
+/// smaller. Most groups of most images are empty.
 class BlockGroups {
  public:
   explicit BlockGroups(const BlockGrid& grid);
@@ -31,8 +31,8 @@ class BlockGroups {
   std::size_t count() const { return numbers_.size(); }
   /// Returns the numbers of a group's blocks, row by row.
   std::span<const std::size_t> blocks(std::size_t group) const { return numbers_[group]; }
-  /// Returns the surroundings of a group in `image`. `before` is the image coded before it. `parent` and `before` may
-  /// be null.
+  /// Returns the surroundings of a group in `image`. `before` is the image that was coded before `image`. `parent` and
+  /// `before` may be null.
   GroupSurroundings surroundings(const CoefficientBlocks& image, const CoefficientBlocks* parent,
                                  const CoefficientBlocks* before, std::size_t plane, std::size_t group,
                                  std::size_t level) const;
@@ -50,8 +50,8 @@ class BlockGroups {
 BlockSurroundings surroundings(const CoefficientBlocks& image, const CoefficientBlocks* parent, const BlockGrid& grid,
                                std::size_t plane, std::size_t number, std::size_t level);
 
-/// Returns the prediction of a block's constant in an image without a parent: the mean of the constants of the blocks
-/// to the left and above, if these exist.
+/// Returns the prediction of a block's constant in an image without a parent. The prediction is the mean of the
+/// constants of the blocks to the left and above, if these exist.
 int predicted_constant(const CoefficientBlocks& image, const BlockGrid& grid, std::size_t plane, std::size_t number);
 
 class DctStreamDecoder {
@@ -68,8 +68,8 @@ class DctStreamDecoder {
   DctStreamDecoder& operator=(const DctStreamDecoder&) = delete;
 
   /// Decodes the stream's next image. `parent` is an earlier image that this image refines, or null. `before` is the
-  /// image decoded last, or null for the first image. After the stream's end, or when limits stop it, all coefficients
-  /// are zero.
+  /// image decoded last, or null for the first image. After the end of the stream, or if a limit stops decoding, all
+  /// coefficients are zero.
   CoefficientBlocks next_image(const CoefficientBlocks* parent, const CoefficientBlocks* before, std::size_t level);
 
   /// Returns whether the stream ended before all its images were decoded.
@@ -95,9 +95,9 @@ struct WeighedImage {
   float scale;
 };
 
-/// Adds the images' sum to `colours`, [height][width][3]. Multiplies coefficients by `steps`, one per place of a block,
-/// and transforms them back; plane p is multiplied by the colour in row p of `rows`. Adds the images before the
-/// transform, so that only one transform is needed. Skips blocks of zeros.
+/// Adds the images' sum to `colours`, [height][width][3]. Multiplies the coefficients by `steps`, which has one step
+/// per place of a block, and transforms them back. Plane p is multiplied by the colour in row p of `rows`. Adds the
+/// images before the transform, so that only one transform is needed. Skips blocks of zeros.
 void add_colours(std::span<const WeighedImage> images, const BlockGrid& grid, std::span<const float> steps,
                  const std::array<std::array<float, 3>, 3>& rows, std::span<float> colours);
 

@@ -56,7 +56,7 @@ class DctSyntax {
   /// Returns the places v * side + u of band k.
   std::span<const std::uint16_t> band(std::size_t k) const { return order_[k]; }
 
-  /// Codes whether any block of a group is coded.
+  /// Codes whether a group contains any coded block.
   template <class Port>
   bool group(SymbolCoder<Port>& coder, bool any, const GroupSurroundings& around) {
     const std::size_t chroma = around.plane > 0 ? 1 : 0, level = std::min<std::size_t>(around.level, 3);
@@ -67,8 +67,8 @@ class DctSyntax {
                      group_mixer_[chroma]);
   }
 
-  /// Codes `values`, side * side numbers; when decoding, they must be zero before the call. Returns whether any value
-  /// is coded. Set `is_coded` if at least one value is known to be coded.
+  /// Codes `values`, which has side * side numbers. When decoding, they must be zero before the call. Returns whether
+  /// any value is coded. Set `is_coded` if at least one value is known to be coded.
   template <class Port>
   bool block(SymbolCoder<Port>& coder, std::span<std::int16_t> values, const BlockSurroundings& around,
              bool is_coded = false) {
@@ -118,7 +118,7 @@ class DctSyntax {
     return values.empty() ? 0 : static_cast<std::size_t>(std::abs(values[at]));
   }
 
-  /// Returns the sum of the magnitudes of adjacent lower frequencies; the nearest one counts twice.
+  /// Returns the sum of the magnitudes of adjacent lower frequencies. The nearest one counts twice.
   std::size_t lower_neighbours(std::span<const std::int16_t> values, std::size_t at) const {
     const std::size_t u = at % side_, v = at / side_;
     std::size_t sum = 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Limits the memory and time for decoding a chunk. Otherwise, a few untrusted bytes could require gigabytes of
+// Limits the memory and time for decoding a chunk. Without limits, a few untrusted bytes could require gigabytes of
 // coefficients and minutes of time.
 #pragma once
 
@@ -13,13 +13,14 @@ struct DecodingLimits {
   /// The most bytes that coefficients may take, including those needed only while decoding. A chunk that needs more is
   /// refused.
   std::size_t bytes_max = SIZE_MAX;
-  /// Checked in every block. If true, decoding ends at once. If null, decoding cannot be cancelled.
+  /// The flag is checked in every block. If it is true, decoding ends at once. If the pointer is null, decoding cannot
+  /// be cancelled.
   const std::atomic<bool>* cancelled = nullptr;
-  /// Set to true if bytes_max was too small. May be null.
+  /// The decoder sets this flag to true if bytes_max was too small. The pointer may be null.
   bool* ran_out = nullptr;
 };
 
-/// Tracks how much one decoding uses of its limits.
+/// Tracks how much of its limits a decoding has used.
 class DecodingAccount {
  public:
   explicit DecodingAccount(const DecodingLimits& limits) : limits_(limits) {}

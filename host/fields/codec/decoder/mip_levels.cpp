@@ -7,7 +7,7 @@
 namespace multum {
 namespace {
 
-/// The fine texels, up to three, that a coarse texel covers along an axis.
+/// The fine texels that a coarse texel covers along an axis. There are at most three.
 struct Cover {
   std::size_t first = 0, count = 1;
   std::array<float, 3> weights{1.0f, 0.0f, 0.0f};
@@ -34,7 +34,7 @@ std::vector<Level> levels_of(std::size_t width, std::size_t height) {
   return levels;
 }
 
-/// Calls visit(coarse texel, fine texel, weight) for every overlapping pair of two levels.
+/// Calls visit(coarse texel, fine texel, weight) for every pair of overlapping texels of two levels.
 template <class Visit>
 void over_covers(const Level& fine, const Level& coarse, Visit visit) {
   std::vector<Cover> all_columns;
@@ -51,7 +51,8 @@ void over_covers(const Level& fine, const Level& coarse, Visit visit) {
   }
 }
 
-/// Computes a level of half the size: each texel is the mean of four. The result equals over_covers() bit by bit.
+/// Computes a level of half the size. Each texel is the mean of four texels. The result equals that of over_covers()
+/// bit by bit.
 void halve(const Level& fine, const Level& coarse, std::span<float> texels) {
   for (std::size_t y = 0; y < coarse.height; ++y) {
     const float* above = texels.data() + 3 * (fine.offset + 2 * y * fine.width);

@@ -16,8 +16,8 @@ std::size_t mip_texel_count(std::size_t width, std::size_t height);
 /// Returns all levels, [texel][3], the finest first. `finest` is [height][width][3].
 std::vector<float> mip_levels(std::size_t width, std::size_t height, std::span<const float> finest);
 
-/// Applies the adjoint of mip_levels(): adds values of all levels, [texel][channels], to the finest level with the same
-/// weights.
+/// Applies the adjoint of mip_levels(). This adds values of all levels, [texel][channels], to the finest level with the
+/// same weights.
 std::vector<float> handed_down(std::size_t width, std::size_t height, std::size_t channels, std::vector<float> levels);
 
 }  // namespace multum

@@ -33,13 +33,13 @@ struct PackedSection {
 
 class PackedIndex {
  public:
-  static constexpr std::uint8_t kVersion = 2;  // version 1 had no groups of blocks and was not released
+  static constexpr std::uint8_t kVersion = 2;  // version 1 had no groups of blocks and was never released
   static constexpr std::size_t kHeadBytes = 9;
   static constexpr std::size_t kIndexBytesMax = std::size_t{1} << 26;
   static constexpr std::uint64_t kSectionBytesMax = std::uint64_t{1} << 32;
 
-  /// Returns how many bytes from the file's beginning `read` needs, computed from the first kHeadBytes. Returns nullopt
-  /// for another format or version, and sets `problem` to the format or version found.
+  /// Returns how many bytes from the file's beginning `read` needs, computed from the first kHeadBytes. If the format
+  /// or version is not supported, returns nullopt and sets `problem` to the format or version found.
   static std::optional<std::size_t> bytes_needed(std::span<const std::uint8_t> head, std::string& problem);
 
   /// Reads the index from at least bytes_needed() bytes. Returns nullopt if they are damaged, and sets `problem`.

@@ -87,7 +87,7 @@ std::vector<ParameterPyramid::Term> ParameterPyramid::terms(std::size_t level, s
   std::vector<Term> terms = {{0, 1.0f}};
   for (std::size_t d = 0; d < sizes_.size(); ++d) {
     const std::size_t count = cells(level, d), times = levels_[level][d];
-    // The middle of the samples in the cell. The last cell may have fewer samples.
+    // Computes the middle of the samples in the cell. The last cell may have fewer samples.
     const auto middle = [&](std::size_t cell) {
       const std::size_t first = cell << times, end = std::min(sizes_[d], (cell + 1) << times);
       return (static_cast<float>(first) + static_cast<float>(end - 1)) / 2.0f;

@@ -2,7 +2,7 @@
 // Defines the adaptive Laplacian pyramid over a block of parameter space (Hakura et al. 2000, section 4, figure 8): its
 // images, and which images add up to each sample. A level halves some dimensions of the next finer level, each of them
 // any number of times. Dimensions can thus be halved in any order, and levels can be left out. Any number of dimensions
-// and any sizes are allowed: halving 5 samples gives 3 cells, and the last cell covers only one sample.
+// and any sizes are allowed. For example, halving 5 samples gives 3 cells, and the last cell covers only one sample.
 #pragma once
 
 #include <cstddef>
@@ -25,9 +25,9 @@ class ParameterPyramid {
     float weight;
   };
 
-  /// `sizes` has the samples along each dimension, 1 to kSamplesMax in total. `levels` starts with the coarsest level;
-  /// the last level halves nothing. Compared with the previous level, each level halves at least one dimension fewer
-  /// times and no dimension more times. Returns nullopt if the levels break these rules.
+  /// `sizes` has the number of samples along each dimension, with a product of 1 to kSamplesMax. `levels` starts with
+  /// the coarsest level, and the last level halves nothing. Compared with the previous level, each level halves at
+  /// least one dimension fewer times and no dimension more times. Returns nullopt if the levels break these rules.
   static std::optional<ParameterPyramid> of(std::vector<std::size_t> sizes, std::vector<Halvings> levels);
 
   std::size_t level_count() const { return levels_.size(); }
@@ -36,8 +36,8 @@ class ParameterPyramid {
   const std::vector<std::size_t>& sizes() const { return sizes_; }
   const std::vector<Halvings>& levels() const { return levels_; }
 
-  /// Returns the number of a level's first image. Images are numbered level by level, the coarsest first. Within a
-  /// level, images are in the order of samples: the last dimension changes fastest.
+  /// Returns the number of a level's first image. Images are numbered level by level, starting with the coarsest.
+  /// Within a level, images are in the order of samples, in which the last dimension changes fastest.
   std::size_t first_image(std::size_t level) const { return first_image_[level]; }
   std::size_t level_of(std::size_t image) const;
   /// Returns the image of a level whose cell contains the sample.
@@ -49,8 +49,8 @@ class ParameterPyramid {
   std::vector<std::size_t> samples_of(std::size_t image) const;
 
   /// Returns the level's images that add up to the sample. Without `linear`, returns the nearest image. With `linear`,
-  /// returns the images whose cell centres surround the sample in each dimension, or only the outermost image outside
-  /// the outermost centres. Weights sum to 1.
+  /// returns the images whose cell centres surround the sample in each dimension. Beyond the outermost centres, returns
+  /// only the outermost image. The weights sum to 1.
   std::vector<Term> terms(std::size_t level, std::size_t sample, bool linear) const;
 
  private:

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Decodes binary symbols of given probabilities from the bytes of RangeEncoder, a 32-bit range coder with carries
-// (Martin 1979). The decoder never reads beyond the end. After the end it continues as long as the missing bytes cannot
-// change the symbols; then it returns zeros, and exhausted() returns true. Every prefix of a stream therefore decodes
-// to a prefix of its symbols.
+// (Martin 1979). The decoder never reads beyond the end of the bytes. After the end, it returns correct symbols as long
+// as these do not depend on the missing bytes. Then it returns zeros, and exhausted() returns true. Every prefix of a
+// stream therefore decodes to a prefix of its symbols.
 #pragma once
 
 #include <cstdint>
@@ -16,10 +16,10 @@ class RangeDecoder {
   explicit RangeDecoder(std::span<const std::uint8_t> bytes);
 
   /// Returns the next symbol. `probability` is the probability of a 1, in units of 1/65536, from 1 to 65535. Returns
-  /// false once the bytes no longer determine the symbol.
+  /// false once the bytes do not determine the symbol any more.
   bool decode(std::uint32_t probability) {
     if (exhausted_) return false;
-    // Size of the part of the interval, at its beginning, that stands for 1.
+    // The size of the part of the interval that stands for 1. This part is at the beginning of the interval.
     const std::uint32_t bound = (range_ >> 16) * probability;
     // Untrusted bytes may give a number beyond the interval. Such a number is replaced by the last number in the
     // interval.
@@ -42,7 +42,7 @@ class RangeDecoder {
     return bit;
   }
 
-  /// Returns whether a symbol was requested that the bytes do not determine.
+  /// Returns whether a symbol was requested that the bytes did not determine.
   bool exhausted() const { return exhausted_; }
 
  private:

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Computes the checksum of a packed file's sections: the lower 32 bits of CRC-64/XZ, as in host/foundation/base/files,
-// but without that folder's libraries.
+// Computes the checksum of a packed file's sections. This is the lower 32 bits of CRC-64/XZ, as in
+// host/foundation/base/files, but without that folder's libraries.
 #pragma once
 
 #include <array>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Codes binary symbols with their contexts; the formats of this folder are built on this coder. A format is one
+// Codes binary symbols with their contexts. The formats of this folder are built on this coder. Each format is one
 // function template over a coder, so that encoder, decoder and size estimates cannot differ. Each call takes the symbol
 // to write and returns the actual symbol. A decoder ignores its argument.
 #pragma once
@@ -46,7 +46,8 @@ class SymbolCoder {
   /// Codes a bit with equal probabilities.
   bool even_bit(bool value) { return port_.code(value, 32768); }
 
-  /// Codes an integer from 0 to 2^16 - 1: its bit length in unary with `contexts`, then all bits after the first one.
+  /// Codes an integer from 0 to 2^16 - 1. Writes its bit length in unary with `contexts`, then all bits after the first
+  /// one.
   std::uint32_t number(std::uint32_t value, std::span<AdaptiveBit, 17> contexts) {
     std::uint32_t length = 0, above = value + 1;  // 1 to 2^16
     while (above >> length > 1) ++length;

@@ -80,7 +80,7 @@ void TextureChunk::add_colours(std::span<const ParameterPyramid::Term> terms, st
   const auto rows = format_.rotation_rows();
   const std::vector<float> steps = format_.steps();
   const auto scale_of = [&](const auto& term) { return term.weight * format_.level_scale(plan_.levels[term.image]); };
-  // Sums coefficients instead of images, so that only one transform is needed.
+  // The coefficients are summed instead of the images, so that only one transform is needed.
   if (format_.coder == ImageCoder::kDct) {
     std::vector<WeighedImage> images;
     for (const auto& term : terms)

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Decodes a texture chunk: first the coefficients of all images, then single images or the textures of single samples
-// on request. Uses only C++20 and its standard library, and accesses no files. For any input, it throws only
-// std::bad_alloc.
+// Decodes a texture chunk. It first decodes the coefficients of all images, and then computes single images, or the
+// textures of single samples, on request. Uses only C++20 and its standard library, and accesses no files. For any
+// input, it throws only std::bad_alloc.
 #pragma once
 
 #include <memory>
@@ -15,7 +15,7 @@ namespace multum {
 
 class TextureChunk {
  public:
-  /// Returns null if the head is invalid, and sets `problem`. If the chunk is cut short after its head, decodes the
+  /// If the head is invalid, returns null and sets `problem`. If the chunk is cut short after its head, decodes the
   /// available part.
   static std::unique_ptr<TextureChunk> decode(std::span<const std::uint8_t> bytes, std::string& problem) {
     return decode(bytes, problem, {});
@@ -27,19 +27,20 @@ class TextureChunk {
   const TextureChunkFormat& format() const { return format_; }
   std::size_t sample_count() const { return plan_.of_samples.size(); }
 
-  /// Returns the texture of a sample, [height][width][3]: red, green, blue as gamma-coded values, 255 for a radiance of
+  /// Returns the texture of a sample, [height][width][3]. Red, green and blue are gamma-coded, and 255 is a radiance of
   /// 1. The values include the coding error and are not clamped.
   std::vector<float> texture(std::size_t sample) const;
 
   /// Returns which images add up to each sample. Up to rounding, texture(sample) is the format's offset_colour() plus
   /// the sum, over the sample's terms, of weight times image().
   const ImagePlan& plan() const { return plan_; }
-  /// Returns an image, [height][width][3], in the units of texture(), without weight and offset. Takes no time if
-  /// is_zero(). Otherwise the call always computes three inverse transforms and a colour rotation, whatever the values
-  /// are.
+  /// Returns an image, [height][width][3], in the units of texture(), without its weight and offset. The call takes no
+  /// time if is_zero(). Otherwise it always computes three inverse transforms and a colour rotation, whatever the
+  /// values are.
   std::vector<float> image(std::size_t number) const;
   bool is_zero(std::size_t number) const;
-  /// Returns the weighted sum of a sample's images, which is the texture without the offset, at the cost of one image.
+  /// Returns the weighted sum of a sample's images, which is the texture without the offset. Computing it takes as long
+  /// as computing one image.
   std::vector<float> image_sum(std::size_t sample) const;
   /// Returns the number of bytes that the coefficients take.
   std::size_t memory_bytes() const;

@@ -97,7 +97,7 @@ std::optional<TextureChunkFormat> read_chunk_format(ByteReader& reader, std::str
   format.linear = (kind & 2) != 0;
   format.width = reader.number(TextureChunkFormat::kSideMax);
   format.height = reader.number(TextureChunkFormat::kSideMax);
-  if (format.width < 1 || format.height < 1) return refuse("a side of a texture is not within 1 to 16384 texels");
+  if (format.width < 1 || format.height < 1) return refuse("a side of a texture is not between 1 and 16384 texels");
   const std::size_t dimensions = reader.byte(), levels = reader.byte();
   if (dimensions < 1 || dimensions > ParameterPyramid::kDimensionsMax)
     return refuse("the block has 0 dimensions, or more than 8");

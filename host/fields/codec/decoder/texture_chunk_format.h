@@ -25,7 +25,7 @@ namespace multum {
 
 enum class ImageCoder : std::uint8_t { kDct = 0, kWavelet = 1 };
 
-/// The images that add up to each sample.
+/// The images, and which of them add up to each sample.
 struct ImagePlan {
   std::vector<std::size_t> levels;                              // level of each image
   std::vector<std::optional<std::size_t>> parents;              // the earlier image that each image refines
@@ -36,9 +36,9 @@ struct ImagePlan {
 
 struct TextureChunkFormat {
   static constexpr std::size_t kSideMax = 16384;
-  /// Maximum number of texels in all images together. The limit bounds a decoder's time and memory.
+  /// The maximum number of texels in all images together. This limit bounds a decoder's time and memory.
   static constexpr std::size_t kTexelsMax = std::size_t{1} << 28;
-  /// The most terms in the sums of all samples together.
+  /// The maximum number of terms in the sums of all samples together.
   static constexpr std::size_t kTermsMax = std::size_t{1} << 22;
   static constexpr std::size_t kBasisMax = 64;  // images of a basis
 
@@ -46,18 +46,19 @@ struct TextureChunkFormat {
   std::size_t width = 1, height = 1;  // texels, up to kSideMax
   std::vector<std::size_t> sizes;     // samples along each dimension of the block
   std::vector<ParameterPyramid::Halvings> levels;
-  /// The weights of a basis, which replaces the pyramid: the weight of each image in each sample, in 1/127,
-  /// [image][sample]. A basis has only one level.
+  /// The weights of a basis, which replaces the pyramid. They are the weight of each image in each sample, in units of
+  /// 1/127, [image][sample]. A basis has only one level.
   std::vector<std::vector<std::int8_t>> basis;
   bool linear = false;     // interpolate images over parameters instead of using the nearest one
   std::uint8_t side = 16;  // side of cosine blocks
-  /// A rotation of colours as a quaternion (w, x, y, z in 1/32767), and the offset of each rotated plane in 1/64.
+  /// A rotation of colours as a quaternion (w, x, y, z in units of 1/32767), and the offset of each rotated plane in
+  /// units of 1/64.
   std::array<std::int16_t, 4> rotation{32767, 0, 0, 0};
   std::array<std::int16_t, 3> offsets{};
-  /// Codes of the quantization steps 2^(code / 8). Cosines have one code per bit_width of the index along rows, then
-  /// one code per bit_width of the index along columns. Wavelets have one code per band.
+  /// The codes of the quantization steps, which are 2^(code / 8). Cosines have one code per bit_width of the index
+  /// along rows, then one code per bit_width of the index along columns. Wavelets have one code per band.
   std::vector<std::uint8_t> step_codes;
-  /// One code per level. All steps of the level are multiplied by 2^(code / 8 - 8).
+  /// There is one code per level. All steps of the level are multiplied by 2^(code / 8 - 8).
   std::vector<std::uint8_t> level_codes;
 
   /// Returns the size that step_codes must have.
@@ -65,16 +66,16 @@ struct TextureChunkFormat {
   /// Returns the steps of all places in a cosine block, [v][u], or of all wavelet bands.
   std::vector<float> steps() const;
   float level_scale(std::size_t level) const;
-  /// Returns the weights of red, green and blue in plane p as row p. Rows are orthonormal; colour c is the sum of
-  /// column c times the planes.
+  /// Returns the weights of red, green and blue in plane p as row p. The rows are orthonormal. Colour c is the sum of
+  /// the planes, each multiplied by its element of column c.
   std::array<std::array<float, 3>, 3> rotation_rows() const;
-  /// Returns the red, green and blue that are added to every sum of images.
+  /// Returns the colour (red, green and blue) that is added to every sum of images.
   std::array<float, 3> offset_colour() const;
   /// Returns nullopt if the levels do not form a pyramid over the block.
   std::optional<ImagePlan> plan() const;
 };
 
-/// Reads a head. Returns nullopt if it is invalid, and sets `problem`.
+/// Reads a head. If it is invalid, returns nullopt and sets `problem`.
 std::optional<TextureChunkFormat> read_chunk_format(ByteReader& reader, std::string& problem);
 
 }  // namespace multum

@@ -4,11 +4,12 @@
 namespace multum {
 namespace {
 
-/// The value in a coefficient's interval that the decoder uses. This value is below the middle, because small values
-/// are more likely.
+/// The position of the decoded value in the interval of a coefficient. It is below the middle, because small values are
+/// more likely.
 constexpr float kPlaceInInterval = 0.4f;
 
-/// Bytes per texel of a plane: magnitude, sign, lowest bit plane, and quadtree nodes, which take 4/3 of a byte.
+/// Bytes per texel of a plane. They hold the magnitude, the sign, the lowest bit plane, and the quadtree nodes, which
+/// take 4/3 of a byte.
 constexpr std::size_t kDenseBytes = 8;
 
 /// Calls visit(place, band, value in steps) for every coefficient that is not zero.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Decodes the images of a pyramid over parameters from one stream of wavelet coefficients (wavelet_syntax.h), and
-// computes their samples. If the stream is cut short, uses every bit that is certain.
+// computes their samples. If the stream is cut short, it uses every bit that is certain.
 #pragma once
 
 #include "host/fields/codec/decoder/decoding_limits.h"
@@ -8,7 +8,7 @@
 
 namespace multum {
 
-/// Three planes; planes without coefficients are empty.
+/// The three planes of an image. Planes without coefficients are empty.
 using WaveletImage = std::array<WaveletPlane, 3>;
 
 class WaveletStreamDecoder {
@@ -34,8 +34,8 @@ class WaveletStreamDecoder {
   DecodingAccount* account_;
 };
 
-/// The nonzero coefficients of a plane. Once all images predicted from the plane are decoded, its samples need only
-/// these.
+/// The nonzero coefficients of a plane. Once all images predicted from the plane are decoded, only these coefficients
+/// are needed to compute its samples.
 class SparseWaveletPlane {
  public:
   SparseWaveletPlane() = default;
@@ -58,7 +58,7 @@ class SparseWaveletPlane {
 std::size_t dense_bytes(const WaveletImage& image);
 
 /// Returns the plane's coefficients, [height][width], or nothing for an empty plane. `steps` has one step per band, in
-/// the order of wavelet_bands; `scale` multiplies them.
+/// the order of wavelet_bands. All steps are multiplied by `scale`.
 std::vector<float> dequantized(const WaveletPlane& plane, std::span<const float> steps, float scale);
 
 /// Adds the plane's samples to `samples`, width * height values.

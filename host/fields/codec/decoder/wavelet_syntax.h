@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Codes the quantized wavelet coefficients of a plane, bit plane by bit plane from the highest. Every prefix then gives
-// all coefficients to some precision. Each bit plane has a pass that finds new coefficients, and a pass that refines
-// the coefficients found in earlier planes. The first pass descends a quadtree over each band. A node is significant if
-// a coefficient under it is significant (set partitioning: Pearlman et al. 2004, "Efficient, low-complexity image
-// coding with a set-partitioning embedded block coder"). The contexts of a node are its neighbours and three nodes at
-// the same place: in the next coarser band, in the coarser image of the pyramid over parameters, and in luma. These
-// contexts are similar to embedded zero-block coding (Hsiang and Woods 2000).
+// Codes the quantized wavelet coefficients of a plane, bit plane by bit plane, starting with the highest. Every prefix
+// then gives all coefficients to some precision. Each bit plane has a pass that finds new coefficients, and a pass that
+// refines the coefficients found in earlier planes. The first pass descends a quadtree over each band. A node is
+// significant if a coefficient under it is significant (set partitioning: Pearlman et al. 2004, "Efficient,
+// low-complexity image coding with a set-partitioning embedded block coder"). The contexts of a node are its neighbours
+// and three nodes at the same place: in the next coarser band, in the coarser image of the pyramid over parameters, and
+// in luma. These contexts are similar to embedded zero-block coding (Hsiang and Woods 2000).
 #pragma once
 
 #include <algorithm>
@@ -18,8 +18,8 @@
 
 namespace multum {
 
-/// The known bits of one plane of an image, and the quadtrees over its bands. Without bands all coefficients are zero
-/// and unknown.
+/// The known bits of one plane of an image, and the quadtrees over its bands. If there are no bands, all coefficients
+/// are zero and unknown.
 class WaveletPlane {
  public:
   static constexpr int kBitPlanes = 20;
@@ -42,7 +42,8 @@ class WaveletPlane {
   std::vector<Tree>& trees() { return trees_; }
   const std::vector<Tree>& trees() const { return trees_; }
 
-  /// Magnitude, sign (1: negative), and lowest known bit plane of each significant coefficient, [height][width].
+  /// The magnitude, the sign (1 is negative) and the lowest known bit plane of each significant coefficient,
+  /// [height][width].
   std::vector<std::uint32_t> magnitudes;
   std::vector<std::uint8_t> negative, known;
 
@@ -55,7 +56,7 @@ class WaveletPlane {
         if (!visit(64 * word + static_cast<std::size_t>(std::countr_zero(bits)))) return false;
     return true;
   }
-  /// Makes a coefficient significant.
+  /// Marks a coefficient as significant.
   void find(std::size_t at, int bit_plane, bool is_negative) {
     found_[at / 64] |= std::uint64_t{1} << at % 64;
     negative[at] = is_negative ? 1 : 0;
@@ -70,13 +71,13 @@ class WaveletPlane {
   std::vector<std::uint64_t> found_;  // one bit per coefficient, set if it is significant
 };
 
-/// The encoder's exact plane: whole magnitudes and signs, and the largest magnitude under each node.
+/// The encoder's exact plane, with whole magnitudes and signs, and with the largest magnitude under each node.
 struct WaveletSource {
   const std::vector<std::int32_t>* values = nullptr;             // [height][width]; null in a decoder
   std::vector<std::vector<std::vector<std::uint32_t>>> largest;  // [tree][level][node]
 };
 
-/// The other known planes, each null if it is missing.
+/// The other known planes. Each pointer is null if the plane is missing.
 struct WaveletSurroundings {
   const WaveletPlane* parent = nullptr;  // the same plane of the coarser image
   const WaveletPlane* luma = nullptr;
@@ -96,8 +97,8 @@ class WaveletSyntax {
     return static_cast<int>(std::min<std::uint32_t>(highest, WaveletPlane::kBitPlanes));
   }
 
-  /// Codes the plane's bits from its highest bit plane. Calls `ended` after every symbol, and stops when it returns
-  /// true. When decoding, `plane` has its size and no significant coefficient.
+  /// Codes the plane's bits, starting with its highest bit plane. Calls `ended` after every symbol, and stops when
+  /// `ended` returns true. Before decoding, `plane` has its size and no significant coefficient.
   template <class Port, class Ended>
   void plane(SymbolCoder<Port>& coder, WaveletPlane& plane, int bit_planes, const WaveletSource& source,
              const WaveletSurroundings& around, Ended ended) {
@@ -126,8 +127,8 @@ class WaveletSyntax {
     int below_highest;
   };
 
-  /// Codes which coefficients become significant under a node. If `certain`, at least one coefficient does. Returns
-  /// false at the stream's end.
+  /// Codes which coefficients under a node become significant. If `certain`, at least one of them does. Returns false
+  /// at the stream's end.
   template <class Port, class Ended>
   bool find(Visit<Port, Ended>& visit, std::size_t level, std::size_t x, std::size_t y, bool certain,
             std::size_t found) {

@@ -11,12 +11,12 @@ namespace {
 constexpr int kDepthMax = 6;
 constexpr std::size_t kSideMin = 8;
 
-// The lifting steps, predict and update in turn (Daubechies and Sweldens 1998, section 7.7). The factor gives low-pass
-// filters a gain of sqrt(2), as in orthonormal filters.
+// The lifting steps, which predict and update in turn (Daubechies and Sweldens 1998, section 7.7). The factor gives
+// low-pass filters a gain of sqrt(2), as in orthonormal filters.
 constexpr std::array<float, 4> kSteps = {-1.586134342f, -0.05298011854f, 0.8829110762f, 0.4435068522f};
 constexpr float kScale = 1.149604398f;
 
-/// Several lines at once, split into even and odd samples: evens[i * lines + c] is even sample i of line c.
+/// Several lines at once, split into even and odd samples. The element evens[i * lines + c] is even sample i of line c.
 struct PartedLines {
   std::vector<float> evens, odds;
   std::size_t lines;
@@ -58,8 +58,8 @@ void inverse_lines(PartedLines& parted) {
     step % 2 == 0 ? lift_odds(parted, -kSteps[step]) : lift_evens(parted, -kSteps[step]);
 }
 
-/// Transforms every row or column of the rectangle at the image's corner. Lines of one sample do not change. Before a
-/// forward transform, samples are in spatial order. Afterwards the low halves come first.
+/// Transforms every row or column of the rectangle at the image's corner. Lines of one sample do not change. Samples
+/// are in spatial order before a forward transform. Afterwards the low halves come first.
 template <bool kForward>
 void over_lines(std::span<float> image, std::size_t stride, std::size_t width, std::size_t height, bool rows) {
   const std::size_t length = rows ? width : height, count = rows ? height : width, low = (length + 1) / 2;

@@ -22,9 +22,10 @@ struct WaveletBand {
   int kind = 0;   // 0: LL, 1: HL (high along rows), 2: LH, 3: HH
 };
 
-/// Returns the number of levels: sides are halved at most 6 times, while the shorter side has 8 samples or more.
+/// Returns the number of levels. The sides are halved at most 6 times, while the shorter side has 8 samples or more.
 int wavelet_depth(std::size_t width, std::size_t height);
-/// Returns the bands that are not empty, the coarsest first: LL, then HL, LH, HH of each level.
+/// Returns the bands that are not empty, starting with the coarsest. LL comes first, and then HL, LH and HH of each
+/// level.
 std::vector<WaveletBand> wavelet_bands(std::size_t width, std::size_t height);
 
 /// Transforms in place, [height][width].

@@ -23,7 +23,7 @@ constexpr double kChoiceRange = 2.0;
 
 std::uint64_t FieldCoder::bytes_of(const ChunkToCode& chunk, bool open_loop) {
   // Each texel of a sample needs three coefficients, their weight, and the differences that are not coded yet (twice
-  // for an open loop). Images with three coded coefficients per texel add up to four thirds of an image.
+  // for an open loop). The images with three coded coefficients per texel take four thirds of an image together.
   const std::uint64_t texel_bytes = 12 + 4 + (open_loop ? 24 : 12) + 16;
   return texel_bytes * chunk.width * chunk.height * chunk.textures.size();
 }
@@ -171,9 +171,9 @@ double FieldCoder::object_mse(std::size_t object) const {
   return values > 0.0 ? error / values : 0.0;
 }
 
-/// Errors grow as lambda^0.6, so a few steps find a share of lambda at which the object's error limit is met. The
-/// result is a share of lambda, not a lambda, because the search for the file size changes lambda. The object's error
-/// and the mean error then change together.
+/// Errors grow as lambda^0.6, so a few steps find a share of lambda at which the object's error is within its limit.
+/// The result is a share of lambda instead of a lambda, because the search for the file size changes lambda. The
+/// object's error and the mean error then change together.
 void FieldCoder::hold_object(std::size_t object, double lambda, double mse, double mse_max) {
   std::vector<std::size_t> numbers;
   for (std::size_t c = 0; c < kept_.size(); ++c)

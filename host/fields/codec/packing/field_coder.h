@@ -24,7 +24,7 @@ struct FieldCoderSettings {
   PackingJournal* journal = nullptr;      // if null, no chunk is kept
 };
 
-/// The field coded with one lambda.
+/// The result of coding the field with one lambda.
 struct FieldRound {
   double lambda = 0.0, mse = 0.0;
   std::vector<double> object_mse;  // mean squared errors over each object's pixels
@@ -62,7 +62,7 @@ class FieldCoder {
   };
 
   void code_chunks(const std::vector<std::size_t>& numbers, double lambda);
-  /// Keeps the choices in `before`. If it is null, tries all candidates.
+  /// Keeps the choices in `before`, or tries all candidates if `before` is null.
   ChosenChunk coded(std::size_t number, const ChunkSettings* before, double lambda);
   const ChunkSource& textures_of(std::size_t number, std::optional<ChunkSource>& own);
   double object_mse(std::size_t object) const;

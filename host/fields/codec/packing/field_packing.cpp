@@ -18,8 +18,10 @@ namespace multum {
 namespace {
 
 constexpr double kLambdaFirst = 500.0;
-constexpr int kAlphaPassesMax = 12;  // one or two passes are usual; each pass lowers the mean less than the one before
-/// Memory of the program with OpenCL and its buffers of 16 MiB, without textures, weights and their coding.
+constexpr int kAlphaPassesMax = 12;  // one or two passes are usual; each pass lowers the mean less than the previous
+                                     // pass
+/// The memory of the program with OpenCL and its buffers of 16 MiB. Textures, weights and their coding are not
+/// included.
 constexpr std::uint64_t kProgramBytes = std::uint64_t{240} << 20;
 
 void write_packed(const std::vector<std::uint8_t>& bytes, const std::string& path) {
@@ -37,7 +39,7 @@ std::optional<double> inferred_mse_of(const std::string& folder, const FieldSour
   return 3.0 * *sum / source.values;
 }
 
-/// Returns one line with everything that the journal's chunks depend on, except for the field and its checksum.
+/// Returns one line with everything that determines the journal's chunks, except for the field and its checksum.
 std::string journal_key(const FieldPackSettings& settings, const FieldSource& source) {
   const std::string coder = settings.coder ? fmt::format("{}", static_cast<int>(*settings.coder)) : "any";
   return fmt::format("{}: pack, field {}, pyramid {}, coder {}, open loop {}, block {}, stagger {}, device {}",

@@ -19,8 +19,8 @@ namespace multum {
 struct FieldPackSettings {
   std::string folder, output;  // the output is named *.mpt
   FieldTarget target;
-  /// If alpha is above 1, the mean error per pixel of an object must not exceed this multiple of the mean error over
-  /// all objects' pixels (Hakura et al. 2000, section 4). 0 means no limit.
+  /// If alpha is above 1, the mean error per pixel of each object must not exceed this multiple of the mean error over
+  /// all objects' pixels (Hakura et al. 2000, section 4). 0 means that there is no limit.
   double alpha = 0.0;
   PyramidChoice pyramid = PyramidChoice::kAdaptive;
   std::optional<ImageCoder> coder;  // if unset, the best of all coders
@@ -53,7 +53,7 @@ struct FieldPackReport {
   double lambda = 0.0, mse = 0.0;
   int rounds = 0;                  // how many times the whole field was coded
   std::size_t chunks_resumed = 0;  // number of chunk codings taken from a stopped packing
-  double mse_covered = 0.0;        // error of the pixels that objects cover; alpha refers to this error
+  double mse_covered = 0.0;        // error of the pixels that objects cover, to which alpha refers
   bool is_alpha_met = true;
   /// The error of frames drawn with the inferred textures, compared with the ray-traced frames, over all pixels and in
   /// 8-bit sRGB units. Unset if the folder has no report of `multum infer`.
@@ -65,8 +65,8 @@ struct FieldPackReport {
   std::vector<PackedChunkReport> chunks;
 };
 
-/// Writes a temporary file and renames it when it is complete. Throws Error: kUsage for a target that cannot be met,
-/// kInput for a folder that cannot be read, or kEnvironment. Throws Cancelled.
+/// Writes a temporary file and renames it when it is complete. Throws Error(kUsage) for a target that cannot be met,
+/// Error(kInput) for a folder that cannot be read, or Error(kEnvironment). Throws Cancelled.
 FieldPackReport pack_field(const FieldPackSettings& settings, Progress* progress);
 
 }  // namespace multum

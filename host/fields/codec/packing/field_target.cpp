@@ -18,9 +18,9 @@ constexpr double kLambdaMin = FieldCoder::kLambdaMin, kLambdaMax = FieldCoder::k
 constexpr double kBytesSlope = -0.56, kErrorSlope = 0.6;
 /// The added error must stay below 3 times the inferred textures' error. The limit for the estimated error is only 2
 /// times that error, because the estimate can be too low for two reasons, by up to 20 % each, and 2 * 1.2 * 1.2 < 3.
-/// First, the estimated coding error is 2 to 20 % below the error in drawn frames; the difference grows with fewer
-/// samples. Second, the estimate uses gamma 2.2, but the inferred textures' error uses sRGB units, which give dark
-/// pixels more weight. The error of a room with a dark quarter is 19 % higher in sRGB units.
+/// First, the estimated coding error is 2 to 20 % below the error in drawn frames. This difference is larger for fields
+/// with fewer samples. Second, the estimate uses gamma 2.2, but the inferred textures' error uses sRGB units, which
+/// give dark pixels more weight. The error of a room with a dark quarter is 19 % higher in sRGB units.
 constexpr double kEstimateShare = 2.0 / 3.0;
 /// The least error that `--mse-max` accepts. Exact textures can be packed without any error only by chance.
 constexpr double kErrorLimitMin = 1e-3;

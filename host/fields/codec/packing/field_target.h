@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Searches for the lambda at which a packed field has the requested size or error. Without a request, the search starts
-// from a default ratio and lowers it if the error would be too large. The error is too large for fields of few samples,
-// which get too few bytes at the default ratio.
+// Searches for the lambda at which a packed field has the requested size or error. If neither is requested, the search
+// starts from a default ratio and lowers it if the error would be too large. The default ratio gives fields of few
+// samples too few bytes, so their error would be too large.
 #pragma once
 
 #include <optional>

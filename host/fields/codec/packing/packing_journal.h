@@ -18,8 +18,8 @@ namespace multum {
 class PackingJournal {
  public:
   /// Opens the folder of the packing of `output`. `key` is one line that identifies everything on which the chunks
-  /// depend. Chunks with the same key are kept if `resume` is set; all others are removed. Returns null while another
-  /// process packs to the same output. Throws Error(kEnvironment).
+  /// depend. If `resume` is set, chunks with the same key are kept. All other chunks are removed. Returns null while
+  /// another process packs to the same output. Throws Error(kEnvironment).
   static std::unique_ptr<PackingJournal> open(const std::string& output, const std::string& key, bool resume);
   PackingJournal(const PackingJournal&) = delete;
   PackingJournal& operator=(const PackingJournal&) = delete;

@@ -11,7 +11,7 @@
 namespace multum {
 namespace {
 
-// Work-items are small: on PoCL, starting a work-group takes as long as running one work-item.
+// Work-items are small. On PoCL, starting a work-group takes as long as running one work-item.
 constexpr std::size_t kTransformLocalSize = 64;
 
 }  // namespace
@@ -108,7 +108,7 @@ void DeviceImageTransforms::transform_levels(const CoefficientLayout& layout, in
     wavelet_lift_.launch({static_cast<std::size_t>(items), kTransformLocalSize}, from, to, image_count, texels, lines,
                          step, length, stride);
   };
-  // Both sides of a level have 8 samples or more. The row step writes to the other buffer, and the column step writes
+  // Both sides of a level have at least 8 samples. The row step writes to the other buffer, and the column step writes
   // back.
   std::size_t columns = layout.width, rows = layout.height;
   for (int depth = wavelet_depth(layout.width, layout.height); depth > 0; --depth) {

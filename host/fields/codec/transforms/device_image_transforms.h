@@ -14,8 +14,8 @@ class DeviceImageTransforms : public ImageTransforms {
  public:
   static constexpr std::size_t kBatchBytes = std::size_t{16} << 20;
 
-  /// The device must outlive this object. `batch_bytes` limits the size of each buffer; only a single large texture may
-  /// exceed it. The coefficients do not depend on it.
+  /// The device must outlive this object. `batch_bytes` limits the size of each buffer. Only a single large texture may
+  /// exceed this limit. The coefficients do not depend on it.
   explicit DeviceImageTransforms(Device& device, std::size_t batch_bytes = kBatchBytes);
 
   /// Calls from several threads run one after another. Throws Error(kEnvironment).

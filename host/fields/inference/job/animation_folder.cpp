@@ -29,9 +29,10 @@ constexpr const char* kExpected =
     "expected a folder of renders with scene.json, geometry.glb, .gltf or .obj, rad_vVV_pPP.exr, and geom_vVV.exr or "
     "id_vVV_pPP.png";
 
-// Returns the number of samples along a parameter that share texture coordinates: all, or even blocks of at most 16.
-// Hakura et al. (sec. 4) use blocks of 8. But with two blocks, diffuse textures are packed twice. With one block for
-// all 16 views, the error of field_demo2 at 192:1 is 0.88 times its error with two blocks.
+// Returns the number of samples along a parameter that share texture coordinates. These are either all samples, or even
+// blocks of at most 16 samples. Hakura et al. (sec. 4) use blocks of 8 samples. But with two blocks, diffuse textures
+// are packed twice. If one block contains all 16 views, the error of field_demo2 at 192:1 is 0.88 times its error with
+// two blocks.
 int even_block(int count) {
   constexpr int kBlockMax = 16;
   if (count <= kBlockMax) return 0;
@@ -59,9 +60,11 @@ class FolderReader {
                          [](const Json& sample) { return sample.contains("object_to_world"); });
     has_index_ = exists("id_" + sample_name(samples.front()) + ".png");
     if (moves_ && !has_index_)
-      refuse_file(folder_,
-                  fmt::format("has objects that move, but no id_{}.png; moving objects need object-index images",
-                              sample_name(samples.front())));
+      refuse_file(
+          folder_,
+          fmt::format(
+              "has objects that move, but no id_{}.png; expected object-index images, which moving objects need",
+              sample_name(samples.front())));
     const char* other = moves_ ? "motion" : samples.front().contains("light_swing_deg") ? "light" : "parameter";
     job_.parameters = {{"view", whole(scene_, "views", "the scene"), true},
                        {other, whole(scene_, "params", "the scene"), false}};
@@ -181,7 +184,7 @@ class FolderReader {
     const int view = whole(json, "view", sample.name), param = whole(json, "param", sample.name);
     sample.at = {view, param};
     sample.radiance = existing("rad_" + sample.name + ".exr");
-    // If objects move, only the first sample of a view has geometry.
+    // If objects move, only the first sample of each view has geometry.
     const std::string geometry = fmt::format("geom_v{:02}.exr", view);
     if (!has_index_ || (exists(geometry) && (!moves_ || param == 0))) sample.geometry = existing(geometry);
     if (has_index_) sample.object_index = existing("id_" + sample.name + ".png");
@@ -191,7 +194,7 @@ class FolderReader {
     job_.samples.push_back(sample);
   }
 
-  // An OBJ file is in world space, with objects placed as in "objects" of scene.json. The sample's own placement
+  // An OBJ file is in world space, with objects placed as in "objects" of scene.json. The placement of each sample
   // replaces this placement.
   void read_motion(const Json& motion, AnimationSample& sample) {
     const bool is_in_world = job_.geometry_file.ends_with(".obj");

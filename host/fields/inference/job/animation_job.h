@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Describes a job of texture inference (Hakura et al. 2000, section 3): the renders, their geometry, cameras and
-// parameters, and the textures to infer. docs/reference/animation_jobs.md describes every key of animation.toml.
+// Describes a job of texture inference (Hakura et al. 2000, section 3). A job has the renders, their geometry, cameras
+// and parameters, and the textures to infer. docs/reference/animation_jobs.md describes every key of animation.toml.
 #pragma once
 
 #include <array>
@@ -23,18 +23,18 @@ struct AnimationParameter {
   bool operator==(const AnimationParameter&) const = default;
 };
 
-/// A part of the radiance that gets its own textures: "diffuse" from the diffuse pass, "view_dependent" from the sum of
-/// the glossy and transmission passes.
+/// A part of the radiance that gets its own textures. The part "diffuse" comes from the diffuse pass, and
+/// "view_dependent" comes from the sum of the glossy and transmission passes.
 struct AnimationLayer {
   std::string name;
   std::vector<std::string> passes;  // prefixes of channels "PASS.R" "PASS.G" "PASS.B"; "" means the channels R G B
-  // Names of parameters; one texture serves all samples along the other parameters.
+  // The names of parameters. One texture serves all samples along the other parameters.
   std::vector<std::string> depends_on;
   bool operator==(const AnimationLayer&) const = default;
 };
 
-/// Texture settings of an object. Defaults come from the job's [texture] table, or from this struct without such a
-/// table.
+/// The texture settings of an object. Default values come from the job's [texture] table, or from this struct if there
+/// is no such table.
 struct AnimationTexture {
   std::string wrap = "clamp";     // "clamp" or "periodic"; in periodic directions a branch cut is tried
   double stretch_max = 1.25;      // largest singular value of the texture-to-screen Jacobian, > 0
@@ -99,9 +99,9 @@ struct AnimationJob {
 /// Returns the job as TOML for read_animation_job(). Paths are written relative to `folder`.
 std::string animation_job_text(const AnimationJob& job, const std::string& folder);
 
-/// Makes a job for a folder of renders: scene.json with rad_vVV_pPP.exr and geom_vVV.exr, or id_vVV_pPP.png if objects
-/// move (docs/reference/animation_jobs.md, "Supported folders"). Throws Error(kInput) with the expected
-/// files.
+/// Makes a job for a folder of renders. The folder has scene.json with rad_vVV_pPP.exr and geom_vVV.exr, or
+/// id_vVV_pPP.png if objects move (docs/reference/animation_jobs.md, "Supported folders"). Throws Error(kInput), which
+/// lists the expected files.
 AnimationJob job_for_folder(const std::string& folder);
 
 }  // namespace multum

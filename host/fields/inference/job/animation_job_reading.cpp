@@ -25,7 +25,8 @@ namespace multum {
 namespace {
 
 constexpr int kSampleCountMax = 65536;  // each sample has one or two files
-// Enough for this many samples. Each sample with its own camera has 68 keys and values, which take 1.2 KB.
+// This limit is enough for this many samples. Each sample with its own camera has 68 keys and values, which take 1.2 KB
+// in total.
 const TomlLimits kTomlLimits = {.byte_max = std::size_t{80} << 20, .item_max = 5'000'000};
 
 const std::vector<std::string> kJobKeys = {
@@ -34,7 +35,7 @@ const std::vector<std::string> kJobKeys = {
 const std::vector<std::string> kTextureKeys = {"wrap",     "stretch_max", "resolution_scale", "power_of_two",
                                                "side_max", "anisotropy",  "pyramid_weight",   "range_weight"};
 
-// Names become names of folders and files.
+// Names are used as the names of folders and files.
 std::string checked_name(const StrictTable& table) {
   const std::string name = table.text("name");
   const bool has_bad_letter = std::any_of(
@@ -156,7 +157,7 @@ void check_camera(const StrictTable& table, const AnimationCamera& camera) {
         "world_to_camera",
         "has a last row that is not 0 0 0 1; expected the four rows of a matrix that multiplies column vectors");
   if (!(glm::determinant(glm::dmat3(m)) > 0.0))
-    table.refuse("world_to_camera", "is mirrored or flat: its determinant is not above 0");
+    table.refuse("world_to_camera", "is mirrored or flat, because its determinant is not above 0");
   const glm::dmat4& p = camera.projection;
   const bool has_w = p[0][3] == 0.0 && p[1][3] == 0.0 && p[2][3] < 0.0 && p[3][3] == 0.0;
   if (!has_w || !(p[0][0] > 0.0) || !(p[1][1] > 0.0) || p[3][0] != 0.0 || p[3][1] != 0.0)
@@ -178,7 +179,7 @@ void read_cameras(const StrictTable& job_table, AnimationJob& job) {
 }
 
 // All renders of a folder must have the same passes. If a pass is missing in the first sample's files, the job is
-// refused. If it is missing in another file, reading that file fails.
+// refused. If it is missing in another file, reading that file results in an error.
 void check_passes(const StrictTable& job_table, const AnimationJob& job) {
   const AnimationSample& sample = job.samples.front();
   const std::vector<std::string> channels = exr_channel_names(sample.radiance);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writes a job as TOML that users can edit. Every key is written, with its meaning at its first use. Numbers have the
-// fewest digits that give the same number.
+// Writes a job as TOML that users can edit. Every key is written, with an explanation where it is first used. Numbers
+// have the fewest digits that give the same number.
 #include <filesystem>
 
 #include <fmt/format.h>
@@ -36,7 +36,7 @@ std::string list(const std::vector<std::string>& texts) {
   return fmt::format("[{}]", fmt::join(items, ", "));
 }
 
-// TOML is UTF-8.
+// TOML files must be UTF-8.
 std::string relative_path(const std::string& path, const std::string& folder) {
   const fs::path whole = fs::absolute(path).lexically_normal();
   const fs::path base = fs::absolute(folder.empty() ? "." : folder).lexically_normal();
@@ -56,10 +56,11 @@ std::string settings_text(const AnimationJob& job, const std::string& folder) {
       "file.\n\ngeometry = {}  # scene file: OBJ, glTF, GLB\nuv_set = {}  # texture coordinate set; 0 is "
       "TEXCOORD_0\nwidth = {}  # width of the pictures, in pixels\nheight = {}\ncryptomatte = {}  # prefix of the "
       "Cryptomatte channels\ndepth = {}  # channel with the distance along -z of camera space at the pixel centre, or "
-      "empty if there is none\ndepth_tolerance = {}  # largest relative difference of depths; a camera with a larger "
-      "one is an error\nsupersampling = {}  # 1 to 8 sub-pixels along each side of a pixel\nradiance_max = {}  # "
-      "brighter values are clipped to this value and counted\ncoverage_min = {}  # pixels with less coverage by an "
-      "object are left out\n",
+      "empty if there is none\ndepth_tolerance = {}  # largest allowed relative difference of depths; a larger one is "
+      "an error of the camera\nsupersampling = {}  # 1 to 8 sub-pixels along each side of a pixel\nradiance_max = {}  "
+      "# "
+      "brighter values are clipped to this value and counted\ncoverage_min = {}  # pixels of which an object covers "
+      "less are left out\n",
       quoted(relative_path(job.geometry_file, folder)), job.uv_set, job.width, job.height, quoted(job.cryptomatte),
       quoted(job.depth), job.depth_tolerance, job.supersampling, job.radiance_max, job.coverage_min);
 }
@@ -74,13 +75,15 @@ std::string texture_text(const AnimationTexture& t, const AnimationTexture& defa
   line("wrap", quoted(t.wrap), t.wrap == defaults.wrap, "\"clamp\" or \"periodic\"");
   line("stretch_max", t.stretch_max, t.stretch_max == defaults.stretch_max, "largest size of a texel, in pixels");
   line("resolution_scale", t.resolution_scale, t.resolution_scale == defaults.resolution_scale,
-       "factor of each side, up to 8, applied after the stretch limit");
-  line("power_of_two", t.power_of_two, t.power_of_two == defaults.power_of_two, "rounds each side up");
-  line("side_max", t.side_max, t.side_max == defaults.side_max, "texels, 1 to 16384");
-  line("anisotropy", t.anisotropy, t.anisotropy == defaults.anisotropy, "1 to 16, of the sampler");
+       "scale factor of each side, at most 8, applied after the stretch limit");
+  line("power_of_two", t.power_of_two, t.power_of_two == defaults.power_of_two,
+       "rounds each side up to a power of two");
+  line("side_max", t.side_max, t.side_max == defaults.side_max, "largest side in texels, 1 to 16384");
+  line("anisotropy", t.anisotropy, t.anisotropy == defaults.anisotropy, "anisotropy of the sampler, 1 to 16");
   line("pyramid_weight", t.pyramid_weight, t.pyramid_weight == defaults.pyramid_weight,
-       "of pyramidal regularisation; 0: none");
-  line("range_weight", t.range_weight, t.range_weight == defaults.range_weight, "of range regularisation; 0: none");
+       "weight of the pyramidal regularisation; 0 switches it off");
+  line("range_weight", t.range_weight, t.range_weight == defaults.range_weight,
+       "weight of the range regularisation; 0 switches it off");
   return text;
 }
 
@@ -98,7 +101,8 @@ std::string layers_text(const AnimationJob& job) {
   std::string text = "# Parts of the radiance that have their own textures; the passes of a layer are added.\n";
   for (const AnimationLayer& layer : job.layers)
     text += fmt::format(
-        "[[layer]]\nname = {}\npasses = {}  # PASS reads channels PASS.R PASS.G PASS.B; \"\" reads R G B\n"
+        "[[layer]]\nname = {}\npasses = {}  # PASS reads the channels PASS.R, PASS.G and PASS.B; \"\" reads R, G and "
+        "B\n"
         "depends_on = {}  # one texture serves all samples along other parameters\n\n",
         quoted(layer.name), list(layer.passes), list(layer.depends_on));
   return text;
@@ -119,7 +123,9 @@ std::string objects_text(const AnimationJob& job) {
 }
 
 std::string cameras_text(const AnimationJob& job) {
-  std::string text = "# Rows are for column vectors. Cameras look along -z; clip space is as in OpenGL.\n";
+  std::string text =
+      "# Matrices are lists of rows and multiply column vectors. Cameras look along -z, and clip space is as in "
+      "OpenGL.\n";
   for (const AnimationCamera& camera : job.cameras)
     text += fmt::format("[[camera]]\nname = {}\nworld_to_camera = {}\nprojection = {}\n\n", quoted(camera.name),
                         matrix_text(camera.world_to_camera), matrix_text(camera.projection));
@@ -146,7 +152,7 @@ std::string animation_job_text(const AnimationJob& job, const std::string& folde
   text +=
       "\n# Texture settings of all objects that have no [object.texture].\n[texture]\n" + texture_text({}, {}, true);
   text += parameters_text(job) + layers_text(job) + objects_text(job) + cameras_text(job);
-  text += "# One sample for each point of the parameter grid; at is its index along each parameter.\n";
+  text += "# One sample for each point of the parameter grid. `at` lists its index along each parameter.\n";
   for (const AnimationSample& sample : job.samples) text += sample_text(job, sample, folder);
   return text;
 }

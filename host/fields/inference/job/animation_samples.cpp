@@ -61,7 +61,8 @@ std::map<std::string, glm::dmat4> read_motion(const StrictTable& table, const st
       matrices.refuse(
           mesh,
           "has a last row that is not 0 0 0 1; expected the four rows of a matrix that multiplies column vectors");
-    if (!(std::abs(glm::determinant(glm::dmat3(m))) > 0.0)) matrices.refuse(mesh, "is flat: its determinant is 0");
+    if (!(std::abs(glm::determinant(glm::dmat3(m))) > 0.0))
+      matrices.refuse(mesh, "is flat, because its determinant is 0");
     motion[mesh] = m;
   }
   return motion;

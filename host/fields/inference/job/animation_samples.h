@@ -26,8 +26,9 @@ void check_known(const StrictTable& table, const std::string& key, const std::st
 /// Returns the path of `key`, relative to the job's folder. Throws Error(kInput) if the file does not exist.
 std::string existing_file(const StrictTable& table, const std::string& key, const AnimationJob& job);
 
-/// Reads job.samples: one for each point of the grid of job.parameters. Throws Error(kInput) for missing or repeated
-/// points, unknown cameras and objects, missing files, and objects whose pixels cannot be identified.
+/// Reads job.samples, which has one sample for each point of the grid of job.parameters. Throws Error(kInput) for
+/// missing or repeated points, unknown cameras and objects, missing files, and objects whose pixels cannot be
+/// identified.
 void read_animation_samples(const StrictTable& job_table, const std::vector<std::string>& meshes, AnimationJob& job);
 
 }  // namespace multum

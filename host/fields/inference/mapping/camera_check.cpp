@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Compares points with all triangles by brute force, using bounding spheres: 512 points and ten thousand triangles take
-// about ten milliseconds.
+// Compares points with all triangles by brute force, using bounding spheres. For 512 points and ten thousand triangles,
+// this takes about ten milliseconds.
 #include "host/fields/inference/mapping/camera_check.h"
 
 #include <algorithm>
@@ -50,8 +50,8 @@ double segment_distance(const glm::dvec3& p, const glm::dvec3& a, const glm::dve
   return glm::distance(p, a + t * (b - a));
 }
 
-// Returns the distance to the plane if the foot of the perpendicular is inside the triangle, otherwise to the nearest
-// side.
+// Returns the distance to the plane if the foot of the perpendicular is inside the triangle. Otherwise returns the
+// distance to the nearest side.
 double triangle_distance(const glm::dvec3& p, const Triangle& t) {
   const glm::dvec3 n = glm::cross(t.b - t.a, t.c - t.a);
   const bool is_inside = glm::dot(glm::cross(t.b - t.a, p - t.a), n) >= 0.0 &&
@@ -69,8 +69,8 @@ double distance_to(const std::vector<Triangle>& triangles, const glm::dvec3& p) 
   return nearest;
 }
 
-// Returns the depth of the far plane, or infinity if there is no such plane. If the last rows of the projection are (0,
-// 0, A, B) and (0, 0, -s, 0), z equals w at a depth of B / (A + s).
+// Returns the depth of the far plane, or infinity if there is no such plane. If the last two rows of the projection are
+// (0, 0, A, B) and (0, 0, -s, 0), then z equals w at a depth of B / (A + s).
 double far_depth(const glm::dmat4& projection) {
   const double far = projection[3][2] / (projection[2][2] - projection[2][3]);
   return far > 0.0 && std::isfinite(far) ? far : std::numeric_limits<double>::infinity();

@@ -17,11 +17,12 @@ struct CameraCheck {
   int nan_depths = 0;            // number of pixels whose depth is NaN; such pixels are left out
 };
 
-/// `depth` is the sample's depth channel, width * height, row 0 at the top. Values are ignored unless they are finite,
-/// above 0 and below the depth of the far plane. `coverage` is the share of each pixel that the objects cover. Partly
-/// covered pixels are left out; if `coverage` is empty, all pixels count. `objects` come from the geometry file, with
-/// moving objects placed by the sample. Throws Error(kInput), which names sample and camera, if more than a tenth of
-/// the tested pixels miss the objects by more than job.depth_tolerance times their depth.
+/// `depth` is the sample's depth channel, with width * height values and row 0 at the top. Values are ignored unless
+/// they are finite, above 0 and below the depth of the far plane. `coverage` is the share of each pixel that the
+/// objects cover. Partly covered pixels are left out. If `coverage` is empty, all pixels count. `objects` come from the
+/// geometry file, with moving objects placed by the sample. Throws Error(kInput), which names the sample and the
+/// camera, if more than a tenth of the tested pixels miss the objects by more than job.depth_tolerance times their
+/// depth.
 CameraCheck check_camera(const AnimationJob& job, const AnimationSample& sample, const std::vector<ObjectMesh>& objects,
                          const std::vector<float>& depth, const std::vector<float>& coverage);
 

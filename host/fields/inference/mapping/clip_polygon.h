@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Clips convex polygons in homogeneous clip space, before the division by w (Sutherland and Hodgman 1974), because
-// points behind the near plane have no place on the screen. All attributes are linear in clip space, with and without
-// perspective.
+// points behind the near plane have no place on the screen. All attributes are linear in clip space, both with and
+// without perspective.
 #pragma once
 
 #include <array>
@@ -20,7 +20,7 @@ struct ClipVertex {
   double depth = 0.0;  // along -z of camera space
 };
 
-/// A polygon with room for a triangle that is clipped by the six planes below; each plane adds at most one vertex.
+/// A polygon with room for a triangle that is clipped by the six planes below. Each plane adds at most one vertex.
 struct ClipPolygon {
   std::array<ClipVertex, 9> vertices;
   std::size_t count = 0;

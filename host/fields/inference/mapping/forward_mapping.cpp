@@ -17,8 +17,8 @@ namespace {
 
 using TexelSum = std::array<double, 4>;  // three colours and the weight
 
-// Returns the map of texture coordinates across a triangle, with perspective: [s q, t q, q] = map * (x, y, 1), where x
-// and y are clip coordinates divided by w.
+// Returns the map of texture coordinates across a triangle, with perspective. The map is [s q, t q, q] = map * (x, y,
+// 1), where x and y are clip coordinates divided by w.
 std::optional<glm::dmat3> texture_map(const ObjectMesh& mesh, const std::vector<glm::vec2>& corners,
                                       const glm::dmat4& object_to_clip, std::size_t triangle) {
   glm::dmat3 clip, texture;
@@ -91,8 +91,8 @@ class Splatter {
       }
   }
 
-  // Pull: coarse texels sum the known texels. Push: unknown texels are interpolated from the coarser level. Then the
-  // coarse levels are computed again as box averages of the filled finest level.
+  // In the pull phase, coarse texels sum the known texels. In the push phase, unknown texels are interpolated from the
+  // coarser level. Then the coarse levels are computed again as box averages of the filled finest level.
   void fill_holes() {
     for (std::size_t l = 0; l + 1 < layout_.levels.size(); ++l)
       layout_.for_each_child(l, [&](std::size_t parent, std::size_t texel) {

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Computes the baseline of texture inference: "forward mapping" (Hakura et al. 2000, sections 3.2 and 3.3), which
 // ignores OpenGL's filter. Every pixel's colour is added bilinearly to the four texels around its texture coordinate,
-// and texels are normalized. Texels without pixels are filled from coarser levels (pull-push). Mips are box-filtered.
-// The paper's baseline uses a Lanczos-windowed sinc of 16 x 16 taps instead of bilinear weights, and reflects the layer
-// at its borders instead of filling the texels there. This version spreads a pixel less far and has no ringing.
+// and texels are normalized. Texels without pixels are filled from coarser levels (pull-push). Mip levels are
+// box-filtered. The paper's baseline uses a Lanczos-windowed sinc of 16 x 16 taps instead of bilinear weights, and
+// reflects the layer at its borders instead of filling the texels there. This version spreads a pixel less far and has
+// no ringing.
 #pragma once
 
 #include <vector>

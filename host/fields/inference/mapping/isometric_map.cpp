@@ -44,8 +44,8 @@ class Objective {
 };
 
 // Returns a point on the ray where the slope has fallen to a tenth of the slope at `start`. Doubles the step until it
-// passes the minimum; there is always one, because f is infinite where an edge vanishes. Then applies the secant
-// method, but stays at least a tenth of the interval away from both of its ends.
+// passes the minimum, which always exists because f is infinite where an edge vanishes. Then applies the secant method,
+// but stays at least a tenth of the interval away from both of its ends.
 Point line_minimum(const Objective& objective, const Point& start, const glm::dmat2& direction, double* step) {
   constexpr int kTries = 40;
   const double slope_start = dot(start.gradient, direction);
@@ -122,7 +122,7 @@ glm::dmat2 fit_isometric_map(const std::vector<IsometricEdge>& edges, const glm:
                                    // downhill
     const Point next = line_minimum(objective, here, direction, &step);
     const double decrease = here.cost - next.cost;
-    // The factor of Polak and Ribiere, at least 0.
+    // The factor of Polak and Ribiere, which is at least 0.
     const double beta = std::max(0.0, (dot(next.gradient, next.gradient) - dot(next.gradient, here.gradient)) /
                                           dot(here.gradient, here.gradient));
     direction = beta * direction - next.gradient;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Finds the linear map of texture coordinates that is closest to an isometry with the screen (Hakura et al. 2000,
-// section 3.4, eq. 7): each edge of a visible triangle should have the same length in texels and in pixels.
+// section 3.4, eq. 7). Each edge of a visible triangle should have the same length in texels as in pixels.
 #pragma once
 
 #include <vector>

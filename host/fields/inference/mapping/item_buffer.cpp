@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Rounds corners to 2^-14 of a pixel and tests edges exactly in whole numbers. No pixel around a corner is then missed
-// or drawn twice, which rounded edge functions could not guarantee. The rounding moves a silhouette by less than a
+// or drawn twice. Rounded edge functions could not guarantee this. The rounding moves a silhouette by less than a
 // ten-thousandth of a pixel. Depth is interpolated in double precision.
 #include "host/fields/inference/mapping/item_buffer.h"
 
@@ -18,7 +18,7 @@ namespace {
 
 constexpr std::int64_t kUnitsPerPixel = 1 << 14;
 // Triangles are clipped this many pixels from the origin, well outside every picture. Differences of corners then stay
-// below 2^30 units, and products of two differences and their sums below 2^62.
+// below 2^30 units. Products of two differences, and the sums of these products, stay below 2^62.
 constexpr double kGuardPixels = 1 << 15;
 
 struct ScreenVertex {
@@ -47,8 +47,8 @@ ScreenVertex to_screen(const ClipVertex& vertex, int width, int height) {
           vertex.depth * one_over_w, one_over_w};
 }
 
-// Returns the first column whose pixel centres are at `unit` or to the right of it. For rows, the centres are at `unit`
-// or below it.
+// Returns the first column whose pixel centres are at `unit` or to the right of it. For rows, returns the first row
+// whose centres are at `unit` or below it.
 int first_centre(std::int64_t unit) {
   const std::int64_t shifted = unit - kUnitsPerPixel / 2 + kUnitsPerPixel - 1;
   return static_cast<int>(shifted >= 0 ? shifted / kUnitsPerPixel : -1);
@@ -75,9 +75,9 @@ PixelBounds pixel_box(const std::array<ScreenVertex, 3>& v, const ItemBuffer& it
           std::max(0, first_centre(y_low)), std::min(items.height, first_centre(y_high + 1))};
 }
 
-// `share` has one value per corner; none is negative and the sum is positive. z/w and 1/w are linear on the screen,
-// even for an orthographic projection. Their quotient is a weighted mean of the corners' depths, so it stays in the
-// range of these depths.
+// `share` has one value per corner. No value is negative, and the sum is positive. z/w and 1/w are linear on the
+// screen, even for an orthographic projection. Their quotient is a weighted mean of the corners' depths, so it stays in
+// the range of these depths.
 void draw_pixel(const std::array<ScreenVertex, 3>& v, const std::array<std::int64_t, 3>& share, Item item,
                 std::size_t pixel, DepthBuffer* buffer) {
   double over_w = 0.0, depth = 0.0;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Finds the visible object and triangle at the centre of each pixel: an item buffer (Weghorst, Hooper and Greenberg
-// 1984). Texture mapping uses this visibility (Hakura et al. 2000, section 3.4).
+// Finds the visible object and triangle at the centre of each pixel, which is an item buffer (Weghorst, Hooper and
+// Greenberg 1984). Texture mapping uses this visibility (Hakura et al. 2000, section 3.4).
 #pragma once
 
 #include <cstdint>
@@ -26,7 +26,7 @@ struct PlacedObject {
   glm::dmat4 object_to_camera;
 };
 
-/// Largest width and height of an item buffer, in pixels.
+/// The largest width and height of an item buffer, in pixels.
 constexpr int kItemBufferSideMax = 16384;
 
 /// Row 0 is at the top. Triangles that cross the near plane are clipped. Both sides of a triangle are drawn. A pixel
@@ -34,8 +34,8 @@ constexpr int kItemBufferSideMax = 16384;
 ItemBuffer draw_item_buffer(const std::vector<PlacedObject>& objects, const glm::dmat4& projection, int width,
                             int height);
 
-/// Returns the share of each pixel that each of `object_count` objects covers: width / factor * height / factor floats
-/// per object. The item buffer is `factor` times as wide and as high as the picture.
+/// Returns the share of each pixel that each of `object_count` objects covers, as width / factor * height / factor
+/// floats per object. The item buffer is `factor` times as wide and as high as the picture.
 std::vector<std::vector<float>> item_coverage(const ItemBuffer& items, int factor, int object_count);
 
 }  // namespace multum

@@ -26,7 +26,7 @@ struct GaussKernel {
   std::vector<double> weights;  // weights by distance along one axis; the weights of both axes are multiplied
 };
 
-// Makes kernels of sigma, then of doubled sigmas up to sigma_max.
+// Makes a kernel for sigma, and kernels for the doubled sigmas up to sigma_max.
 std::vector<GaussKernel> make_kernels(const SegmentationSettings& settings) {
   std::vector<GaussKernel> kernels;
   for (double sigma = settings.sigma; kernels.empty() || sigma <= settings.sigma_max; sigma *= 2.0) {
@@ -37,8 +37,8 @@ std::vector<GaussKernel> make_kernels(const SegmentationSettings& settings) {
   return kernels;
 }
 
-/// The picture, with the background as the last object. Tables tell in constant time whether a window contains a wholly
-/// covered pixel.
+/// The picture, with the background as the last object. Tables are used to find in constant time whether a window
+/// contains a wholly covered pixel.
 class Segmentation {
  public:
   Segmentation(const SegmentationInput& input, const SegmentationSettings& settings);
@@ -54,7 +54,7 @@ class Segmentation {
   std::size_t index(int x, int y) const {
     return static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x);
   }
-  // Limits coverage to 0..1. A NaN counts as 0, because only the coverage is wrong, not the picture.
+  // Limits coverage to 0..1. A NaN counts as 0, because the fault is only in the coverage, not in the picture.
   double coverage(std::size_t object, std::size_t pixel) const {
     const float c = object < input_.coverages.size() ? input_.coverages[object][pixel] : background_[pixel];
     return c > 0.0f ? std::min(1.0, static_cast<double>(c)) : 0.0;
@@ -79,7 +79,7 @@ class Segmentation {
   std::vector<GaussKernel> kernels_;
   std::vector<float> background_;
   std::vector<PixelState> state_;
-  // For each object, a summed-area table of the number of pixels above and to the left.
+  // For each object, a summed-area table with the number of pixels above and to the left.
   std::vector<std::vector<std::int32_t>> whole_count_;
 };
 
@@ -126,7 +126,7 @@ bool Segmentation::whole_in_reach(std::size_t object, int x, int y, int radius) 
   return table[y1 + x1] - table[y1 + x0] - table[y0 + x1] + table[y0 + x0] > 0;
 }
 
-// Computes m_k: the picture under the object's mask, filtered by a Gaussian, divided by the filtered mask.
+// Computes m_k. The picture under the object's mask is filtered by a Gaussian and divided by the filtered mask.
 bool Segmentation::nearby(std::size_t object, int x, int y, Colour* mean) const {
   const auto kernel = std::find_if(kernels_.begin(), kernels_.end(), [&](const GaussKernel& candidate) {
     return whole_in_reach(object, x, y, candidate.radius);

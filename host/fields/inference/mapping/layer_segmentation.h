@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Splits ray-traced images into objects (Hakura et al. 2000, section 3.1): makes one picture per object from a layer's
+// Splits ray-traced images into objects (Hakura et al. 2000, section 3.1). Makes one picture per object from a layer's
 // picture and every object's coverage, without bleeding across silhouettes. The paper filters the supersampled picture
 // under the object's mask and divides by the filtered mask. Here the renderer has already filtered the picture, so a
 // mixed pixel is split according to the colours of its objects in nearby pixels.
@@ -32,8 +32,8 @@ struct SegmentationInput {
   std::vector<std::span<const float>> coverages;  // coverage by each object, 0..1 per pixel
 };
 
-/// Pixels are counted in each object's layer, so a pixel that two objects share counts twice. Values are counted per
-/// channel.
+/// Pixels are counted in each object's layer, so a pixel that two objects share counts twice. Values are counted
+/// separately for each channel.
 struct SegmentationReport {
   std::size_t not_finite_pixels = 0;  // NaN or infinite in some channel
   std::size_t negative_pixels = 0;    // finite, and below radiance_min in some channel
@@ -56,9 +56,9 @@ struct ObjectLayer {
 std::vector<ObjectLayer> segment_layer(const SegmentationInput& input, const SegmentationSettings& settings,
                                        SegmentationReport* report);
 
-/// Returns whether the object is in the layer at all: whether the root mean square over its wholly covered pixels is
-/// above 1/4096 of radiance_max, the step of 12-bit values. A small highlight is far above this threshold. Artefacts of
-/// lossy compression in black areas are far below it.
+/// Returns whether the object is in the layer at all. The object is in the layer if the root mean square over its
+/// wholly covered pixels is above 1/4096 of radiance_max, which is the step of 12-bit values. A small highlight is far
+/// above this threshold. Artefacts of lossy compression in black areas are far below it.
 bool has_radiance(const ObjectLayer& layer, double radiance_max);
 
 }  // namespace multum

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Describes one picture of an object, the input of texture mapping (Hakura et al. 2000, section 3.4).
+// Describes one picture of an object, which is the input of texture mapping (Hakura et al. 2000, section 3.4).
 #pragma once
 
 #include <glm/mat4x4.hpp>

@@ -36,7 +36,7 @@ int point_count(const std::vector<ParameterRange>& ranges, const std::vector<std
   return count;
 }
 
-// Sets the indices of the `number`-th point; the last dimension changes fastest.
+// Sets the indices of the point with this `number`. The last dimension changes fastest.
 void count_up(const std::vector<ParameterRange>& ranges, const std::vector<std::size_t>& dimensions, int number,
               std::vector<int>& at) {
   for (std::size_t i = dimensions.size(); i-- > 0;) {
@@ -47,7 +47,7 @@ void count_up(const std::vector<ParameterRange>& ranges, const std::vector<std::
 }
 
 // Visits the same points in an order in which each point is a neighbour of the previous one. A dimension runs backwards
-// if the indices of the slower dimensions, counted from their first ones, have an odd sum.
+// if the sum of the indices of the slower dimensions, each counted from its first index, is odd.
 void plough(const std::vector<ParameterRange>& ranges, const std::vector<std::size_t>& dimensions, int number,
             std::vector<int>& at) {
   count_up(ranges, dimensions, number, at);

@@ -14,7 +14,7 @@
 
 namespace multum {
 
-/// A camera and the places of objects in one block. Samples of a pose share their filter matrices under any light.
+/// A camera and the places of objects in one block. The samples of a pose share their filter matrices under any light.
 struct AnimationPose {
   std::string name;  // name of the pose's first sample
   int camera = 0;
@@ -23,7 +23,8 @@ struct AnimationPose {
   std::vector<int> samples;
 };
 
-/// The samples that one texture of a layer serves: samples of a block that agree in the layer's parameters.
+/// The samples that one texture of a layer serves. These are the samples of a block that agree in the layer's
+/// parameters.
 struct ParameterPoint {
   std::string name;  // "light03", "view00-07", "all"
   int block = 0;
@@ -37,11 +38,11 @@ struct ParameterRange {
 
 class ParameterGrid {
  public:
-  /// Keeps no reference to the job. Samples are in the order of the grid; the last parameter changes fastest.
+  /// Keeps no reference to the job. Samples are in the order of the grid, in which the last parameter changes fastest.
   explicit ParameterGrid(const AnimationJob& job);
 
-  /// Returns the number of blocks of neighbouring samples, AnimationParameter::block along each parameter. Only
-  /// parameters that move the camera or an object divide the grid into blocks.
+  /// Returns the number of blocks of neighbouring samples. A block has AnimationParameter::block samples along each
+  /// parameter. Only parameters that move the camera or an object divide the grid into blocks.
   int block_count() const { return block_count_; }
   /// Returns "view00-07", or "all" if there is one block.
   std::string block_name(int block) const;
@@ -49,8 +50,8 @@ class ParameterGrid {
   const std::vector<AnimationPose>& poses() const { return poses_; }
   int pose_of(int sample) const { return pose_of_sample_[static_cast<std::size_t>(sample)]; }
 
-  /// Returns all points of a layer, block by block. Within a block each point is a neighbour of the previous one
-  /// (boustrophedon order). View parameters change slowest, so that neighbours share filter matrices as long as
+  /// Returns all points of a layer, block by block. Within a block, each point is a neighbour of the previous one
+  /// (boustrophedon order). View parameters change slowest, so that successive points share filter matrices as long as
   /// possible.
   std::vector<ParameterPoint> points(const AnimationLayer& layer) const;
 

@@ -27,8 +27,8 @@
 namespace multum {
 namespace {
 
-// The tolerance for finding gaps and periods. Float coordinates near 1 have an error of 2^-24, and exporters add
-// errors.
+// The tolerance for finding gaps and periods. Float coordinates near 1 have an error of 2^-24, and exporters increase
+// this error.
 constexpr double kPeriodTolerance = 1e-5;
 
 struct SeenMesh {
@@ -68,7 +68,7 @@ Interval triangle_extent(const ObjectMesh& mesh, std::uint32_t triangle, glm::le
 // Returns the middle of the largest gap between intervals on a circle of circumference 1, or nullopt if there is no
 // gap.
 std::optional<double> middle_of_gap(std::vector<Interval> intervals) {
-  // End of the covered part, starting from the previous period.
+  // The end of the covered part, starting from the previous period.
   double covered = -std::numeric_limits<double>::infinity();
   for (Interval& interval : intervals) {
     const double period = std::floor(interval.low);
@@ -88,9 +88,9 @@ std::optional<double> middle_of_gap(std::vector<Interval> intervals) {
   return middle;
 }
 
-// Returns whether visible triangles meet across the seam. Triangles meet there if vertices at one place have
-// coordinates that differ by whole periods in `direction` and are equal in the other direction. Places are compared
-// with a tolerance of a millionth of the object's size.
+// Returns whether visible triangles meet across the seam. Two triangles meet there if they have vertices at the same
+// place whose coordinates differ by whole periods in `direction` and are equal in the other direction. Places are
+// compared with a tolerance of a millionth of the object's size.
 bool is_joined(const SeenMesh& scene, glm::length_t direction) {
   struct Corner {
     glm::dvec3 place;
@@ -106,7 +106,7 @@ bool is_joined(const SeenMesh& scene, glm::length_t direction) {
       corners.push_back({glm::round(glm::dvec3(scene.mesh.positions[vertex]) * (1e6 / size)) + 0.0,
                          glm::dvec2(scene.mesh.uvs[vertex])});
     }
-  // Sorts corners by place, then by the other direction, then ascending in this direction.
+  // Sorts corners by place, then by the coordinate in the other direction, then by the coordinate in this direction.
   std::sort(corners.begin(), corners.end(), [&](const Corner& a, const Corner& b) {
     const auto key = [&](const Corner& c) {
       return std::tuple(c.place.x, c.place.y, c.place.z, std::round(c.uv[1 - direction] / kPeriodTolerance),
@@ -147,10 +147,10 @@ std::array<bool, 2> periodic_directions(const TextureMapping& mapping) {
   return {mapping.wrap_s == WrapMode::kPeriodic, mapping.wrap_t == WrapMode::kPeriodic};
 }
 
-// Step 2: finds the most isometric affine map in the least-squares sense, eq. 7, with texels of the screen's
+// Step 2: finds the most isometric affine map in the least-squares sense (eq. 7), with texels of the screen's
 // resolution. The search starts from a map R for which R^T R is the mean of S^T S over visible pixels, where S is the
-// Jacobian from texture coordinates to the screen. The singular values of R are the mean singular values of S, however
-// the mesh scales u and v.
+// Jacobian from texture coordinates to the screen. The singular values of R are then the mean singular values of S,
+// however the mesh scales u and v.
 glm::dmat2 isometric_map(const SeenMesh& scene, bool is_diagonal) {
   glm::dmat2 mean(0.0);
   std::vector<IsometricEdge> edges;
@@ -167,7 +167,8 @@ glm::dmat2 isometric_map(const SeenMesh& scene, bool is_diagonal) {
   std::size_t count = 0;
   for (const VisiblePixels& pixels : scene.pixels) count += pixels.count;
   mean /= static_cast<double>(count);
-  // Cholesky: mean = R^T R with R upper triangular. The element b of R is zero if the map must stay diagonal.
+  // Cholesky decomposition: mean = R^T R with R upper triangular. The element b of R is zero if the map must stay
+  // diagonal.
   glm::dmat2 start(0.0);
   start[0][0] = std::sqrt(mean[0][0]);
   start[1][0] = is_diagonal ? 0.0 : mean[1][0] / start[0][0];
@@ -236,7 +237,8 @@ glm::dmat2 scale_along(const glm::dmat2& map, glm::dvec2 direction, double facto
   return (glm::dmat2(1.0) + (factor - 1.0) * glm::outerProduct(direction, direction)) * map;
 }
 
-// Steps 3 and 4: scale along the direction of maximal stretch until the threshold holds everywhere.
+// Steps 3 and 4: scales the map along the direction of maximal stretch until the stretch is within the threshold
+// everywhere.
 glm::dmat2 hold_stretch(const SeenMesh& scene, glm::dmat2 map, double threshold, bool is_diagonal,
                         TextureMapping* mapping) {
   constexpr int kRoundsMax = 100;  // in the paper, "usually a very small number"
@@ -272,9 +274,9 @@ Rectangle bounds(const std::vector<glm::dvec2>& hull, const glm::dmat2& map) {
   return box;
 }
 
-// Step 5: finds the bounding rectangle of least area. Tries directions that are half a degree apart, then finer steps
-// around the best one. The map is rotated only if this lowers the area. The area includes a texel for margins, so that
-// thin objects are not rotated needlessly.
+// Step 5: finds the bounding rectangle of least area. Tries directions that are half a degree apart, and then takes
+// finer steps around the best one. The map is rotated only if this lowers the area. The area includes a margin of one
+// texel, so that thin objects are not rotated needlessly.
 glm::dmat2 rotate_to_least_area(const std::vector<glm::dvec2>& hull, const glm::dmat2& map) {
   constexpr int kDirections = 180, kRefinements = 4;
   constexpr double kGainMin = 1e-6;  // least decrease, as a fraction of the area
@@ -302,7 +304,7 @@ glm::dmat2 rotate_to_least_area(const std::vector<glm::dvec2>& hull, const glm::
   return rotated(best);
 }
 
-// Step 6: returns the number of texels along one side: a power of two if requested, and at most side_max.
+// Step 6: returns the number of texels along one side. The number is at most side_max, and a power of two if requested.
 int side_length(double texels, const AnimationTexture& texture) {
   constexpr double kRounding = 1e-6;  // rounding tolerance: 64.0000001 texels are 64 texels
   const int wanted = static_cast<int>(std::ceil(std::clamp(texels - kRounding, 1.0, double{1 << 20})));

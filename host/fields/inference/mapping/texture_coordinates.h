@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Finds texture coordinates for inference (Hakura et al. 2000, section 3.4): a global affine map of an object's own
-// texture coordinates for a block of parameter samples. Hidden parts get no texels, and visible parts are sampled
-// finely enough. The steps are the branch cut, the least-squares isometric map (eq. 7), the stretch limit, the
+// Finds texture coordinates for inference (Hakura et al. 2000, section 3.4). The result is a global affine map of an
+// object's own texture coordinates for a block of parameter samples. Hidden parts get no texels, and visible parts are
+// sampled finely enough. The steps are the branch cut, the least-squares isometric map (eq. 7), the stretch limit, the
 // rectangle of least area, and the resolution.
 #pragma once
 

@@ -37,7 +37,8 @@ glm::dvec2 to_pixels(const ClipVertex& vertex, const ItemBuffer& items) {
   return glm::dvec2(p) / p.z;
 }
 
-// Texture coordinates are floats, so rounding errors can give a line a small area. Such an area counts as zero.
+// Texture coordinates are floats, so a degenerate triangle can get a small area from rounding errors. Such an area
+// counts as zero.
 bool is_line_in_texture(const std::array<ClipVertex, 3>& corners) {
   constexpr double kRounding = 0x1.0p-22;  // four times half a unit in the last place
   double side = 0.0, size = 0.0;
@@ -48,9 +49,9 @@ bool is_line_in_texture(const std::array<ClipVertex, 3>& corners) {
   return std::abs(cross(corners[1].uv - corners[0].uv, corners[2].uv - corners[0].uv)) <= kRounding * size * side;
 }
 
-// The columns of `at` are the screen corners times w, with w itself in the last row. The columns of `value` are the
-// required results times w. The map `value * at^-1` is linear in homogeneous coordinates, like perspective (Heckbert
-// 1989).
+// The columns of `at` are the screen corners multiplied by w, with w itself in the last row. The columns of `value` are
+// the required results multiplied by w. The map `value * at^-1` is linear in homogeneous coordinates, like perspective
+// (Heckbert 1989).
 VisibleTriangle make_visible_triangle(const ObjectMesh& mesh, const MappingView& view, std::uint32_t triangle) {
   const auto corners = triangle_corners(mesh, view, triangle);
   glm::dmat3 at, value;
@@ -67,9 +68,9 @@ VisibleTriangle make_visible_triangle(const ObjectMesh& mesh, const MappingView&
   return {triangle, is_degenerate, is_degenerate ? glm::dmat3(0.0) : value * glm::inverse(at)};
 }
 
-// Returns the part of a triangle that a run shows, with a margin of one pixel. The margin is needed because
-// neighbouring pixels may have sub-pixels on the object although their centres miss it. The part is clipped to the
-// triangle, so that it stays bounded at a horizon.
+// Returns the part of a triangle that a run of pixels shows, with a margin of one pixel. The margin is needed because
+// neighbouring pixels may have sub-pixels on the object although their centres are outside it. The part is clipped to
+// the triangle, so that it stays bounded at a horizon.
 ClipPolygon clip_to_run(const ObjectMesh& mesh, const MappingView& view, std::uint32_t triangle, const PixelRun& run) {
   const glm::dvec2 size(view.items->width, view.items->height);
   const glm::dvec2 low = glm::dvec2(run.x_begin - 1, run.y - 1) / size,
@@ -112,7 +113,7 @@ std::optional<glm::dmat2> uv_jacobian(const VisibleTriangle& triangle, glm::dvec
   const glm::dmat3& h = triangle.screen_to_uv;
   const glm::dvec3 value = h * glm::dvec3(screen, 1.0);
   if (!(value.z > 0.0)) return std::nullopt;  // behind the eye because of rounding at a corner on the near plane
-  // The quotient rule: d(a / q) = (da - (a / q) dq) / q.
+  // Uses the quotient rule d(a / q) = (da - (a / q) dq) / q.
   const glm::dvec2 uv = glm::dvec2(value) / value.z;
   return glm::dmat2((glm::dvec2(h[0]) - uv * h[0].z) / value.z, (glm::dvec2(h[1]) - uv * h[1].z) / value.z);
 }
@@ -143,7 +144,7 @@ void append_isometric_edges(const ObjectMesh& mesh, const MappingView& view, con
 }
 
 std::vector<glm::dvec2> convex_hull(std::vector<glm::dvec2> points) {
-  // Andrew 1979: the lower chain from left to right, then the upper chain back.
+  // Andrew 1979: computes the lower chain from left to right, then the upper chain from right to left.
   const auto before = [](glm::dvec2 a, glm::dvec2 b) { return std::pair(a.x, a.y) < std::pair(b.x, b.y); };
   std::sort(points.begin(), points.end(), before);
   points.erase(std::unique(points.begin(), points.end()), points.end());

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Finds the visible pixels of one object in one picture, and how its texture coordinates change across each pixel.
-// Texture mapping uses both (Hakura et al. 2000, section 3.4).
+// Finds the visible pixels of one object in one picture, and how the object's texture coordinates change across each
+// pixel. Texture mapping uses both (Hakura et al. 2000, section 3.4).
 #pragma once
 
 #include <cstddef>
@@ -22,12 +22,12 @@ namespace multum {
 struct VisibleTriangle {
   std::uint32_t triangle;
   bool is_degenerate;  // has no Jacobian, because it has no area in the texture or on the screen
-  // Maps (x, y, 1) in pixels to (q du, q dv, q): texture coordinates from the triangle's first corner, with
+  // Maps (x, y, 1) in pixels to (q du, q dv, q). These are texture coordinates from the triangle's first corner, with
   // perspective.
   glm::dmat3 screen_to_uv;
 };
 
-/// Pixels x_begin to x_end - 1 of row y that show one triangle.
+/// The pixels x_begin to x_end - 1 of row y, which show one triangle.
 struct PixelRun {
   int x_begin, x_end, y;
   std::uint32_t item;  // index into the triangles
@@ -45,9 +45,9 @@ VisiblePixels find_visible_pixels(const ObjectMesh& mesh, const MappingView& vie
 /// the derivatives by x and by y.
 std::optional<glm::dmat2> uv_jacobian(const VisibleTriangle& triangle, glm::dvec2 screen);
 
-/// Appends edges of the visible triangles for eq. 7, after clipping with the viewing frustum. A clipped triangle gives
-/// the edges of the triangles in its remaining part, because a triangle that fills the screen has no other visible
-/// edges.
+/// Appends the edges of the visible triangles for eq. 7, after clipping with the viewing frustum. For a clipped
+/// triangle, appends the edges of the triangles in its remaining part, because a triangle that fills the screen has no
+/// other visible edges.
 void append_isometric_edges(const ObjectMesh& mesh, const MappingView& view, const VisiblePixels& pixels,
                             std::vector<IsometricEdge>* edges);
 

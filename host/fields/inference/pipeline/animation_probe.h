@@ -33,7 +33,7 @@ class AnimationProbe {
   /// Measures the missing matrices. Throws Error(kEnvironment) with the program's output if the program cannot be
   /// started or crashes.
   void run(Progress* progress);
-  /// Returns the matrix of one pose; `object` is an index into the job's objects.
+  /// Returns the matrix of one pose. `object` is an index into the job's objects.
   FilterMatrix matrix(int pose, std::size_t object) const;
   /// Returns the key that identifies the matrix.
   std::string key(int pose, std::size_t object) const;

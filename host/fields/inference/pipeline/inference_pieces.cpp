@@ -19,7 +19,7 @@ bool wants_layer(const AnimationObject& object, const AnimationLayer& layer) {
          std::find(object.layers.begin(), object.layers.end(), layer.name) != object.layers.end();
 }
 
-// Points and samples of one layer in one block.
+// The points and samples of one layer in one block.
 struct PointCounts {
   std::uint64_t points = 0, samples = 0;
 };
@@ -34,8 +34,8 @@ std::vector<PointCounts> points_of_blocks(const ParameterizedScene& field, const
   return counts;
 }
 
-// Returns the number of fitted pixels plus solved texels. The result is a whole number, so that every machine divides
-// the work in the same way. The number of a mapping's visible pixels counts each pose only once.
+// Returns the sum of the numbers of fitted pixels and solved texels. The result is a whole number, so that every
+// machine divides the work in the same way. The number of a mapping's visible pixels counts each pose only once.
 std::uint64_t weight(const TextureMapping& mapping, const PointCounts& counts, std::uint64_t poses) {
   const auto side = [](int texels) { return static_cast<std::uint64_t>(std::max(texels, 1)); };
   return mapping.visible_pixels * counts.samples / std::max<std::uint64_t>(poses, 1) +
@@ -135,7 +135,7 @@ InferredManifest manifest_of(const ParameterizedScene& field, const AnimationInf
     for (InferredLayer& layer : m.objects[texture.object].layers)
       if (layer.name == job.layers[texture.layer].name)
         for (const int sample : texture.samples) layer.textures[static_cast<std::size_t>(sample)] = texture.file;
-  // Removes a layer from an object if the object is black in it in every sample.
+  // Removes a layer from an object if the object is black in this layer in every sample.
   for (InferredObject& object : m.objects)
     std::erase_if(object.layers, [&](const InferredLayer& layer) {
       return std::all_of(layer.textures.begin(), layer.textures.end(), [](const auto& file) { return file.empty(); });

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Divides an inference into independent pieces, from which shares of the work are made. Also makes the manifest of all
-// textures.
+// Divides an inference into independent pieces, which are combined into shares of the work. Also makes the manifest of
+// all textures.
 #pragma once
 
 #include <compare>
@@ -16,20 +16,20 @@ namespace multum {
 /// Finds an affine map of texture coordinates for each object and block. Warns about objects that no picture shows.
 ObjectMappings find_object_mappings(const ParameterizedScene& field);
 
-/// The textures of one layer of an object in one block. Each texture starts from the previous one, but never from
-/// another piece's texture.
+/// The textures of one layer of an object in one block. Each texture except the first starts from the previous one. No
+/// texture starts from another piece's texture.
 struct InferencePiece {
   int block = 0;
   std::size_t object = 0, layer = 0;
   auto operator<=>(const InferencePiece&) const = default;
 };
 
-/// Returns the pieces of visible objects, block by block. The layers of an object are neighbours, because they use the
-/// same filter matrices.
+/// Returns the pieces of visible objects, block by block. The layers of an object follow one another, because they use
+/// the same filter matrices.
 std::vector<InferencePiece> inference_pieces(const ParameterizedScene& field, const ObjectMappings& mappings);
 
-/// Divides the pieces into `count` shares of neighbours that take about the same time. If there are more shares than
-/// pieces, some shares are empty.
+/// Divides the pieces into `count` shares of successive pieces. All shares take about the same time. If there are more
+/// shares than pieces, some shares are empty.
 std::vector<std::vector<InferencePiece>> divide_pieces(const ParameterizedScene& field, const ObjectMappings& mappings,
                                                        int count);
 

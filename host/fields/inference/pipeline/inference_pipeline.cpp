@@ -63,7 +63,7 @@ class InferencePipeline {
   }
 
  private:
-  // Finds the mappings that the pieces need; all other objects count as invisible.
+  // Finds the mappings that the pieces need. All other objects count as invisible.
   static ObjectMappings mappings_of(const std::vector<InferencePiece>& pieces, ObjectMappings mappings) {
     std::set<std::pair<std::size_t, int>> needed;
     for (const InferencePiece& piece : pieces) needed.insert({piece.object, piece.block});
@@ -164,7 +164,7 @@ class InferencePipeline {
     ObjectSystem& system = systems_[k];
     std::string matrices_key;
     for (const int sample : point.samples) matrices_key += probe_.key(field_.pose_of(sample), k);
-    // Reuses the previous system if the same pixels have weight.
+    // Reuses the previous system if the same pixels have weights above 0.
     if (system.inference && system.key == matrices_key) {
       bool is_same = true;
       for (std::size_t i = 0; i < point.samples.size() && is_same; ++i)

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Runs `multum infer`: from a job to textures (Hakura et al. 2000, section 3). Each object gets texture coordinates and
-// filter matrices. Each of its layers gets one texture for each point of the parameters that the layer depends on. The
-// texture is inferred from all samples of the point together (eq. 4). If an object is in no layer, it gets no textures.
+// Runs `multum infer`, which computes textures from a job (Hakura et al. 2000, section 3). Each object gets texture
+// coordinates and filter matrices. Each of its layers gets one texture for each point of the parameters that the layer
+// depends on. The texture is inferred from all samples of the point together (eq. 4). If an object is in no layer, it
+// gets no textures.
 //
-// Each point is a neighbour of the point solved before; the texture of that point is the start value. Textures are
-// written as soon as they are solved. An existing texture with the same inputs and settings is reused, so a stopped run
-// can resume.
+// Each point is a neighbour of the point solved before, whose texture is the start value. Textures are written as soon
+// as they are solved. An existing texture with the same inputs and settings is reused, so a stopped run can resume.
 #pragma once
 
 #include <array>
@@ -62,13 +62,13 @@ struct StageSeconds {
          rendering = 0.0;
 };
 
-/// Results of the segmentation of the pictures of one point of a layer, for all objects together.
+/// The results of segmenting the pictures of one point of a layer, for all objects together.
 struct PointReport {
   std::size_t layer = 0, point = 0;
   SegmentationReport segmentation;
 };
 
-/// Rows of the filter matrix of an object in a pose.
+/// The numbers of rows of the filter matrix of an object in a pose.
 struct MatrixRows {
   int pose = 0;
   std::size_t object = 0;
@@ -86,7 +86,7 @@ struct AnimationInferResult {
   std::uint64_t rows = 0, rows_rejected = 0;
   int matrices_measured = 0, systems_normal = 0, systems_matrix = 0;
   int nan_depths = 0;
-  // The terms of the sums above. Several shares of the work may have some terms in common.
+  // The terms of the sums above. Different shares of the work can have terms in common.
   std::vector<PointReport> points;
   std::vector<MatrixRows> matrices;
 };

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Converts an object's layer to the rows of its filter matrix: the weight of each pixel, its colour, and the colour
-// that a texture gives.
+// Converts an object's layer to the rows of its filter matrix. A row has the weight of each pixel, its colour, and the
+// colour that a texture gives.
 #pragma once
 
 #include <array>
@@ -11,15 +11,15 @@
 
 namespace multum {
 
-/// Returns the coverage of each row: the lower of its coverages in the ray-traced picture and in OpenGL, or 0 if this
-/// is below `coverage_min`.
+/// Returns the coverage of each row, which is the lower of its coverages in the ray-traced picture and in OpenGL. The
+/// coverage is 0 if this is below `coverage_min`.
 std::vector<float> row_weights(const FilterMatrix& matrix, const ObjectLayer& layer, double coverage_min);
 
-/// Returns whether both the ray-traced picture and OpenGL cover the row's pixel wholly. In a mixed pixel, the object's
-/// colour is only estimated by the segmentation.
+/// Returns whether the object covers the row's pixel wholly both in the ray-traced picture and in OpenGL. In a mixed
+/// pixel, the object's colour is only an estimate from the segmentation.
 bool is_whole_row(const FilterMatrix& matrix, std::size_t row, const ObjectLayer& layer);
 
-/// Appends the row's pixels, three values each, in units of `radiance_max`.
+/// Appends the row's pixels, with three values per pixel, in units of `radiance_max`.
 void append_row_colours(const FilterMatrix& matrix, const ObjectLayer& layer, double radiance_max,
                         std::vector<float>& colours);
 

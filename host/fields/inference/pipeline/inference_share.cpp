@@ -34,7 +34,7 @@ constexpr std::size_t SegmentationReport::*kCounts[] = {
 
 [[noreturn]] void refuse(const std::string& what) { throw Error(ErrorCode::kEnvironment, what); }
 
-// Identifies the piece's point that a texture or a report belongs to.
+// Identifies the point of the piece to which a texture or a report belongs.
 using PointName = std::tuple<std::size_t, std::size_t, std::size_t>;  // layer, point, object
 
 // The expected contents of a share, from the job.
@@ -62,7 +62,7 @@ std::vector<ShareWork> divide_work(const ParameterizedScene& field, const Object
   return shares;
 }
 
-// Returns everything that a share's textures and figures depend on.
+// Returns everything that determines a share's textures and figures.
 std::string key_of(const ParameterizedScene& field, const AnimationInferSettings& settings, const ShareWork& work,
                    InputHashes& hashes) {
   const AnimationJob& job = field.job();
@@ -116,7 +116,7 @@ Json content_of(const AnimationInferResult& result, const std::string& output) {
   return content;
 }
 
-// Returns one figure per sample; null stands for NaN.
+// Returns one figure per sample. A null value stands for NaN.
 std::vector<double> figures_from(const Json& json, std::size_t count) {
   std::vector<double> figures;
   for (const Json& one : json)
@@ -198,7 +198,7 @@ class RecordReader {
       const PointName name = {size_from(json.at("layer")), size_from(json.at("point")), size_from(json.at("object"))};
       const auto wanted = work_.textures.find(name);
       if (wanted == work_.textures.end() || !found.insert(name).second)
-        refuse("lists a texture twice, or a texture of another share");
+        refuse("lists a texture twice, or a texture that belongs to another share");
       result.textures.push_back(texture_from(json, name, wanted->second, settings_, field_.job()));
       check_file(result.textures.back().file, json.at("sha256").get<std::string>(), share);
     }
@@ -214,7 +214,7 @@ class RecordReader {
     const bool is_there = std::filesystem::is_regular_file(path, ignored);
     if (is_there && hash_file(path) == expected) return;
     share.damaged.insert(path);
-    if (share.why.empty()) share.why = path + (is_there ? ": is damaged, or belongs to another run" : ": is not there");
+    if (share.why.empty()) share.why = path + (is_there ? ": is damaged, or belongs to another run" : ": is missing");
   }
 
   PointReport point_from(const Json& json) const {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Divides an inference among processes that share the output folder. A share infers the textures of its pieces
-// (inference_pieces.h) and writes its findings to a record (host/foundation/base/share_record.h). A merge checks the
+// (inference_pieces.h) and writes its results to a record (host/foundation/base/share_record.h). A merge checks the
 // records of all shares and the hashes of their textures, and writes the manifest. A single process would write the
 // same manifest.
 #pragma once

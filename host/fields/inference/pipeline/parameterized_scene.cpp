@@ -119,9 +119,9 @@ std::vector<std::vector<float>> ParameterizedScene::coverages(int number) const 
   return coverages;
 }
 
-// An object-index image names the object at the middle of each pixel. If the geometry also shows this object in the
-// pixel, the geometry gives the shares of all objects. Otherwise, for example for displaced or unlisted objects, the
-// whole pixel belongs to the object that the image names.
+// In an object-index image, each pixel has the number of the object at its middle. If the geometry also shows this
+// object in the pixel, each object's share of the pixel is computed from the geometry. Otherwise, for example for
+// displaced or unlisted objects, the whole pixel belongs to the object in the image.
 void ParameterizedScene::unmix_silhouettes(int pose, std::vector<std::vector<float>>& coverages) const {
   constexpr int kSubPixels = 4;  // sub-pixels along a pixel's side, so that shares have steps of 1/16
   const int factor = std::clamp(kItemBufferSideMax / std::max(job_.width, job_.height), 1, kSubPixels);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads the scene of an inference job for its stages: meshes, poses, visibility, and the objects' layers of each sample
-// (Hakura et al. 2000, section 3.1). Pictures are read on request and not kept.
+// Reads the scene of an inference job for the stages of the inference. The scene includes meshes, poses, visibility,
+// and the objects' layers of each sample (Hakura et al. 2000, section 3.1). Pictures are read on request and not kept.
 #pragma once
 
 #include <string>
@@ -37,7 +37,7 @@ class ParameterizedScene {
   const AnimationCamera& camera(int pose) const;
   glm::dmat4 object_to_camera(int mesh, int pose) const;
   glm::dmat4 world_to_clip(int pose) const;
-  /// Returns the job's object as forward mapping reads it; `layer` must outlive the result.
+  /// Returns the job's object in the form that forward mapping reads. `layer` must outlive the result.
   ForwardView forward_view(std::size_t object, int pose, const ObjectLayer& layer) const;
 
   /// Returns an affine map of the object's texture coordinates for the poses of one block. The width is 0 if the object

@@ -24,9 +24,9 @@ struct InferenceComparison {
   std::vector<ComparisonRow> rows;
 };
 
-/// Makes the comparison with one sample per pixel, which is how hardware draws without antialiasing, and with the job's
-/// supersampling. With supersampling, anisotropic filtering is left out, because its footprints take many draws to
-/// measure. Stores the measured matrices in OUTPUT/comparison.
+/// Compares the settings with one sample per pixel, as hardware draws without antialiasing, and with the job's
+/// supersampling. Anisotropic filtering is left out with supersampling, because measuring its footprints takes many
+/// draws. Stores the measured matrices in OUTPUT/comparison.
 InferenceComparison compare_inference(const ParameterizedScene& field, int sample, const ObjectMappings& mappings,
                                       const AnimationInferSettings& settings, Progress* progress);
 

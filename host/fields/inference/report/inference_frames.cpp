@@ -19,8 +19,8 @@
 namespace multum {
 namespace {
 
-// Samples per run of the viewer. Each run sets up OpenGL and reads the geometry once. With this number, the command
-// line stays far below the 128 KiB that every system accepts.
+// The number of samples per run of the viewer. Each run sets up OpenGL and reads the geometry once. With this number,
+// the command line stays far below the 128 KiB that every system accepts.
 constexpr std::size_t kSamplesAChild = 256;
 
 const std::vector<std::string> kRgb = {"R", "G", "B"};

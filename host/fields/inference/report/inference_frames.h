@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Has multum-view draw frames with the inferred textures, and compares them with the ray-traced pictures (Hakura et al.
-// 2000, section 3.3). A texture's own error includes only one layer and the pixels used for solving. A frame's error
-// includes all layers, silhouettes, and occlusion between objects.
+// Runs multum-view to draw frames with the inferred textures, and compares these frames with the ray-traced pictures
+// (Hakura et al. 2000, section 3.3). A texture's own error includes only one layer and the pixels used for solving. A
+// frame's error includes all layers, silhouettes, and occlusion between objects.
 #pragma once
 
 #include <string>
@@ -18,7 +18,7 @@ struct FrameSettings {
   std::string context = "auto";  // OpenGL context of multum-view
 };
 
-/// Three values per pixel, row 0 at the top; 1 is the job's radiance_max.
+/// Three values per pixel, with row 0 at the top. The value 1 is the job's radiance_max.
 struct RenderedFrame {
   int width = 0, height = 0;
   std::vector<float> rgb;
@@ -26,7 +26,7 @@ struct RenderedFrame {
 };
 
 /// Means over pixels, in 8-bit sRGB units. Pixels that objects do not cover wholly are left out, because no texture
-/// holds their background.
+/// contains the background that they show.
 struct FrameErrors {
   int sample = 0;    // index of the job's sample
   std::string file;  // relative to the output folder
@@ -44,7 +44,7 @@ struct InferenceFrames {
   double seconds = 0.0;  // seconds for drawing, reading and comparing
 };
 
-/// The mean over the pixels of all frames. The count is 0 if there are no pixels.
+/// The mean error over the pixels of all frames. The count is 0 if there are no pixels.
 struct FrameMean {
   double squared_error = 0.0, pixel_count = 0.0;
 };
@@ -55,8 +55,8 @@ FrameMean mean_object_error(const InferenceFrames& frames, std::size_t object);
 InferenceFrames render_frames(const ParameterizedScene& field, const FrameSettings& settings,
                               const std::vector<int>& samples, Progress* progress);
 
-/// Returns the ray-traced picture of a frame: R G B if the file has these channels, else the sum of the job's layers.
-/// Values are clipped at radiance_max and divided by it.
+/// Returns the ray-traced picture of a frame. This is R G B if the file has these channels, and otherwise the sum of
+/// the job's layers. Values are clipped at radiance_max and divided by it.
 std::vector<float> ray_traced_picture(const ParameterizedScene& field, int sample);
 
 /// Reads a frame of multum-view. Throws Error(kInput) if it does not have the job's size.

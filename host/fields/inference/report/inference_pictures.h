@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Draws the pictures of the report of `multum infer`, as in figure 6 of Hakura et al. 2000. For each object, and for
-// the whole frame, they show the ray-traced picture, the picture drawn with inferred textures, and the error times 20.
-// The textures are also shown. Departure: in the paper's inverted errors, white means no error. Here black means no
-// error, so that errors keep their colours.
+// the whole frame, the pictures show the ray-traced picture, the picture drawn with inferred textures, and the error
+// times 20. The textures are also shown. Departure: in the paper's inverted errors, white means no error. Here black
+// means no error, so that errors keep their colours.
 #pragma once
 
 #include <string>
@@ -43,8 +43,8 @@ struct PixelBox {
   int x = 0, y = 0, width = 0, height = 0;
 };
 
-/// Returns a box around the wholly covered pixels, with a margin, inside the picture. The width is 0 if there are no
-/// such pixels.
+/// Returns a box around the wholly covered pixels, with a margin. The box is inside the picture. Its width is 0 if
+/// there are no such pixels.
 PixelBox covered_box(const std::vector<float>& coverage, int width, int height);
 
 /// Converts linear values of 0..1, three per pixel, to sRGB.

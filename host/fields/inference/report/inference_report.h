@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writes the report of `multum infer`: every figure as JSON, the most important ones as text, and a page with pictures
-// (inference_page.h).
+// Writes the report of `multum infer`. The report has every figure as JSON, the most important ones as text, and a page
+// with pictures (inference_page.h).
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -46,7 +46,7 @@ std::vector<LayerSummary> summarise_layers(const InferenceReport& report);
 /// returns the smallest and the largest size.
 std::string texel_count_text(const InferenceReport& report, const LayerSummary& layer, const std::string& times);
 
-/// Returns report.json without its `textures`, which may be thousands.
+/// Returns report.json without its `textures`, because it may list thousands of them.
 nlohmann::ordered_json inference_figures(const InferenceReport& report);
 /// Returns report.json.
 std::string inference_report_json(const InferenceReport& report);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Defines the input of texture inference (host/fields/inference/solver/texture_inference.h): the views of a texture,
-// and settings.
+// Defines the input of texture inference (host/fields/inference/solver/texture_inference.h), which consists of the
+// views of a texture and the settings.
 #pragma once
 
 #include <vector>

@@ -60,7 +60,8 @@ PyramidTables make_pyramid_tables(const MipLayout& layout, bool is_periodic_s, b
     tables.levels[l].taps_y = static_cast<int>(tables.taps.size());
     tables.levels[l + 1].gathers_y = static_cast<int>(tables.gathers.size());
     const std::vector<float> down = add_direction(fine.height, coarse.height, is_periodic_t, tables);
-    // The diagonal is 1 for an interpolated texel, plus the squares of its weights in finer texels.
+    // The diagonal element of a texel is 1 if the texel is interpolated, plus the squares of its weights in finer
+    // texels.
     for (int t = fine.offset; t < coarse.offset; ++t) tables.diagonal[static_cast<std::size_t>(t)] += 1.0f;
     for (int y = 0; y < coarse.height; ++y)
       for (int x = 0; x < coarse.width; ++x)

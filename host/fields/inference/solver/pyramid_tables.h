@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Makes tables for kernels/pyramidal_regularization.cl: bilinear interpolation between the levels of a mip pyramid of
-// any size, clamped or periodic, and its transpose.
+// Makes tables for kernels/pyramidal_regularization.cl. The tables describe bilinear interpolation between the levels
+// of a mip pyramid of any size, clamped or periodic, and its transpose.
 #pragma once
 
 #include <vector>

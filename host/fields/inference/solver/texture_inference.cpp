@@ -15,15 +15,15 @@ namespace multum {
 namespace {
 
 constexpr double kDelta = 1.0 / 512;  // d of eq. (5)
-// Number of partial sums. The number is the same for every device, so that results do not depend on the device, and
-// large enough to keep a GPU busy. With 64 partial sums, an iteration on an H100 took 2.5 ms, but its products only
-// 0.04 ms (docs/evidence/GPU.md).
+// The number of partial sums. The number is the same for every device, so that results do not depend on the device. It
+// is large enough to keep a GPU busy. With 64 partial sums, an iteration on an H100 took 2.5 ms, of which its matrix
+// products took only 0.04 ms (docs/evidence/GPU.md).
 constexpr std::size_t kPartCount = 2048, kPartsAGroup = 32;
 constexpr int kHalvingsMax = 12;  // most halvings of a Newton step that leads uphill
 
 using Sums = std::array<double, 3>;
 
-// Computes g, g' and g'' of eq. (5), with u = x + d and v = 1 + d - x: g = 1 / (u v), g' = g (1/v - 1/u), g'' = 2 g
+// Computes g, g' and g'' of eq. (5). With u = x + d and v = 1 + d - x, g = 1 / (u v), g' = g (1/v - 1/u), g'' = 2 g
 // (1/u^2 - 1/(u v) + 1/v^2).
 struct RangeTerm {
   double value, slope, curvature;
@@ -119,7 +119,7 @@ class Solver {
     return objective;
   }
 
-  // Marks the values that may move, and prepares the diagonal. A value at a bound is held if its gradient points
+  // Marks the values that may move, and prepares the diagonal. A value at a bound is kept there if its gradient points
   // outwards.
   std::uint64_t hold_at_bounds() {
     std::uint64_t held = 0;
@@ -222,8 +222,8 @@ class Solver {
                                      static_cast<int>(texel_count_));
   }
 
-  // Sets x = x + step, clamped to the bounds, and halves the step while it leads uphill. Returns false if no step leads
-  // downhill.
+  // Sets x = x + step, clamped to the bounds, and halves the step while it leads uphill. Returns false if even the
+  // shortest step leads uphill.
   bool take_step(double& objective) {
     const std::vector<Colour4> step = download(step_), from = values_;
     // Allows for the single-precision error of the objective.

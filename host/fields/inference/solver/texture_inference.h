@@ -40,22 +40,22 @@ struct InferenceResult {
 
 class TextureSystem;
 
-/// The system of one texture seen in some views. Solves for any number of right-hand sides.
+/// The system of one texture seen in some views. It can be solved for any number of right-hand sides.
 class TextureInference {
  public:
-  /// All matrices must have one texture size and sampler. Throws Error(kInput) if they do not, or if no row is left.
-  /// Throws Error(kEnvironment) if the device has too little memory.
+  /// All matrices must have the same texture size and sampler. Throws Error(kInput) if they do not, or if no row is
+  /// left. Throws Error(kEnvironment) if the device has too little memory.
   TextureInference(Device& device, const std::vector<InferenceView>& views, const InferenceSettings& settings,
                    int threads);
   ~TextureInference();
   TextureInference(TextureInference&&) noexcept;
 
-  /// `colours` has three values of 0..1 per row, for all views' rows in order, including rows of weight 0. `start` has
-  /// three values per texel, from a neighbouring sample, or is empty. The result is the same in every run and with any
-  /// number of threads.
+  /// `colours` has three values of 0..1 per row, for the rows of all views in order, including rows with weight 0.
+  /// `start` is either empty or has three values per texel, which come from a neighbouring sample. The result is the
+  /// same in every run and with any number of threads.
   InferenceResult solve(const std::vector<float>& colours, const std::vector<float>& start);
 
-  /// Returns A x for every row: three values per row.
+  /// Returns A x for every row, with three values per row.
   std::vector<float> picture(const std::vector<float>& texels) const;
 
   bool uses_normal_form() const;

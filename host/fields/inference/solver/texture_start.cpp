@@ -14,14 +14,14 @@ constexpr float kFull = 0.25f;
 std::vector<float> start_texels(const MipLayout& layout, const std::vector<std::array<float, 4>>& sums,
                                 const std::vector<float>& weights) {
   const auto count = static_cast<std::size_t>(layout.texel_count);
-  // Pull: a coarse texel also gets the sums of its fine texels.
+  // In the pull phase, each coarse texel also gets the sums of its fine texels.
   std::vector<std::array<float, 4>> pulled(count);
   for (std::size_t t = 0; t < count; ++t) pulled[t] = {sums[t][0], sums[t][1], sums[t][2], weights[t]};
   for (std::size_t l = 0; l + 1 < layout.levels.size(); ++l)
     layout.for_each_child(l, [&](std::size_t parent, std::size_t texel) {
       for (std::size_t c = 0; c < 4; ++c) pulled[parent][c] += pulled[texel][c];
     });
-  // Push: from the coarsest level, a single texel, down to the finest.
+  // The push phase runs from the coarsest level, which is a single texel, down to the finest.
   std::vector<float> texels(3 * count, 0.0f);
   const auto own = [&](std::size_t texel, std::size_t c) {
     return pulled[texel][3] > 0.0f ? pulled[texel][c] / pulled[texel][3] : 0.0f;

@@ -13,12 +13,12 @@
 namespace multum {
 namespace {
 
-// Largest ratio of entries of A^T A to entries of A for which A^T A is used. An iteration passes once over A and once
-// over its transpose, but only once over A^T A. The times are equal near a ratio of 3 (docs/evidence/BENCHMARKS.md:
-// with A^T A, an iteration takes half of the time at 2.2, and about the same time at 3.3 and 3.8). But computing A^T A
-// also takes time: as much as 20 iterations save if pictures are stacked, and as much as 90 iterations save at a ratio
-// of 2.2. The limit of 2 excludes ratios that rarely save time. The paper's rule, 2 n_s >= 4 n_t, assumes eight entries
-// per row.
+// The largest ratio of entries of A^T A to entries of A for which A^T A is used. An iteration passes once over A and
+// once over its transpose, but only once over A^T A. Both ways take about the same time near a ratio of 3. (In
+// docs/evidence/BENCHMARKS.md, an iteration with A^T A takes half of the time at 2.2, and about the same time at 3.3
+// and 3.8.) But computing A^T A also takes time. It takes as long as 20 iterations save if pictures are stacked, and as
+// long as 90 iterations save at a ratio of 2.2. The limit of 2 excludes ratios that rarely save time. The paper's rule,
+// 2 n_s >= 4 n_t, assumes eight entries per row.
 constexpr std::size_t kNormalEntriesMax = 2;
 constexpr int kEntriesOfBlock = 8;
 constexpr std::size_t kRowsAnItem = 256;  // work-items per group of the products

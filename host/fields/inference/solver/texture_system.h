@@ -15,7 +15,7 @@
 
 namespace multum {
 
-/// Compressed rows on the host.
+/// Sparse rows in compressed form, in the host's memory.
 struct SparseRows {
   std::vector<std::uint32_t> begin = {0};  // [rows + 1]
   std::vector<std::uint32_t> columns;
@@ -23,13 +23,13 @@ struct SparseRows {
   std::size_t row_count() const { return begin.size() - 1; }
 };
 
-/// Appends rows of `matrix` with positive weight, each times the square root of its weight.
+/// Appends the rows of `matrix` that have positive weights, each multiplied by the square root of its weight.
 void append_weighted_rows(const InferenceView& view, SparseRows& rows);
 SparseRows transposed(const SparseRows& rows, std::size_t column_count);
 /// Computes A^T A from A and its transpose.
 SparseRows normal_rows(const SparseRows& rows, const SparseRows& columns, int threads);
 
-/// Estimates the entries of A^T A from the rows of evenly spaced texels.
+/// Estimates the number of entries of A^T A from the rows of evenly spaced texels.
 std::size_t estimated_normal_entries(const SparseRows& rows, const SparseRows& columns);
 
 /// Sparse rows on the device, in blocks of 8 entries (kernels/filter_matrix_spmv.cl).
@@ -60,7 +60,7 @@ class TextureSystem {
   /// Returns A^T b, and the sums of b^2 by colour.
   std::vector<Colour4> projected(const std::vector<float>& colours, std::array<double, 3>* squares);
   std::vector<float> picture(const std::vector<float>& texels) const;
-  /// Returns the total weight of each texel: the sum over rows of weight * A.
+  /// Returns the total weight of each texel, which is the sum over rows of weight * A.
   const std::vector<float>& column_sums() const { return sums_; }
 
   std::size_t row_count() const { return rows_.row_count(); }

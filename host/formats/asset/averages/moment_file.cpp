@@ -64,7 +64,7 @@ const float* values_of(const MomentLevel& rows, MomentPart kind) {
 
 class MomentPortion : public BakedRows {
  public:
-  /// Until the writer's thread ends, only this thread uses `scan`.
+  /// Only this thread uses `scan` until the writer's thread ends.
   MomentPortion(const BakedHeader& header, MomentScan& scan, int level, MomentLevel rows)
       : header_(header), scan_(scan), level_(level), rows_(std::move(rows)) {}
 
@@ -115,7 +115,7 @@ class MomentWriter::Work {
     MULTUM_CHECK(header.representation == Representation::kMoments);
   }
 
-  const BakedHeader header;  // like the scan, must outlive the portions
+  const BakedHeader header;  // must outlive the portions, like the scan
   MomentScan scan{header};
   BakedWriter writer;
 };

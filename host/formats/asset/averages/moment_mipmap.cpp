@@ -16,12 +16,12 @@
 namespace multum {
 namespace {
 
-// A variance below this fraction of the square of the mean counts as 0. The rounding of floats causes smaller variances
-// (2^-24 at level 0, a few times 2^-24 for averages).
+// A variance below this fraction of the square of the mean counts as 0, because the rounding of floats can cause it.
+// Rounding errors are 2^-24 at level 0, and a few times 2^-24 for averages.
 constexpr double kVarianceZero = 1e-6;
 
-// Returns E[b^2] about the rounded mean. If there is a variance, it is rounded to nearest. Otherwise it is rounded
-// down, so that readers clamp the variance to 0.
+// Returns E[b^2] computed about the rounded mean. If there is a variance, the result is rounded to nearest. Otherwise
+// it is rounded down, so that readers clamp the variance to 0.
 float rounded_square(float square, float mean, float rounded_mean) {
   const double exact_mean = static_cast<double>(mean), about = static_cast<double>(rounded_mean);
   const double variance = static_cast<double>(square) - exact_mean * exact_mean;
@@ -40,7 +40,8 @@ void quantize_slopes(SlopeMoments& m) {
   m.st = as_half(static_cast<float>(covariance + static_cast<double>(m.s) * static_cast<double>(m.t)));
 }
 
-// Rounds a single direction like level 0 of lobes: x and y to nearest, z upwards, so that its length stays 1.
+// Rounds a single direction as in level 0 of lobes. x and y are rounded to nearest and z upwards, so the length stays
+// 1.
 bool quantize_direction(glm::vec3& n) {
   constexpr float kLengthSquaredOne = 1.0f - 1e-6f;
   if (glm::dot(n, n) < kLengthSquaredOne || n.z < 0.0f) return false;
@@ -50,7 +51,7 @@ bool quantize_direction(glm::vec3& n) {
   return true;
 }
 
-// Rounds single directions so that they stay single directions. Rounds all other normals as lobes of amplitude 1
+// Rounds single directions so that they remain single directions. Rounds all other normals like lobes of amplitude 1
 // (host/formats/asset/lobes/movmf_quantize.cpp).
 void quantize_normals(glm::vec3* normals, std::size_t count) {
   MovmfLevel lobe{0, 1, {{}}, {}};
@@ -106,8 +107,8 @@ void quantize_moments(MomentLevel& rows, StorageEncoding encoding, int threads) 
 
 float least_slope_deviation(StorageEncoding encoding) {
   // A rounding error of E[b^2] changes the variance by the same amount. Rounding to the nearest half causes an error of
-  // at most 2^-11 of E[b^2]. A float average over a row of 32768 texels is rounded up to 15 times, by at most 2^-24 of
-  // the sum each time. The rounding of the mean counts twice.
+  // at most 2^-11 of E[b^2]. A float average over a row of 32768 texels is rounded up to 15 times. Each rounding adds
+  // at most 2^-24 of the sum. The rounding of the mean counts twice.
   constexpr double kQuarter = 0.25;
   const double moved = encoding == StorageEncoding::kHalf ? std::ldexp(1.0, -11) : std::ldexp(1.0, -19);
   return static_cast<float>(std::sqrt(moved / kQuarter));

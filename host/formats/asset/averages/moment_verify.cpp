@@ -15,14 +15,14 @@ namespace multum {
 
 struct MomentScan::Texels {
   std::size_t nonfinite = 0;
-  WorstTexel variance, slope, length, weight;  // how far values exceed their tolerances
+  WorstTexel variance, slope, length, weight;  // how much values exceed their tolerances
 };
 
 namespace {
 
-// Tolerances for rounding (docs/reference/file_format.md). A variance or covariance may differ by this fraction of its
-// moment, and a length may differ by this amount. Rounding to 16-bit floats lowers a square by up to a whole step,
-// 2^-10 of its value. Averaging in float adds an error of about 2^-24.
+// Tolerances for rounding (docs/reference/file_format.md). A variance or covariance may be wrong by this fraction of
+// its moment, and a length may be wrong by this amount. Rounding to 16-bit floats lowers a square by up to a whole
+// step, which is 2^-10 of its value. Averaging in float adds an error of about 2^-24.
 double variance_tolerance(StorageEncoding encoding) { return encoding == StorageEncoding::kHalf ? 1.05e-3 : 2e-6; }
 double length_tolerance(StorageEncoding encoding) { return encoding == StorageEncoding::kHalf ? 2e-3 : 1e-6; }
 
@@ -30,7 +30,7 @@ bool is_finite(const float* values, int count) {
   return std::all_of(values, values + count, [](float value) { return std::isfinite(value); });
 }
 
-// Returns by how much a second moment is too small for its means, beyond the tolerance for rounding. A covariance must
+// Returns how much a second moment is too small for its means, beyond the tolerance for rounding. A covariance must
 // also obey the Cauchy-Schwarz inequality.
 double missing_variance(const SlopeMoments& m, double tolerance) {
   constexpr double kLeastStep = 6e-8;  // spacing of 16-bit floats near zero
@@ -76,10 +76,10 @@ std::vector<VerifyFinding> MomentScan::findings() const {
   std::vector<VerifyFinding> findings = {
       finite_finding(texels_->nonfinite, "non-finite texels"),
       excess_finding("variance", texels_->variance, "no variance is below 0, and no correlation exceeds 1",
-                     "E[b b] contradicts E[b], beyond rounding,"),
+                     "E[b b] contradicts E[b] by more than rounding allows,"),
       excess_finding("slope", texels_->slope, fmt::format("no mean slope exceeds {}", kSlopeMax),
                      "a mean slope is too steep"),
-      excess_finding("|n| <= 1", texels_->length, "no mean normal is longer than 1, except for rounding",
+      excess_finding("|n| <= 1", texels_->length, "no mean normal is longer than rounding allows",
                      "a mean normal is longer than rounding allows,"),
   };
   if (header_.weight_count > 0) findings.push_back(weights_finding(header_.weight_count, texels_->weight, "1"));

@@ -12,11 +12,11 @@
 
 namespace multum {
 
-/// Receives rows of a stored level, from the top, so that callers can look at the texels without reading the file
+/// Receives the rows of a stored level from the top, so that callers can examine the texels without reading the file
 /// twice.
 using MomentRowsSeen = std::function<void(int level, int first_row, const MomentLevel& rows)>;
 
-/// Checks rows as verify_moments() does, even before a file contains them.
+/// Checks rows like verify_moments(), even before they are in a file.
 class MomentScan {
  public:
   explicit MomentScan(const BakedHeader& header);
@@ -32,7 +32,7 @@ class MomentScan {
   std::unique_ptr<Texels> texels_;
 };
 
-/// Reads the file by rows of tiles, so that only a few are in memory. Throws Error(kInput) if the structure is
+/// Reads the file by rows of tiles, so that only a few rows are in memory. Throws Error(kInput) if the structure is
 /// unreadable. Every other failed check is a finding. Calls `seen` once for every row.
 std::vector<VerifyFinding> verify_moments(const std::string& path, int threads, const MomentRowsSeen& seen = {});
 

@@ -19,8 +19,8 @@ namespace {
 constexpr char kOrderAttribute[] = "multum:shOrder";
 constexpr const char* kChannelNames[] = {"R", "G", "B", "A"};
 
-// Names the part's channels R, G, B and A. A part with fewer coefficients has fewer channels. The first coefficient's
-// index is 4 times the number in the part's name.
+// Names the channels of the part R, G, B and A. A part with fewer than four coefficients has fewer channels. The index
+// of the first coefficient is 4 times the number in the name of the part.
 BakedPart coefficient_part(const BakedHeader& header, int order, int part) {
   BakedPart made{fmt::format("sh.{:02}", part),
                  {},
@@ -45,7 +45,7 @@ std::vector<BakedPart> sh_parts(const BakedHeader& header, int order) {
 
 class ShPortion : public BakedRows {
  public:
-  /// Until the writer's thread ends, only this thread uses `scan`.
+  /// Only this thread uses `scan` until the writer's thread ends.
   ShPortion(int order, const BakedHeader& header, ShScan& scan, int level, ShLevel rows)
       : order_(order), header_(header), scan_(scan), level_(level), rows_(std::move(rows)) {}
 
@@ -93,7 +93,8 @@ std::vector<Imf::Header> make_sh_headers(const BakedHeader& header, int order, c
 int sh_tile_size(int map_width, int order, int default_size) {
   constexpr std::uint64_t kWaitingMax = std::uint64_t{64} << 20;
   constexpr int kLeast = 16;
-  // Twice the row size of the finest level, because all coarser levels together are as wide as the finest level.
+  // This is twice the row size of the finest level, because all coarser levels together are as wide as the finest
+  // level.
   const std::uint64_t row_bytes = 2 * static_cast<std::uint64_t>(map_width) *
                                   static_cast<std::uint64_t>(sh_coefficient_count(order)) * sizeof(float);
   int size = default_size;
@@ -111,7 +112,7 @@ class ShWriter::Work {
   }
 
   const int order;
-  const BakedHeader header;  // like the scan, must outlive the portions
+  const BakedHeader header;  // must outlive the portions, like the scan
   ShScan scan{header, order};
   BakedWriter writer;
 };
@@ -165,8 +166,8 @@ class ShReader::File {
       float* const first = &values[0].x;
       read_part(part, level, first_row, row_count, first, static_cast<std::size_t>(channels) * texels);
       if (channels == 4) continue;
-      // Spreads the values out from the back, because each texel's place is at or after the present place of its
-      // values.
+      // Moves the values to their final places, beginning with the last texel. The final place of each texel is at or
+      // after the present place of its values.
       for (std::size_t i = texels; i-- > 0;) {
         glm::vec4 texel(0.0f);
         std::copy_n(first + i * static_cast<std::size_t>(channels), channels, &texel.x);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Writes and reads baked files of spherical harmonics row by row (docs/reference/file_format.md, "Spherical
-// harmonics"). The parts "sh.00", "sh.01", ... with four coefficients each and, if the map has colours, "colour" store
-// all levels.
+// harmonics"). All parts store all levels. The parts "sh.00", "sh.01", ... hold four coefficients each. If the map has
+// colours, there is also a part "colour".
 #pragma once
 
 #include <memory>
@@ -12,26 +12,27 @@
 
 namespace multum {
 
-/// Returns the side of tiles: the default, or a smaller side if a row of tiles would be large because each texel has
-/// many coefficients. The writer holds an unfinished row of tiles for every level. The result depends only on the
-/// arguments, so that a file always has the same bytes.
+/// Returns the side of tiles. This is the default, or a smaller side if many coefficients per texel would make a row of
+/// tiles large. The writer holds an unfinished row of tiles for every level. The result depends only on the arguments,
+/// so a file always has the same bytes.
 int sh_tile_size(int map_width, int order, int default_size);
 
-/// Writes rows as MovmfWriter does (host/formats/asset/lobes/movmf_writer.h), but stores level 0 like any other level.
+/// Writes rows like MovmfWriter (host/formats/asset/lobes/movmf_writer.h), but stores level 0 like any other level.
 class ShWriter {
  public:
-  /// Ignores the measured error and the content hash in `header`, because commit() sets both. Throws as AtomicFile does
-  /// if the path cannot be written, and Error(kUsage) for an unknown compression.
+  /// Ignores the measured error and the content hash in `header`, because commit() sets both. Throws like AtomicFile if
+  /// the path cannot be written, and throws Error(kUsage) for an unknown compression.
   ShWriter(const std::string& path, const BakedHeader& header, int order, const BakedWriteOptions& options);
   /// Removes the file, unless commit() was called.
   ~ShWriter();
   ShWriter(const ShWriter&) = delete;
   ShWriter& operator=(const ShWriter&) = delete;
 
-  /// Takes `rows.height` rounded rows of a stored level. Rows come in order from row 0; levels come in any order.
+  /// Takes `rows.height` rounded rows of a stored level. The rows of a level come in order from row 0. The levels come
+  /// in any order.
   void write_level(int level, int first_row, ShLevel rows);
   void commit(const std::string& measured_error, Progress* progress = nullptr);
-  /// Returns the checksum of the content; call commit() first.
+  /// Returns the checksum of the content. Call commit() first.
   const std::string& content_hash() const;
 
  private:
@@ -39,11 +40,11 @@ class ShWriter {
   std::unique_ptr<Work> work_;
 };
 
-/// Reads rows with several threads. Only one thread may call it at a time.
+/// Reads rows with several threads. Only one thread may call this object at a time.
 class ShReader {
  public:
   /// Opens the file and checks its structure. Throws Error(kInput), which names the file, what was found and what was
-  /// expected. Decompresses with `threads` threads; 0 means one per core.
+  /// expected. Decompresses with `threads` threads. 0 means one thread per core.
   explicit ShReader(const std::string& path, int threads = 0, TexelCheck check = TexelCheck::kRefuse);
   ~ShReader();
   ShReader(const ShReader&) = delete;
@@ -51,12 +52,12 @@ class ShReader {
 
   const BakedHeader& header() const;
   int order() const;
-  /// Height of one row of tiles. The reader decompresses whole rows of tiles.
+  /// The height of one row of tiles. The reader decompresses whole rows of tiles.
   int tile_size() const;
   /// Reads rows of a stored level.
   ShLevel read_level(int level, int first_row, int row_count);
-  /// Returns the checksum of the file's content for verify_sh(). First read every row of every stored level once, from
-  /// the top.
+  /// Returns the checksum of the file's content for verify_sh(). Before the call, every row of every stored level must
+  /// have been read once, from the top.
   std::string finish_hash();
   const std::vector<std::string>& changed_rows() const;  // rows that TexelCheck::kReport has found
 

@@ -46,8 +46,8 @@ void quantize_sh(ShLevel& rows, StorageEncoding encoding, int threads) {
 }
 
 // With 16-bit floats, rounding changes each coefficient by at most 2^-11 of its value, and its square by at most 2^-10.
-// With floats, the errors of the basis (4e-6 of its bound) and of each averaging step (about 2^-24) stay below the
-// second value.
+// With 32-bit floats, the second value covers the errors of the basis (4e-6 of its bound) and of each averaging step
+// (about 2^-24).
 double sh_power_tolerance(StorageEncoding encoding) { return encoding == StorageEncoding::kHalf ? 1e-3 : 2e-5; }
 
 }  // namespace multum

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // By the addition theorem, the coefficients of band l of one direction are on a sphere of radius sqrt((2l+1)/4pi). A
-// mean of directions is therefore inside the sphere, and level 0 is on the sphere. If a BRDF's width is included, level
-// 0 is inside too. Band l = 1 of level 0 is then at c times the radius, where c is 1/2 to 1.
+// mean of directions is therefore inside the sphere, and level 0 is on the sphere. If the width of a BRDF is included,
+// level 0 is inside too. Band l = 1 of level 0 is then at c times the radius, where c is between 1/2 and 1.
 #include "host/formats/asset/averages/sh_verify.h"
 
 #include <fmt/format.h>
@@ -16,7 +16,7 @@ namespace multum {
 
 struct ShScan::Texels {
   std::size_t nonfinite = 0;
-  WorstTexel strong, unlike, weight;  // how far values exceed their tolerances
+  WorstTexel strong, unlike, weight;  // how much values exceed their tolerances
 };
 
 namespace {
@@ -73,13 +73,14 @@ std::vector<VerifyFinding> ShScan::findings() const {
   std::vector<VerifyFinding> findings = {
       finite_finding(texels_->nonfinite, "non-finite texels"),
       excess_finding("power", texels_->strong,
-                     "in each band, the sum of squares is at most the sum for a single direction",
-                     "in a band, the sum of squares exceeds the sum for a single direction"),
-      excess_finding("level 0", texels_->unlike,
-                     header_.first_level > 0 ? "not stored"
-                     : header_.has_roughness ? "each texel holds the facets of one normal"
-                                             : "each texel holds one direction",
-                     "a texel does not hold one direction: the sum of squares of a band is too low"),
+                     "in each band, the sum of the squared coefficients is at most that of a single direction",
+                     "in a band, the sum of the squared coefficients exceeds that of a single direction"),
+      excess_finding(
+          "level 0", texels_->unlike,
+          header_.first_level > 0 ? "not stored"
+          : header_.has_roughness ? "each texel holds the facets of one normal"
+                                  : "each texel holds one direction",
+          "a texel does not hold one direction: in a band, the sum of the squared coefficients is too small"),
   };
   if (header_.weight_count > 0) findings.push_back(weights_finding(header_.weight_count, texels_->weight, "1"));
   return findings;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Checks a baked file of spherical harmonics without its source: structure, checksum, finite values, and the strength
-// of each band. No band of a mean can be stronger than the same band of a single direction.
+// of each band. A band of a mean of directions cannot be stronger than the same band of a single direction.
 #pragma once
 
 #include <functional>
@@ -13,11 +13,11 @@
 
 namespace multum {
 
-/// Receives rows of a stored level, from the top, so that callers can look at the texels without reading the file
+/// Receives the rows of a stored level from the top, so that callers can examine the texels without reading the file
 /// twice.
 using ShRowsSeen = std::function<void(int level, int first_row, const ShLevel& rows)>;
 
-/// Checks rows as verify_sh() does, even before a file contains them.
+/// Checks rows like verify_sh(), even before they are in a file.
 class ShScan {
  public:
   explicit ShScan(const BakedHeader& header, int order);
@@ -34,7 +34,7 @@ class ShScan {
   std::unique_ptr<Texels> texels_;
 };
 
-/// Reads the file by rows of tiles, so that only a few are in memory. Throws Error(kInput) if the structure is
+/// Reads the file by rows of tiles, so that only a few rows are in memory. Throws Error(kInput) if the structure is
 /// unreadable. Every other failed check is a finding. Calls `seen` once for every row.
 std::vector<VerifyFinding> verify_sh(const std::string& path, int threads, const ShRowsSeen& seen = {});
 

@@ -12,7 +12,7 @@ namespace multum {
 std::vector<ShStep> sh_recurrence(int order) {
   MULTUM_CHECK(order >= 0 && order <= kShOrderMax);
   std::vector<ShStep> steps;
-  double diagonal = kShConstant;  // p_mm without the factor sqrt(2), which Y_lm and Y_l,-m have
+  double diagonal = kShConstant;  // p_mm without the factor sqrt(2) that is part of Y_lm and Y_l,-m
   for (int m = 0; m <= order; ++m) {
     if (m > 0) diagonal *= std::sqrt((2.0 * m + 1.0) / (2.0 * m));
     steps.push_back({static_cast<float>(m > 0 ? std::sqrt(2.0) * diagonal : diagonal), 0.0f});
@@ -39,7 +39,7 @@ ZonalCoefficients zonal_lambert(int order) {
 }
 
 // a_l = a_(l-1) R_l, with R_l = I_(l+1/2) / I_(l-1/2) = 1 / ((2l + 1)/kappa + R_(l+1)). The recurrence runs downward.
-// The recurrence starts well above the largest l that is needed, where R_l is approximated by its asymptotic quotient.
+// It starts well above the largest l that is needed, where R_l is approximated by its asymptotic quotient.
 ZonalCoefficients zonal_vmf(int order, double mean_cosine) {
   constexpr int kAbove = 30;
   ZonalCoefficients a(static_cast<std::size_t>(order) + 1, 1.0);

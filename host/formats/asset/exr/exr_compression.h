@@ -10,7 +10,7 @@ namespace multum {
 
 struct ExrCompression {
   Imf::Compression compression;
-  int zip_level;  // -1 for the library's default
+  int zip_level;  // -1 selects the library's default
 };
 
 /// Throws Error(kUsage) for an unknown name.

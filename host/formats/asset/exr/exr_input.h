@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lets OpenEXR read a file opened by host/foundation/base/files/regular_file. If OpenEXR opened a FIFO by its name, it
-// would wait for a writer.
+// Lets OpenEXR read a file that host/foundation/base/files/regular_file has opened. If OpenEXR opened a FIFO by its
+// name, it would wait for a writer.
 #pragma once
 
 #include <ImfIO.h>
@@ -14,7 +14,7 @@ namespace multum {
 
 class ExrInputStream : public Imf::IStream {
  public:
-  /// Throws Error(kInput) if the path is not a regular file, and an Iex exception if the file cannot be opened.
+  /// Throws Error(kInput) if the path is not a regular file, and throws an Iex exception if the file cannot be opened.
   explicit ExrInputStream(const std::string& path);
 
   // These functions throw Iex exceptions, as the library's own stream does.

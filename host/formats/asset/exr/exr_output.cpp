@@ -26,7 +26,7 @@ constexpr std::uint32_t kMultiPartFlag = 0x1000;
   throw Error(ErrorCode::kEnvironment, shown_path + ": writing failed: " + reason);
 }
 
-// Reads a file's bytes in sequence, as the elements of its headers.
+// Reads the bytes of a file in sequence, as elements of its headers.
 class HeaderCursor {
  public:
   HeaderCursor(std::FILE* file, std::string shown_path) : file_(file), shown_path_(std::move(shown_path)) {}
@@ -60,7 +60,7 @@ class HeaderCursor {
   std::string shown_path_;
 };
 
-// Fills in one header; returns false for the empty header that ends the list.
+// Fills in one header. Returns false for the empty header that ends the list.
 bool fill_in_header(HeaderCursor& cursor, const std::string& shown_path, const std::string& name,
                     const std::string& text, int& found) {
   std::string attribute = cursor.text();
@@ -85,7 +85,7 @@ bool fill_in_header(HeaderCursor& cursor, const std::string& shown_path, const s
 
 ExrOutputStream::ExrOutputStream(const AtomicFile& file) : Imf::OStream(file.path().c_str()), file_(file) {}
 
-// The library can discard exceptions thrown here; close() throws them again.
+// The library may discard exceptions that are thrown here, so close() throws them again.
 void ExrOutputStream::write(const char values[], int count) {
   if (!file_.write(values, static_cast<std::size_t>(count))) throw std::runtime_error(file_.failure());
 }

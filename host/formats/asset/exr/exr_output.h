@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Adds two features to OpenEXR's output. The stream keeps its first error, because the library's stream loses errors
-// in the tables of tiles, which are written last. Headers can be filled in after the pixels are written.
+// Adds two features to OpenEXR's output. First, the stream keeps its first error. The library's own stream loses errors
+// in the tables of tiles, which are written last. Second, headers can be filled in after the pixels are written.
 #pragma once
 
 #include <ImfIO.h>
@@ -14,7 +14,7 @@ namespace multum {
 
 class ExrOutputStream : public Imf::OStream {
  public:
-  /// Throws as OutputFile does.
+  /// Throws like OutputFile.
   explicit ExrOutputStream(const AtomicFile& file);
 
   void write(const char values[], int count) override;
@@ -26,12 +26,12 @@ class ExrOutputStream : public Imf::OStream {
   OutputFile file_;
 };
 
-/// Writes a file that appears whole or not at all. `write` writes its contents. Throws Error(kEnvironment) if the disk
-/// or OpenEXR fails.
+/// Writes a file that appears complete or not at all. `write` writes its contents. Throws Error(kEnvironment) if the
+/// disk or OpenEXR fails.
 void write_exr_file(const std::string& path, const std::function<void(Imf::OStream& stream)>& write);
 
-/// Writes `text`, padded with spaces, over the string attribute `name` in every header that has the attribute, and
-/// returns their number. Throws Error(kEnvironment) if the room is too small or the disk fails.
+/// Writes `text`, padded with spaces, over the string attribute `name` in every header that has the attribute. Returns
+/// the number of these headers. Throws Error(kEnvironment) if the room is too small or the disk fails.
 int fill_in_attribute(const AtomicFile& file, const std::string& name, const std::string& text);
 
 }  // namespace multum

@@ -6,7 +6,7 @@
 namespace multum {
 
 void use_exr_threads(int threads) {
-  // If there is only one thread, each call does its own work.
+  // If there is only one thread, each call does its work itself.
   if (threads > 1 && Imf::globalThreadCount() < threads) Imf::setGlobalThreadCount(threads);
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Converts rows of a part to and from OpenEXR's slices. Only host/formats/asset uses this header.
+// Converts rows of a part to and from OpenEXR's slices. Only host/formats/asset uses this file.
 #pragma once
 
 #include <ImfFrameBuffer.h>
@@ -11,8 +11,8 @@
 
 namespace multum {
 
-/// Stores half values in HALF channels, which is exact because they were rounded before. Stores all other values in
-/// FLOAT channels.
+/// Stores half values in HALF channels, which is exact because the values were rounded before. Stores all other values
+/// in FLOAT channels.
 inline Imf::PixelType vector_type(StorageEncoding encoding) {
   return encoding == StorageEncoding::kHalf ? Imf::HALF : Imf::FLOAT;
 }

@@ -40,7 +40,7 @@ void write_exr_picture(const std::string& path, int width, int height, const std
 
 namespace {
 
-// Converts exceptions of OpenEXR to Error with the file's name.
+// Converts exceptions of OpenEXR to an Error that names the file.
 template <typename Work>
 void writing(const std::string& path, const Work& work) {
   try {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writes pictures as OpenEXR files: whole as linear 32-bit floats, or row by row as 16-bit floats. A file appears whole
-// or not at all.
+// Writes pictures as OpenEXR files, either as a whole with linear 32-bit floats, or row by row with 16-bit floats. A
+// file appears complete or not at all.
 #pragma once
 
 #include <memory>
@@ -9,8 +9,8 @@
 
 namespace multum {
 
-/// Writes channels R, G, B and A, compressed by zip. `rgba` holds 4 * width * height values, row 0 at the top. Throws
-/// Error(kEnvironment) if the disk fails.
+/// Writes channels R, G, B and A, compressed by zip. `rgba` holds 4 * width * height values, with row 0 at the top.
+/// Throws Error(kEnvironment) if the disk fails.
 void write_exr_picture(const std::string& path, int width, int height, const std::vector<float>& rgba);
 
 /// Writes channels R, G, B and optionally A as half floats, compressed by zip. Every function throws
@@ -25,7 +25,7 @@ class ExrHalfWriter {
 
   /// Writes the next rows; `interleaved` holds `channels` values per texel.
   void write_rows(int row_count, const float* interleaved);
-  /// Gives the file its name; call it after all rows.
+  /// Gives the file its final name. Call this function after all rows are written.
   void finish();
 
  private:

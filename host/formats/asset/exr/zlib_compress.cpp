@@ -39,10 +39,12 @@ struct ThreadCompressor {
 //
 // Workaround "ISA-L 2.30 hashes its own address" (2.32 has the fault too). At the start of a stream, the long loop of
 // levels 1 and 2 enters its third string into the hash table under a wrong hash (igzip_icf_body_h1_gr_bt.asm,
-// .write_first_byte). The loop hashes `rcx >> 16`, but at this point rcx is the stream's address, not the data. So the
-// same bytes found other matches if the stack had another address: 1 tile in 5000 of 4 KiB or more, 1 tile in 500 of 40
-// bytes. The loop for the last bytes of a stream does not have this fault. With a flush, that loop takes the first four
-// bytes, at a cost of about 10 bytes per tile. Test: ZlibCompressTest.SameBytesWhereverTheStackIs.
+// .write_first_byte). The loop hashes `rcx >> 16`, but at this point rcx is the address of the stream, not the data.
+// Therefore the same bytes found other matches if the stack had another address. This happened in 1 of 5000 tiles of 4
+// KiB
+// or more, and in 1 of 500 tiles of 40 bytes. The loop for the last bytes of a stream does not have this fault. With a
+// flush, that loop takes the first four bytes, at a cost of about 10 bytes per tile. Test:
+// ZlibCompressTest.SameBytesWhereverTheStackIs.
 std::size_t compress_quickly(const Bytef* source, uLong source_size, Bytef* destination, uLong destination_size) {
   constexpr uLong kFirstBytes = 4;
   static thread_local std::vector<unsigned char> working(ISAL_DEF_LVL1_DEFAULT);
@@ -80,7 +82,7 @@ std::size_t compress_well(const Bytef* source, uLong source_size, Bytef* destina
   const std::size_t size =
       libdeflate_zlib_compress(mine.compressor.get(), source, source_size, destination, destination_size);
   if (size > 0) return size;
-  // libdeflate needs a little more room than zlib to begin.
+  // libdeflate needs a little more room than zlib before it begins.
   std::vector<unsigned char> roomy(libdeflate_zlib_compress_bound(mine.compressor.get(), source_size));
   const std::size_t roomy_size =
       libdeflate_zlib_compress(mine.compressor.get(), source, source_size, roomy.data(), roomy.size());
@@ -101,7 +103,7 @@ extern "C" int compress2(Bytef* destination, uLongf* destination_size, const Byt
   const bool is_quick = level >= 1 && level <= multum::kQuickLevelMax && source_size <= kQuickBytesMax &&
                         *destination_size <= kQuickBytesMax;
   std::size_t size = is_quick ? multum::compress_quickly(source, source_size, destination, *destination_size) : 0;
-  // With ISA-L, incompressible data need a few bytes more than compressBound().
+  // With ISA-L, data that cannot be compressed need a few bytes more than compressBound().
   if (size == 0)
     size = multum::compress_well(source, source_size, destination, *destination_size,
                                  level < 0 ? multum::kDefaultLevel : level);

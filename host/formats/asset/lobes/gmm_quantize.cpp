@@ -39,7 +39,7 @@ float grid_inwards(double value, StorageEncoding encoding) {
 
 // Rounds the mean to nearest, then the third value about the rounded mean. If the third value would exceed a, rounds
 // the mean inwards instead, because E|p|^2 never exceeds a, and snorm16 cannot store more. For a single direction, the
-// third value is rounded down, so that readers clamp its variance to 0. NaN and infinity stay unchanged, so that
+// third value is rounded down, so that readers clamp its variance to 0. NaN and infinity remain unchanged, so that
 // verify_movmf() reports them.
 glm::vec4 round_gaussian(const glm::vec4& lobe, double a, StorageEncoding encoding) {
   if (a <= 0.0) return glm::vec4(0.0f);
@@ -82,7 +82,7 @@ glm::vec3 rough_point(const glm::vec3& shortened) {
   return {p, std::min(square + 2.0 * spread / (1.0 + spread) * (1.0 - 0.5 * square), 1.0)};
 }
 
-// Inverts v = spread / (1 + spread) (1 - |p|^2 / 2). If v was cut off at the rim, returns the smallest possible spread.
+// Inverts v = spread / (1 + spread) (1 - |p|^2 / 2). If v was limited at the rim, returns the smallest possible spread.
 glm::vec3 shortened_normal(const glm::vec3& rough_point) {
   const glm::dvec2 p(rough_point);
   const double square = std::min(glm::dot(p, p), 1.0);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Table of the families of lobes; each family is one row. Every lobe has four channels, all linear in the normals, and
-// the last is the amplitude. The family defines the first three.
+// The table of the families of lobes. Each family is one row. Every lobe has four channels, which are linear in the
+// normals. The last channel is the amplitude, and the family defines the first three.
 #pragma once
 
 #include <cstddef>
@@ -17,26 +17,26 @@ struct LobeFamily {
   bool is_planar;
   bool one_lobe_is_mean;  // true if the average of the normals is the best fit of one lobe, so that EM is not needed
   const char* plural;
-  // Names and descriptions in the file (docs/reference/file_format.md).
+  // The names and descriptions that are stored in the file (docs/reference/file_format.md).
   const char* layer;
   const char* lobe_text;
   const char* finest_text;
-  const char* finest_rough_text;  // text for files that include a BRDF's width
+  const char* finest_rough_text;  // text for files that include the width of a BRDF
   const char* finest_rough_channel;
   const char* finest_third_name;  // name of the third value, for messages
 
   // Rounds rows of a level >= 1 to stored values.
   void (*quantize)(MovmfLevel& rows, StorageEncoding encoding, int threads);
-  // Return the largest kappa (1/variance) that a lobe of amplitude 1 keeps, and the number of sharper lobes.
+  // Return the largest kappa (1/variance) that a lobe of amplitude 1 keeps, and the number of lobes that are sharper.
   float (*kappa_max)(StorageEncoding encoding);
   SharpLobes (*count_sharp)(const MovmfLevel& level, StorageEncoding encoding, int threads);
 
   // Converts a normal to a stored value of level 0, where every texel is a single direction. `is_shortened` is true if
-  // the length of the normal includes a BRDF's width.
+  // the length of the normal includes the width of a BRDF.
   glm::vec3 (*finest_of_normal)(const glm::vec3& normal, bool is_shortened);
   // Converts a stored value of level 0 to a normal.
   glm::vec3 (*normal_of_finest)(const glm::vec3& stored, bool is_shortened);
-  // Rounds x and y of unit normals, and derives the third value like readers.
+  // Rounds x and y of unit normals, and computes the third value from them, as readers do.
   void (*quantize_finest)(glm::vec3* normals, std::size_t count, StorageEncoding encoding);
   // Returns the third value of a normal whose x and y are already rounded.
   float (*finest_third)(float x, float y, StorageEncoding encoding);

@@ -16,12 +16,12 @@ namespace {
 
 using Block = std::array<double, kRoundingBlock>;
 
-// Smallest amplitude that snorm16 stores. Below this amplitude, the spread of a lobe is invisible.
+// The smallest amplitude that snorm16 stores. The spread of a lobe with a smaller amplitude is invisible.
 constexpr float kAmplitudeMin = static_cast<float>(kSnormStep);
 
-// Step 1 for snorm16: amplitudes become whole steps that sum to 32767. The largest remainders are rounded up. In a tie,
-// the amplitude of the lobe with the lower index is rounded up. Amplitudes that do not sum to 1 stay unchanged, so that
-// verify_movmf() reports them.
+// Step 1 for snorm16: amplitudes become whole numbers of steps that sum to 32767. The largest remainders are rounded
+// up. In a tie, the amplitude of the lobe with the lower index is rounded up. Amplitudes that do not sum to 1 remain
+// unchanged, so that verify_movmf() reports them.
 MULTUM_VECTOR_CLONES
 void round_amplitudes_snorm(const MovmfLevel& level, std::size_t first, std::size_t count,
                             std::array<Block, kLobeCountMax>& amplitudes) {

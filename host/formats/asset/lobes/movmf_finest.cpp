@@ -3,8 +3,8 @@
 // Filtered texels that share the direction have no spread either, because their projections add up
 // (host/formats/asset/lobes/movmf_quantize.cpp).
 //
-// A small z is ill-conditioned. If a normal is tilted by t, an error of x along the tilt turns the normal
-// by 1/cos(t) times the error. FinestTest.TurnsDirectionsByLittle has the figures.
+// A small z is ill-conditioned. If a normal is tilted by t, an error of x along the tilt turns the normal by 1/cos(t)
+// times the error. The test FinestTest.TurnsDirectionsByLittle contains the figures.
 #include "host/formats/asset/lobes/movmf_finest.h"
 
 #include <half.h>
@@ -34,8 +34,8 @@ int nearest_step(float x) {
 
 float step_value(int step) { return static_cast<float>(step / static_cast<double>(kSnormSteps)); }
 
-// Returns exactly the least k with i^2 + j^2 + k^2 >= 32767^2. Computing the root in double is safe, because the root
-// of a non-square integer below 2^30 differs by more than 2^-17 from every integer.
+// Returns exactly the smallest k with i^2 + j^2 + k^2 >= 32767^2. The root can safely be computed in double precision,
+// because the root of a non-square integer below 2^30 differs by more than 2^-17 from every integer.
 float z_snorm(float x, float y) {
   const int i = nearest_step(x), j = nearest_step(y);
   const int rest = std::max(kSnormSteps * kSnormSteps - i * i - j * j, 0);
@@ -44,7 +44,7 @@ float z_snorm(float x, float y) {
   return step_value(below < root ? below + 1 : below);
 }
 
-// Returns exactly the least half with x^2 + y^2 + z^2 >= 1 if x and y are 16-bit floats. Every term is a multiple of
+// Returns exactly the smallest half with x^2 + y^2 + z^2 >= 1 if x and y are 16-bit floats. Every term is a multiple of
 // 2^-48, so the doubles are exact. A root that is not a half differs from every half by at least 2^-49.
 float z_half(double root) {
   half z(static_cast<float>(root));
@@ -57,7 +57,7 @@ float z_float(double root) {
   return static_cast<double>(z) < root ? std::nextafter(z, 2.0f) : z;
 }
 
-// Returns whether x^2 + y^2 exceeds 1. Computes exactly, in whole steps.
+// Returns whether x^2 + y^2 exceeds 1. The computation is exact, in whole steps.
 bool is_beyond_rim(float x, float y) {
   const int i = nearest_step(x), j = nearest_step(y);
   return i * i + j * j > kSnormSteps * kSnormSteps;
@@ -82,7 +82,7 @@ void quantize_directions_snorm(glm::vec3* normals, std::size_t count) {
   }
 }
 
-// Rounds lobes of amplitude 1, as in other levels.
+// Rounds lobes of amplitude 1 in the same way as in other levels.
 void quantize_lobes_of_one(glm::vec3* normals, std::size_t count, const LobeFamily& family, StorageEncoding encoding) {
   MovmfLevel lobe{static_cast<int>(count), 1, {{}}, {}};
   for (std::size_t i = 0; i < count; ++i) lobe.lobes[0].emplace_back(normals[i], 1.0f);
@@ -130,8 +130,8 @@ void quantize_unit_vectors(glm::vec3* normals, std::size_t count, StorageEncodin
   }
 }
 
-// The third value is x^2 + y^2, and snorm16 stores at most 1. Beyond the rim, x and y are therefore rounded inwards, as
-// in other levels (gmm_quantize.cpp).
+// The third value is x^2 + y^2, and snorm16 cannot store more than 1. Beyond the rim, x and y are therefore rounded
+// inwards, as in other levels (gmm_quantize.cpp).
 void quantize_points(glm::vec3* points, std::size_t count, StorageEncoding encoding) {
   for (std::size_t i = 0; i < count; ++i) {
     glm::vec3& point = points[i];

@@ -23,7 +23,7 @@ std::vector<Imf::Header> make_headers(const MovmfMipmap& header, const std::vect
 MovmfMipmap parse_header(const Imf::Header& header, const std::string& path) {
   BakedHeader baked = parse_baked_header(header, path);
   if (!holds_lobes(baked.representation))
-    baked = parse_baked_header(header, default_representation(), path);  // rejects the file
+    baked = parse_baked_header(header, default_representation(), path);  // this call rejects the file
   const int lobe_count = int_attribute(header, "multum:lobeCount", path);
   if (lobe_count < 1 || lobe_count > kLobeCountMax)
     refuse_file(path, fmt::format("{} lobes", lobe_count), fmt::format("1 to {}", kLobeCountMax));

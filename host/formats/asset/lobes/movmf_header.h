@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writes and reads the attributes that only movmf files have; host/formats/asset/baked_header.h handles the attributes
-// of all baked files. Only host/formats/asset uses this header.
+// Writes and reads the attributes that only movmf files have. host/formats/asset/baked_header.h handles the attributes
+// of all baked files. Only host/formats/asset uses this file.
 #pragma once
 
 #include <ImfHeader.h>
@@ -14,11 +14,11 @@
 
 namespace multum {
 
-/// Makes one header per part, with spaces as room for the measured error and the content hash.
+/// Makes one header per part. Spaces reserve room for the measured error and the content hash.
 std::vector<Imf::Header> make_headers(const MovmfMipmap& header, const std::vector<MovmfPart>& parts,
                                       const BakedWriteOptions& options);
 
-/// Reads everything except pixels from the first part's header. Throws Error(kInput), which names `path`, what was
+/// Reads everything except pixels from the header of the first part. Throws Error(kInput), which names `path`, what was
 /// found and what was expected.
 MovmfMipmap parse_header(const Imf::Header& header, const std::string& path);
 

@@ -21,7 +21,8 @@ void add_weight_channels(const std::string& layer, const MovmfMipmap& header, Ba
     part.channels.push_back({fmt::format("{}.{}", layer, "RGBA"[k]), colour_type(header.header.encoding)});
 }
 
-// Lists channels in the order in which OpenImageIO lists layers and their channels, as in the other parts.
+// Lists channels in the order in which OpenImageIO lists layers and their channels. The other parts have the same
+// order.
 MovmfPart finest_part(const MovmfMipmap& header) {
   const LobeFamily& family = lobe_family(header.header.representation);
   const char* const text = header.header.has_roughness ? family.finest_rough_text : family.finest_text;

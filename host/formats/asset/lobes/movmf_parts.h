@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lists the parts of a baked file in order, with channels and levels; writer, reader and checksum share the list
-// (docs/reference/file_format.md, "Parts and channels"). Only host/formats/asset uses this header.
+// Lists the parts of a baked file in order, with their channels and levels. Writer, reader and checksum use the same
+// list (docs/reference/file_format.md, "Parts and channels"). Only host/formats/asset uses this file.
 #pragma once
 
 #include <vector>
@@ -23,10 +23,10 @@ struct MovmfPart : BakedPart {
   float* values(MovmfLevel& rows) const;
 };
 
-/// Returns the parts of a mipmap with or without texels.
+/// Returns the parts of a mipmap. The mipmap does not need to have texels.
 std::vector<MovmfPart> movmf_parts(const MovmfMipmap& header);
 
-/// Interleaves texels of the part "finest" in stored order: R, G, B if the map has colours; lobe; x; y; z if the map
+/// Interleaves texels of the part "finest" in stored order: R, G and B if the map has colours; lobe; x; y; z if the map
 /// has roughness; weights.
 void interleave(const MovmfFinest& rows, std::size_t first_texel, std::size_t count, float* values);
 

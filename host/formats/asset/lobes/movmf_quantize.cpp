@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rounds lobes to stored values. A lobe's spread 1 - |r| decides how wide a highlight is, and |r| is near 1 for glossy
+// Rounds lobes to stored values. The spread 1 - |r| of a lobe decides how wide a highlight is, and |r| is near 1 for
+// glossy
 // and flat places. If a r_x, a r_y, a r_z and a were rounded independently, |r| would change by up to 1/a steps of the
-// grid. This would blur a highlight of roughness 0.1 on a tilted flat area to half its peak. So the four values are
-// rounded together:
+// grid. On a tilted flat area, this would blur a highlight of roughness 0.1 so much that its peak is halved. Therefore
+// the
+// four values are rounded together:
 //   1. Amplitudes are rounded first. For snorm16, they sum to exactly 1, by largest remainder.
 //   2. r is multiplied by the ROUNDED amplitude, so that rounding a leaves |r| unchanged.
 //   3. Each of the three products is rounded down or up, which gives 8 candidates. The chosen one has the projection on
@@ -10,7 +12,8 @@
 //      a, so rounding never adds spread. Filtering adds none either, because projections of texels that share a
 //      direction add up.
 // If candidates were chosen by their length |a r| instead, a lobe with an amplitude of one step could keep its length,
-// but turn by 60 degrees. After filtering with a neighbouring lobe of amplitude 0.7, the peak was then 4 % lower
+// but
+// turn by 60 degrees. After filtering with a neighbouring lobe of amplitude 0.7, the peak would then be 4 % lower
 // (QuantizeTest). Readers clamp |r| to 1.
 #include <half.h>
 
@@ -35,7 +38,7 @@ namespace {
 // because sums of 32-bit floats have rounding errors of this size.
 constexpr double kSpreadZero = 5e-7;
 
-// The two grid neighbours of a value. The magnitude of `inner` is at most that of the value, and the magnitude of
+// The two grid values next to a value. The magnitude of `inner` is at most that of the value, and the magnitude of
 // `outer` is at least that of the value.
 struct Bracket {
   float inner;
@@ -58,7 +61,7 @@ Bracket bracket_half(double value) {
   const auto rounded = static_cast<double>(static_cast<float>(nearest));
   if (rounded == value) return {static_cast<float>(nearest), static_cast<float>(nearest)};
   half other = nearest;
-  // For 16-bit floats of the same sign, the order of the values is the order of the bit patterns.
+  // 16-bit floats of the same sign are in the same order as their bit patterns.
   const bool nearest_is_inner = std::abs(rounded) < std::abs(value);
   const auto bits = nearest.bits();
   other.setBits(static_cast<unsigned short>(nearest_is_inner ? bits + 1 : bits - 1));
@@ -66,7 +69,8 @@ Bracket bracket_half(double value) {
   return {static_cast<float>(other), static_cast<float>(nearest)};
 }
 
-// The 8 ways to round. Bit 0 of a corner is set if x is rounded outwards, bit 1 if y is, and bit 2 if z is.
+// The 8 ways to round. Bit 0 of a corner is set if x is rounded outwards, bit 1 if y is rounded outwards, and bit 2 if
+// z is rounded outwards.
 struct Corners {
   Bracket x, y, z;
   glm::vec3 at(unsigned corner) const {
@@ -88,7 +92,7 @@ std::array<double, 8> projections(const Corners& corners, const glm::dvec3& dire
           xy[0] + z[1], xy[1] + z[1], xy[2] + z[1], xy[3] + z[1]};
 }
 
-// Returns the corner with the closest projection, or the first of them if several are equally close. The direction
+// Returns the corner whose projection is closest, or the first of them if several are equally close. The direction
 // turns by at most one step.
 unsigned nearest_corner(const std::array<double, 8>& projection, double wanted) {
   unsigned best = 7;
@@ -101,8 +105,8 @@ unsigned nearest_corner(const std::array<double, 8>& projection, double wanted) 
   return best;
 }
 
-// Used for single directions. Among the corners that are not shorter, returns the corner that turns least. The corner
-// with x, y and z all rounded outwards is never shorter.
+// Used for single directions. Among the corners that are not shorter, returns the one that changes the direction least.
+// The corner with x, y and z all rounded outwards is never shorter.
 unsigned least_turned_corner(const Corners& corners, const std::array<double, 8>& projection, double wanted,
                              const glm::dvec3& target) {
   unsigned best = 7;
@@ -118,7 +122,7 @@ unsigned least_turned_corner(const Corners& corners, const std::array<double, 8>
   return best;
 }
 
-// Applies steps 2 and 3 to one lobe, stored as a (r, 1), whose amplitude is already rounded to `a`.
+// Applies steps 2 and 3 to one lobe, stored as a (r, 1). Its amplitude is already rounded to `a`.
 template <typename BracketOf>
 glm::vec4 round_lobe(const glm::vec4& stored, float a, const BracketOf& bracket_of) {
   if (a <= 0.0f) return glm::vec4(0.0f);
@@ -137,9 +141,9 @@ glm::vec4 round_lobe(const glm::vec4& stored, float a, const BracketOf& bracket_
                    a);
 }
 
-// Values of neighbouring texels, arranged so that the compiler vectorizes the loops. All operations equal those of
-// round_lobe(). At level 1 of a map with four lobes, most lobes are single directions or empty. Therefore lobes of each
-// kind are gathered and rounded separately.
+// Values of neighbouring texels, arranged so that the compiler vectorizes the loops. All operations are the same as in
+// round_lobe(). At level 1 of a map with four lobes, most lobes are single directions or empty. Therefore the lobes of
+// each kind are gathered and rounded separately.
 using Block = std::array<double, kRoundingBlock>;
 
 // Lobes of one kind: their mean vectors r, the lengths of r, the rounded amplitudes, and the positions in the block.
@@ -158,7 +162,7 @@ struct Gathered {
   }
 };
 
-// Computes the two neighbours of `value` on the snorm16 grid, for |value| <= 1.
+// Computes the two values of the snorm16 grid next to `value`, for |value| <= 1.
 inline void bracket_steps(double value, double& inner, double& outer) {
   const double steps = value * kSnormSteps;
   const double down = static_cast<double>(static_cast<int>(steps));
@@ -167,7 +171,7 @@ inline void bracket_steps(double value, double& inner, double& outer) {
   outer = static_cast<double>(static_cast<float>(up * kSnormStep));
 }
 
-// Applies steps 2 and 3: r becomes the stored value. Inlined into each vector clone below.
+// Applies steps 2 and 3, after which r is the stored value. This function is inlined into each vector clone below.
 template <bool kSingleDirection>
 [[gnu::always_inline]] inline void round_gathered(Gathered& lobes) {
   const std::size_t count = lobes.count;
@@ -256,8 +260,8 @@ void round_block_snorm(glm::vec4* lobes, const double* amplitudes, std::size_t c
     if (all.length[i] < 1.0 - kSpreadZero) spread.add(all, i);
     else if (all.length[i] < 2.0) single.add(all, i);
     else
-      lobe = round_lobe(lobe, static_cast<float>(all.amplitude[i]), bracket_snorm);  // the lobe is not finite, or has
-                                                                                     // no mean
+      lobe = round_lobe(lobe, static_cast<float>(all.amplitude[i]), bracket_snorm);  // the lobe is not finite, or its
+                                                                                     // mean is zero
   }
   round_single(single);
   round_spread(spread);
@@ -271,7 +275,7 @@ void round_lobes(glm::vec4* lobes, const double* amplitudes, std::size_t count, 
     lobes[i] = round_lobe(lobes[i], static_cast<float>(amplitudes[i]), bracket_half);
 }
 
-// Returns whether a lobe is too sharp to be kept; single directions do not count.
+// Returns whether a lobe is too sharp for its spread to be kept. Single directions do not count.
 bool is_sharp(const glm::vec4& lobe, double spread_min) {
   const double spread = 1.0 - glm::length(glm::dvec3(lobe)) / static_cast<double>(lobe.w);
   return spread > kSpreadZero && spread < spread_min;
@@ -280,10 +284,10 @@ bool is_sharp(const glm::vec4& lobe, double spread_min) {
 }  // namespace
 
 float storage_kappa_max(StorageEncoding encoding) {
-  // Measured by QuantizeTest.KeepsSpreadUpToKappaMax over random lobes of amplitude 1, tilted up to 60 degrees. At both
-  // limits, 1 - |r| changes by 4 % in the median and by 14 % at the 95th percentile, in proportion to kappa. The worst
-  // case is a flat lobe, where only z is rounded. Half a step then changes 1 - |r| by 31 % for snorm16 and 24 % for
-  // 16-bit floats.
+  // QuantizeTest.KeepsSpreadUpToKappaMax measures this over random lobes of amplitude 1, tilted up to 60 degrees. At
+  // both limits, 1 - |r| changes by 4 % in the median and by 14 % at the 95th percentile. The change is proportional to
+  // kappa. The worst case is a flat lobe, where only z is rounded. Half a step then changes 1 - |r| by 31 % for snorm16
+  // and by 24 % for 16-bit floats.
   switch (encoding) {
     case StorageEncoding::kSnorm16: return 20000.0f;
     case StorageEncoding::kHalf: return 1000.0f;

@@ -16,7 +16,7 @@
 namespace multum {
 namespace {
 
-// Number of tile rows per read when all rows are read.
+// The number of tile rows that each read covers when all rows are read.
 constexpr int kTileRowsAtOnce = 4;
 
 }  // namespace

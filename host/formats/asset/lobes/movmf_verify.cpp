@@ -31,7 +31,7 @@ struct MovmfScan::Lobes {
 
 namespace {
 
-// Returns the tolerance for sums of a and lengths of r, which covers the rounding of the encoding
+// Returns the tolerance for sums of a and for lengths of r. It covers the rounding of the encoding
 // (docs/reference/file_format.md).
 float amplitude_tolerance(StorageEncoding encoding) { return encoding == StorageEncoding::kHalf ? 2e-3f : 2e-6f; }
 // |a r| may exceed a by one outward step per component.
@@ -46,17 +46,18 @@ LengthExcess length_excess(StorageEncoding encoding) {
   return {1e-6f, 1e-9f};
 }
 
-// Worst values so far. The two members of type float are exact, because they are computed from floats.
+// The worst values so far. The two members of type float are exact, because they are computed from floats.
 struct WorstLobe {
   double sum_error;
   float negative_amplitude, long_mean;
   LengthExcess excess;
 };
 
-// Number of texels checked together. Few blocks contain a new worst value; the other blocks need no further check.
+// The number of texels that are checked together. Few blocks contain a new worst value, and the other blocks need no
+// further check.
 constexpr std::size_t kScanBlock = 256;
 
-// Returns 1 if a lobe is worse than the worst so far, or not finite.
+// Returns 1 if a lobe is worse than the worst lobe so far, or is not finite.
 inline int is_worse_lobe(float x, float y, float z, float a, const WorstLobe& worst) {
   const float sum = std::abs(x) + std::abs(y) + std::abs(z) + std::abs(a);
   const float over = std::sqrt(x * x + y * y + z * z) - a - worst.excess.of(a);
@@ -93,11 +94,12 @@ int any_worse_sum(const double* sums, std::size_t count, double worst) {
   return found;
 }
 
-// Weights are 0 to 1, so a lobe's weighted amplitudes are 0 to a. The tolerance covers the rounding of weights to
-// 16-bit floats and of amplitudes to snorm16, which may differ from the fit by a step.
+// Weights are from 0 to 1, so the weighted amplitudes of a lobe are from 0 to a. The tolerance covers the rounding of
+// weights to 16-bit floats. It also covers the rounding of amplitudes to snorm16, which may differ from the fit by a
+// step.
 constexpr double kWeightTolerance = 2e-3;
 
-// Returns how far the third value of a Gaussian is below the square of its mean. Rounding down is tolerated.
+// Returns how far the third value of a Gaussian is below the square of its mean. The tolerance allows rounding down.
 double missing_variance(StorageEncoding encoding, const glm::vec4& v) {
   const glm::dvec4 lobe(v);
   if (!(lobe.w > 0.0)) return std::abs(lobe.z);
@@ -108,7 +110,7 @@ double missing_variance(StorageEncoding encoding, const glm::vec4& v) {
   return square - lobe.z - step;
 }
 
-// Scans and hashes every stored level; returns the checksum.
+// Scans and hashes every stored level. Returns the checksum.
 std::string scan_file(MovmfReader& reader, int threads, const MovmfRowsSeen& seen, MovmfScan& scan) {
   const MovmfMipmap& header = reader.header();
   const std::vector<MovmfPart> parts = movmf_parts(header);
@@ -162,7 +164,7 @@ bool MovmfScan::Lobes::any_is_worse(const MovmfFinest& rows, StorageEncoding enc
   return any_worse_normal(rows.normals.data(), rows.normals.size(), worst) != 0;
 }
 
-// True if the fast check suffices. Planar lobes and features are checked one by one.
+// Returns whether the fast check suffices. Planar lobes and features are checked one by one.
 bool MovmfScan::has_lobes_alone() const {
   return !lobe_family(header_.header.representation).is_planar && !header_.has_colours() &&
          header_.header.weight_count == 0;
@@ -230,13 +232,14 @@ std::vector<VerifyFinding> MovmfScan::findings() const {
            ? "no negative amplitude"
            : fmt::format("a = {} at {}", -lobes_->negative_amplitude.value, lobes_->negative_amplitude.text())});
   const bool is_planar = lobe_family(header_.header.representation).is_planar;
-  findings.push_back(excess_finding(
-      is_planar ? "|mean| <= 1" : "|r| <= 1", lobes_->long_mean, "no mean vector is longer than rounding allows",
-      is_planar ? "|a mean| exceeds a, beyond rounding," : "|a r| exceeds a, beyond rounding,"));
+  findings.push_back(excess_finding(is_planar ? "|mean| <= 1" : "|r| <= 1", lobes_->long_mean,
+                                    "no mean vector is longer than rounding allows",
+                                    is_planar ? "|a mean| exceeds a by more than rounding allows,"
+                                              : "|a r| exceeds a by more than rounding allows,"));
   if (is_planar)
     findings.push_back(excess_finding("variance", lobes_->missing_variance,
-                                      "no variance is below 0, except for rounding",
-                                      "a variance is below 0, beyond rounding,"));
+                                      "no variance is negative by more than rounding allows",
+                                      "a variance is negative by more than rounding allows,"));
   if (header_.header.weight_count > 0)
     findings.push_back(weights_finding(header_.header.weight_count, lobes_->weight_range, "a"));
   return findings;

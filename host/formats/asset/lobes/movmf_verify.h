@@ -13,14 +13,14 @@
 
 namespace multum {
 
-/// Receives rows of a stored level, from the top, so that callers can look at the texels without reading the file
+/// Receives the rows of a stored level from the top, so that callers can examine the texels without reading the file
 /// twice.
 using MovmfRowsSeen = std::function<void(int level, int first_row, const MovmfLevel& rows)>;
 
-/// Checks rows as verify_movmf() does, even before a file contains them.
+/// Checks rows like verify_movmf(), even before they are in a file.
 class MovmfScan {
  public:
-  /// Copies `header`, whose levels need no texels.
+  /// Copies `header`. The levels of `header` need no texels.
   explicit MovmfScan(const MovmfMipmap& header);
   ~MovmfScan();
   void add(int level, int first_row, const MovmfLevel& rows);
@@ -37,7 +37,7 @@ class MovmfScan {
   std::unique_ptr<Lobes> lobes_;
 };
 
-/// Reads the file by rows of tiles, so that only a few are in memory. Throws Error(kInput) if the structure is
+/// Reads the file by rows of tiles, so that only a few rows are in memory. Throws Error(kInput) if the structure is
 /// unreadable. Every other failed check is a finding. Calls `seen` once for every row.
 std::vector<VerifyFinding> verify_movmf(const std::string& path, int threads, const MovmfRowsSeen& seen = {});
 

@@ -69,7 +69,7 @@ std::vector<Imf::Header> pyramid_headers(const PyramidHeader& header, const Bake
   headers[0].insert("multum:representation", Imf::StringAttribute(std::string(kPrefix) + info.name));
   headers[0].insert("multum:formatVersion", Imf::IntAttribute(kFormatVersion));
   headers[0].insert("colorInteropID", Imf::StringAttribute(info.interop));
-  headers[0].insert("textureformat", Imf::StringAttribute("Plain Texture"));  // the same text as maketx writes
+  headers[0].insert("textureformat", Imf::StringAttribute("Plain Texture"));  // the same text that maketx writes
   return headers;
 }
 
@@ -112,9 +112,9 @@ class PyramidScan {
     return {
         {"finite", nonfinite_ == 0, fmt::format("{} non-finite values, expected 0", nonfinite_)},
         {"means", worst <= tolerance,
-         fmt::format(
-             "level means differ from the mean of level 0 by {:.1e} of the largest value, expected at most {:.1e}{}",
-             worst, tolerance, worst <= tolerance ? "" : fmt::format(" (level {})", worst_level))},
+         fmt::format("the means of the levels differ from the mean of level 0 by {:.1e} of the largest value, expected "
+                     "at most {:.1e}{}",
+                     worst, tolerance, worst <= tolerance ? "" : fmt::format(" (level {})", worst_level))},
     };
   }
 
@@ -141,7 +141,7 @@ class PyramidScan {
 
 class PyramidPortion : public BakedRows {
  public:
-  /// Until the writer's thread ends, only this thread uses `scan`.
+  /// Only this thread uses `scan` until the writer's thread ends.
   PyramidPortion(int channels, PyramidScan& scan, int level, PyramidLevel rows)
       : channels_(static_cast<std::size_t>(channels)), scan_(scan), level_(level), rows_(std::move(rows)) {}
 
@@ -169,7 +169,7 @@ BakedWriteOptions without_error(BakedWriteOptions options) {
   return options;
 }
 
-// An opened file with checked structure.
+// An open file whose structure has been checked.
 class PyramidReader {
  public:
   PyramidReader(const std::string& path, int threads, TexelCheck check = TexelCheck::kRefuse)

@@ -22,7 +22,7 @@ int wrapped(int i, int size, WrapMode mode) {
   return -1;
 }
 
-// Reduces a coordinate to one period, so that its texel index fits an int.
+// Reduces a coordinate to one period, so that its texel index fits into an int.
 double reduced(double place, WrapMode mode) {
   constexpr double kFar = 1e6;  // beyond this distance, clamp and black give the same value everywhere
   const double period = mode == WrapMode::kPeriodic ? 1.0 : 2.0;

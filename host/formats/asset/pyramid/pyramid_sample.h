@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pyramidal parametric sampling (Williams 1983, sections 2 and 3): bilinear within a level, and linear between two
-// levels, at any real level d. Also chooses d. Computes in double precision. Serves as the reference for the GL's
-// filter, and as the sampler for meshes at a chosen level of detail.
+// Pyramidal parametric sampling (Williams 1983, sections 2 and 3). It is bilinear within a level, and linear between
+// two levels, at any real level d. Also chooses d. Computes in double precision. Serves as the reference for the filter
+// of GL, and as the sampler for meshes at a chosen level of detail.
 #pragma once
 
 #include <array>
@@ -12,14 +12,14 @@ namespace multum {
 
 using PyramidSample = std::array<double, 3>;  // if there is one channel, only the first value is used
 
-/// Samples at s and t, which are 0..1 across the map; t grows downwards. Beyond the map, the header's wrap modes apply.
-/// `d` is clamped to the existing levels.
+/// Samples at s and t, which are 0..1 across the map; t grows downwards. Outside the map, the wrap modes of the header
+/// apply. `d` is clamped to the existing levels.
 PyramidSample sample_pyramid(const Pyramid& pyramid, double s, double t, double d);
 
 /// Samples one level bilinearly.
 PyramidSample sample_level(const Pyramid& pyramid, int level, double s, double t);
 
-/// Change of the texture coordinates from one pixel to the next, in texels of level 0.
+/// The change of the texture coordinates from one pixel to the next, in texels of level 0.
 struct TexelDerivatives {
   double u_x, v_x;  // along a row of pixels
   double u_y, v_y;  // down a column of pixels

@@ -15,7 +15,7 @@ namespace {
 
 constexpr int kSurfaceSideMax = 4096;
 
-// Returns the texels per side at a real level. There are at least 2, because a surface needs two points.
+// Returns the number of texels per side at a real level. It is at least 2, because a surface needs two points.
 int points(int size, double d) {
   return std::clamp(static_cast<int>(std::lround(static_cast<double>(size) * std::exp2(-d))), 2, kSurfaceSideMax);
 }
@@ -40,8 +40,8 @@ glm::vec3 unit_normal(const glm::vec3& right, const glm::vec3& up) {
 }
 
 // Points of a grid, with one extra point beyond every side. On a closed side, the extra point is the point from the
-// other end. On an open side, it mirrors the border's neighbour about the border. Then (p[-1] + 4 p[0] + p[1]) / 6 =
-// p[0], so the spline ends at the border.
+// other end. On an open side, it is the neighbour of the border point, mirrored about the border point. Then (p[-1] + 4
+// p[0] + p[1]) / 6 = p[0], so the spline ends at the border.
 class ControlGrid {
  public:
   ControlGrid(const PyramidSurface& surface, bool closed_s, bool closed_t)
@@ -65,7 +65,7 @@ class ControlGrid {
   const bool closed_s_, closed_t_;
 };
 
-// Closes positions in directions where the map is periodic. Heights always end at the rectangle's border.
+// Closes positions in directions in which the map is periodic. Heights always end at the border of the rectangle.
 ControlGrid control_grid(const Pyramid& pyramid, const PyramidSurface& surface) {
   const BakedHeader& map = pyramid.header.map;
   const bool is_closable = pyramid.header.kind == PyramidKind::kPosition;

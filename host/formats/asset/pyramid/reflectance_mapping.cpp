@@ -66,7 +66,7 @@ ReflectanceFrame parse_reflectance_frame(const std::string& settings, const std:
   } catch (const std::exception&) {
     throw Error(
         ErrorCode::kInput,
-        path + ": found settings without a frame of three unit vectors, expected the settings of `multum reflectance`");
+        path + ": its settings contain no frame of three unit vectors, expected the settings of `multum reflectance`");
   }
 }
 

@@ -31,20 +31,21 @@ struct ReflectanceFrame {
   glm::dvec3 viewer{0.0, 0.0, 1.0};
 };
 
-/// Makes a frame. `viewer` points towards the viewer, with any length > 0. `up` need not be exact; if it is parallel
-/// to `viewer`, another direction is used.
+/// Makes a frame. `viewer` points towards the viewer, and may have any length > 0. `up` does not have to be exact. If
+/// it is parallel to `viewer`, another direction is used.
 ReflectanceFrame reflectance_frame(const glm::dvec3& viewer, const glm::dvec3& up);
 
-/// Returns s, t of a unit normal in world space. The normal away from the viewer maps to every corner. For it, the
-/// function returns the first corner.
+/// Returns s and t of a unit normal in world space. The normal that points away from the viewer maps to every corner.
+/// For this normal, the function returns the first corner.
 glm::dvec2 reflectance_place(const ReflectanceFrame& frame, const glm::dvec3& normal);
 /// Returns the unit normal at `place`.
 glm::dvec3 reflectance_normal(const ReflectanceFrame& frame, const glm::dvec2& place);
 
-/// Side of the square of points p that maps to 0..1.
+/// The side of the square of points p that is mapped to 0..1.
 constexpr double kReflectanceSide = 2.8284271247461903;
 
-/// Writes and reads the frame as "frame" in the file's settings. The reader throws Error(kInput), which names `path`.
+/// Write and read the frame, which is stored as "frame" in the settings of the file. The reader throws Error(kInput),
+/// which names `path`.
 std::string reflectance_frame_json(const ReflectanceFrame& frame);
 ReflectanceFrame parse_reflectance_frame(const std::string& settings, const std::string& path);
 

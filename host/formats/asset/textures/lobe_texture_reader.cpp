@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads KTX2 files of lobes only. Checks every number before using it as a size.
+// Reads KTX2 files, but only those that hold lobes. Checks every number before using it as a size.
 #include <fmt/format.h>
 #include <zstd.h>
 
@@ -113,7 +113,7 @@ void check_texture_header(const LobeTextureHeader& header, const std::string& pa
     refuse_texture(path, fmt::format("meanCosine {}", map.mean_cosine), "above 0, at most 1");
 }
 
-// Checks that the KTX2 header's sizes equal those in the key.
+// Checks that the sizes in the KTX2 header equal those in the key.
 void check_texture_sizes(ByteFile& file, const LobeTextureHeader& header, const std::string& path) {
   const std::pair<const char*, std::int64_t> numbers[] = {
       {"width", mip_level_size(header.map.width, header.map.first_level)},
@@ -140,7 +140,7 @@ LobeTextureHeader read_texture_header(ByteFile& file, const std::string& path) {
   header.texels = texels_of_format(file.little_endian(12, 4, "the format"), path);
   const std::string text = lobes_key(file, path);
   try {
-    if (holds_nul(text)) throw std::out_of_range("NUL in a text");
+    if (holds_nul(text)) throw std::out_of_range("a NUL in a text");
     parse_texture_header(nlohmann::json::parse(text), header);
   } catch (const std::exception& error) {
     refuse_file(path, fmt::format("cannot read {}: {}", kLobeTextureKey, error.what()));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Decodes a block of BC4, or half a block of BC5: two endpoints of 8 bits and 3 bits per texel (Khronos Data Format
-// Specification 1.3, chapter 18).
+// Decodes a block of BC4, or half a block of BC5. The block has two endpoints of 8 bits each and 3 bits per texel
+// (Khronos Data Format Specification 1.3, chapter 18).
 #pragma once
 
 #include <array>

@@ -2,7 +2,7 @@
 // Runs OpenImageIO in a child process (host/foundation/sandbox/decoding_child.h).
 //
 // Limits of a child. In the worst case, a reader holds the whole picture, and some rows for every thread. Some readers,
-// such as WebP, hold the picture twice and with 4 channels. So the limits are
+// such as WebP, hold the picture twice and with 4 channels. Therefore the limits are
 //   memory   memory_base + 2 file sizes + 16 bytes per declared texel; once the file is open, + 4 times the picture
 //   time     time_base + 1 s per 4 MiB of the picture, for one answer
 #include <chrono>
@@ -30,7 +30,7 @@ std::uint64_t picture_bytes(const ImageDescription& description) {
 
 class ChildImageFile : public ImageFile {
  public:
-  // Inspects the container before a library opens the file, and gets the amount of data to decode.
+  // Examines the container before a library opens the file, and finds the amount of data to decode.
   ChildImageFile(const DecodingChild& child, std::string path, const ImageFileSettings& settings)
       : path_(std::move(path)),
         container_(inspect_image_container(path_, settings.texel_count_max)),

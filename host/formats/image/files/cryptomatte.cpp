@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Cryptomatte specification 1.2.0 (Psyop). A file's metadata are
+// Cryptomatte specification 1.2.0 (Psyop). The metadata of a file are
 //   cryptomatte/KEY/name          name of the Cryptomatte, such as ViewLayer.CryptoObject; KEY is the start of its hash
 //   cryptomatte/KEY/hash          MurmurHash3_32
 //   cryptomatte/KEY/conversion    uint32_to_float32: an identifier is the bits of a float
@@ -7,9 +7,11 @@
 // and its channels hold ranks of (identifier, coverage) per pixel, largest coverage first:
 //   NAME00.r .g | NAME00.b .a | NAME01.r .g | NAME01.b .a | ...
 // Departures from the specification: some renderers, and programs that repack files, write R, red or Red for r. Such
-// programs omit the view layer from the metadata's name or from the channels' names, or add it. Such programs also lose
-// the metadata, or truncate manifests. So the channels identify the layer, metadata are matched to the channels by name
-// or by KEY, and names that are missing in a manifest are matched by their hash. A manifest in a separate file
+// programs omit the view layer from the name in the metadata or from the channel names, or add it. Such programs also
+// lose
+// the metadata, or truncate manifests. Therefore the channels identify the layer, metadata are matched to the channels
+// by
+// name or by KEY, and names that are missing in a manifest are matched by their hash. A manifest in a separate file
 // (manif_file) is not read, because hashing the names gives the same identifiers.
 #include <algorithm>
 #include <array>
@@ -56,7 +58,7 @@ std::uint32_t murmur_hash3(std::string_view text) {
   return h ^ h >> 16;
 }
 
-// Floats whose exponents are all zeros or all ones are denormals, infinities or NaN, which programs may change.
+// Floats whose exponent bits are all zeros or all ones are denormals, infinities or NaN, which programs may change.
 std::uint32_t as_identifier(std::uint32_t hash) {
   const std::uint32_t exponent = hash >> 23 & 255u;
   return exponent == 0 || exponent == 255 ? hash ^ 1u << 23 : hash;
@@ -64,7 +66,7 @@ std::uint32_t as_identifier(std::uint32_t hash) {
 
 // Reads as much of a manifest as possible. Returns a description of the fault, or an empty string.
 std::string parse_manifest(const std::string& text, std::map<std::string, std::uint32_t>& manifest) {
-  if (holds_nul(text)) return "it holds NUL";
+  if (holds_nul(text)) return "it contains a NUL";
   std::string name, wrong;
   const auto take = [&](int depth, nlohmann::json::parse_event_t event, nlohmann::json& value) {
     using Event = nlohmann::json::parse_event_t;
@@ -77,11 +79,11 @@ std::string parse_manifest(const std::string& text, std::map<std::string, std::u
     return true;
   };
   const auto json = nlohmann::json::parse(text, take, false);
-  if (json.is_discarded()) return fmt::format("its {} bytes are cut off or not JSON", text.size());
+  if (json.is_discarded()) return fmt::format("its {} bytes are incomplete or not JSON", text.size());
   return json.is_object() ? wrong : "it is not a JSON object";
 }
 
-// For each KEY, the attributes with their names after "cryptomatte/KEY/".
+// The attributes of each KEY, with the part of their names after "cryptomatte/KEY/".
 using Metadata = std::map<std::string, std::map<std::string, std::string>>;
 
 Metadata cryptomatte_metadata(const ExrFile& file) {
@@ -95,7 +97,7 @@ Metadata cryptomatte_metadata(const ExrFile& file) {
   return found;
 }
 
-// Names of the four channels of a level in various programs.
+// The names that various programs give to the four channels of a level.
 constexpr const char* kSuffixes[][4] = {
     {"r", "g", "b", "a"}, {"R", "G", "B", "A"}, {"red", "green", "blue", "alpha"}, {"Red", "Green", "Blue", "Alpha"}};
 
@@ -107,7 +109,7 @@ std::string channel_of(const ExrFile& file, const std::string& prefix, int level
   return "";
 }
 
-// Returns the parts of channel names before "00.r".
+// Returns the parts of the channel names that precede "00.r".
 std::vector<std::string> channel_prefixes(const std::vector<std::string>& channels) {
   std::vector<std::string> prefixes;
   for (const std::string& channel : channels)
@@ -144,7 +146,7 @@ std::string metadata_text(const std::map<std::string, std::string>& values, cons
   return found == values.end() ? std::string() : found->second;
 }
 
-// Finds a layer's metadata by the name in the metadata.
+// Finds the metadata of a layer by the name in the metadata.
 const std::map<std::string, std::string>* metadata_by_name(const ExrFile& file, const Metadata& metadata,
                                                            const std::string& prefix, const std::string& layer) {
   std::vector<std::string> names;
@@ -161,7 +163,7 @@ const std::map<std::string, std::string>* metadata_by_name(const ExrFile& file, 
   return nullptr;
 }
 
-// Finds metadata without a name by KEY.
+// Finds metadata that have no name, by their KEY.
 const std::map<std::string, std::string>* metadata_by_key(const Metadata& metadata,
                                                           const std::vector<std::string>& names) {
   for (const std::string& name : names) {
@@ -187,11 +189,12 @@ Cryptomatte find_cryptomatte(const ExrFile& file, const std::string& layer) {
     values = metadata_by_key(metadata, {layer, result.prefix, last_of(result.prefix)});
     result.warnings.push_back(
         values != nullptr
-            ? fmt::format("the metadata of Cryptomatte \"{}\" have no name; they were found by the hash of this name",
-                          layer)
-            : fmt::format(
-                  "found no metadata of Cryptomatte \"{}\"; its objects are matched by the MurmurHash3 of their names",
-                  layer));
+            ? fmt::format(
+                  "the metadata of Cryptomatte \"{}\" do not contain its name, but were found by the hash of this name",
+                  layer)
+            : fmt::format("found no metadata for Cryptomatte \"{}\", so its objects are matched by the MurmurHash3 of "
+                          "their names",
+                          layer));
   }
   if (values == nullptr) return result;
   result.hash = metadata_text(*values, "hash");
@@ -203,7 +206,7 @@ Cryptomatte find_cryptomatte(const ExrFile& file, const std::string& layer) {
     if (const std::string wrong = parse_manifest(text, result.manifest); !wrong.empty())
       result.warnings.push_back(
           fmt::format("the manifest of Cryptomatte \"{}\" is damaged: {}. {} of its names are usable; other names are "
-                      "matched by their hash",
+                      "matched by their hashes",
                       layer, wrong, result.manifest.size()));
   return result;
 }

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Reads Radiance's format (Ward 1991, "Real Pixels"; Radiance's filefmts). Such a file consists of "#?" and lines of
 // text up to an empty line, then "-Y height +X width", then rows of RGBE texels: mantissas of 8 bits with one exponent,
-// (R, G, B) 2^(E - 136). A row of 8 to 32767 texels can be run-length coded: the bytes 2, 2 and the width (two bytes),
-// then one plane per channel. A plane is a list of runs. A run is a byte 128 + n and one value to repeat n times, or a
-// byte n <= 128 and n values. Other orders of rows and columns, and XYZE, are rejected.
+// (R, G, B) 2^(E - 136). A row of 8 to 32767 texels can be run-length coded. Such a row has the bytes 2, 2 and the
+// width (two bytes), then one plane per channel. A plane is a list of runs. A run is a byte 128 + n and one value that
+// is repeated n times, or a byte n <= 128 and n values. Other orders of rows and columns, and XYZE, are rejected.
 #include "host/formats/image/files/environment_file.h"
 
 #include <algorithm>
@@ -36,7 +36,7 @@ class RadianceReader {
     constexpr std::uintmax_t kBytesMax = std::uintmax_t{1} << 30;
     std::error_code error;
     if (std::filesystem::file_size(path, error) > kBytesMax && !error)
-      refuse_file(path, "is larger than 1 GiB, expected an environment of at most that size");
+      refuse_file(path, "is larger than 1 GiB, which is the limit for an environment");
     RegularFileStream in(path);
     bytes_.assign(std::istreambuf_iterator<char>(in), {});
   }
@@ -73,7 +73,7 @@ class RadianceReader {
     return text;
   }
 
-  /// Returns the product of EXPOSURE lines.
+  /// Returns the product of the values in the EXPOSURE lines.
   double read_header() {
     double exposure = 1.0;
     for (std::string text = line(); !text.empty(); text = line()) {
@@ -111,13 +111,13 @@ class RadianceReader {
       return;
     }
     if (static_cast<std::size_t>(head[2]) * 256 + head[3] != width)
-      refuse_file(path_, "damaged Radiance file: a row has another width");
+      refuse_file(path_, "damaged Radiance file: a row has the wrong width");
     for (std::size_t plane = 0; plane < 4; ++plane)
       for (std::size_t x = 0; x < width;) {
         const std::size_t code = *take(1);
         const bool is_run = code > 128;
         const std::size_t count = is_run ? code - 128 : code;
-        if (count == 0 || count > width - x) refuse_file(path_, "damaged Radiance file: a run goes beyond its row");
+        if (count == 0 || count > width - x) refuse_file(path_, "damaged Radiance file: a run extends beyond its row");
         const unsigned char* data = take(is_run ? 1 : count);
         for (std::size_t i = 0; i < count; ++i) row[4 * (x++) + plane] = data[is_run ? 0 : i];
       }

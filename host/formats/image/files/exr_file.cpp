@@ -12,7 +12,7 @@
 namespace multum {
 namespace {
 
-// Limit for frames, which are smaller than maps: 8192 x 8192, 256 MiB per channel.
+// The size limit for frames, which are smaller than maps: 8192 x 8192 pixels, 256 MiB per channel.
 constexpr std::int64_t kTexelCountMax = std::int64_t{1} << 26;
 
 }  // namespace

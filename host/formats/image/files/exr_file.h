@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// An open EXR file of one or several parts: its channels by name, and its string attributes.
+// An open EXR file of one or several parts, with its channels by name and its string attributes.
 #pragma once
 
 #include <map>
@@ -14,7 +14,7 @@ namespace multum {
 class ExrFile {
  public:
   /// Throws Error(kInput), which names the file, if it is missing, damaged, not an EXR file, or deep. Also rejects a
-  /// part whose data window is not the display window, because pixels would be in the wrong places.
+  /// part whose data window differs from the display window, because the pixels would be in the wrong places.
   explicit ExrFile(std::string path);
 
   int width() const { return width_; }
@@ -22,17 +22,18 @@ class ExrFile {
   const std::string& path() const { return path_; }
   const std::vector<std::string>& channels() const { return channels_; }
   bool has_channel(const std::string& name) const { return places_.count(name) > 0; }
-  /// Returns the names of all channels. If the file has several parts, adds the names with the part's name as a prefix:
-  /// "CryptoObject00.R" for channel "R" of part "CryptoObject00". has_channel() and read() know these names too.
+  /// Returns the names of all channels. If the file has several parts, also returns each name with the name of its part
+  /// as a prefix: "CryptoObject00.R" for channel "R" of part "CryptoObject00". has_channel() and read() know these
+  /// names too.
   std::vector<std::string> all_names() const;
-  /// Returns the string attributes of all parts. If several parts have the same attribute, the first of these parts
-  /// gives its value.
+  /// Returns the string attributes of all parts. If several parts have the same attribute, the value in the first of
+  /// these parts is used.
   const std::map<std::string, std::string>& attributes() const { return attributes_; }
 
-  /// Returns width * height floats, row 0 at the top. Throws Error(kInput) for a missing channel (the message lists the
-  /// existing ones), a channel of integers, or damaged rows.
+  /// Returns width * height floats, with row 0 at the top. Throws Error(kInput) if the channel is missing (the message
+  /// lists the existing ones), has integers, or has damaged rows.
   std::vector<float> read(const std::string& channel);
-  /// Returns whether the channel's samples are 32-bit floats, so that reading keeps their bits.
+  /// Returns whether the samples of the channel are 32-bit floats. If so, reading keeps their bits.
   bool is_float(const std::string& channel) const;
 
  private:

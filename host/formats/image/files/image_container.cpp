@@ -37,8 +37,8 @@ void add_orientation(ImageContainer& container, int orientation) {
 
 constexpr std::string_view kPngSignature = "\x89PNG\r\n\x1a\n";
 
-// Describes the damage to a PNG signature if most of its bytes are intact; otherwise returns an empty string. The
-// signature contains line ends, which show that a file was transferred in text mode.
+// Describes the damage to a PNG signature if most of its bytes are intact. Otherwise returns an empty string. The
+// signature contains line ends, which show whether a file was transferred in text mode.
 std::string damaged_png_signature(std::string_view head) {
   if (head.starts_with("\x89PNG\r\r\n") || head.starts_with("\x89PNG\r\r\n\x1a"))
     return "its line endings were changed from \\n to \\r\\n, probably by a transfer in text mode";
@@ -55,7 +55,7 @@ std::string damaged_png_signature(std::string_view head) {
   return count <= 2 ? changed : "";
 }
 
-// Throws for bits per sample that the colour type does not allow (W3C PNG, table 11.1), and for unknown methods.
+// Throws if the colour type does not allow the bits per sample (W3C PNG, table 11.1), and for unknown methods.
 void check_png_header(const std::string& path, ByteFile& file) {
   const auto field = [&file](std::int64_t at) { return file.big_endian(at, 1, "a PNG header"); };
   const std::int64_t bits = field(24), colour = field(25);
@@ -82,7 +82,7 @@ void check_png_header(const std::string& path, ByteFile& file) {
                                   field(26), field(27), field(28)));
 }
 
-constexpr char kFirstFrame[] = "the file is an animation; only the first frame is read";
+constexpr char kFirstFrame[] = "the file is an animation, of which only the first frame is read";
 
 // A PNG file is a signature, then chunks of [length 4][type 4][data][CRC 4]. The picture needs IHDR PLTE tRNS gAMA sRGB
 // IDAT IEND. An XMP text chunk of 52 KB keeps OpenImageIO 2.4.7 busy for 15 s
@@ -107,7 +107,8 @@ void inspect_png(const std::string& path, ByteFile& file, ImageContainer& contai
     }
     has_palette |= type == "PLTE";
     if (type == "IDAT" && !has_palette && file.big_endian(25, 1, "a PNG header") == 3)
-      refuse_file(path, "damaged PNG: found no palette (PLTE) before its rows, expected one with colour type 3");
+      refuse_file(path,
+                  "damaged PNG: found no palette (PLTE) before its rows, expected one because its colour type is 3");
     has_rows |= type == "IDAT";
     if (type == "IEND" && !has_rows)
       refuse_file(path, "damaged PNG: found no rows (IDAT), expected at least one chunk");
@@ -160,7 +161,7 @@ void inspect_jpeg(const std::string& path, ByteFile& file, ImageContainer& conta
     position = end;
   }
   keep(container, position, file.size());
-  // Looks for the end marker, because the library fills missing rows with grey. Some tools append bytes after the
+  // Looks for the end marker, because the library fills missing rows with grey. Some tools append bytes after this
   // marker.
   const std::int64_t tail_size = std::min<std::int64_t>(file.size(), 65536);
   if (file.bytes(file.size() - tail_size, tail_size, "the end").find("\xFF\xD9") == std::string::npos)
@@ -230,16 +231,17 @@ void inspect_exr(const std::string& path, ByteFile& file, ImageContainer& contai
   container.width = parts.front().width;
   container.height = parts.front().height;
   if (!parts.front().subsampled.empty())
-    refuse_file(path, fmt::format("found channel {} with fewer samples than texels, as in luminance/chroma images (Y, "
-                                  "RY, BY); expected red, green and blue in every texel: convert it to RGB first",
-                                  parts.front().subsampled));
+    refuse_file(path,
+                fmt::format("found channel {} with fewer samples than texels, as in luminance/chroma images (Y, RY, "
+                            "BY); expected red, green and blue in every texel. Convert the image to RGB first",
+                            parts.front().subsampled));
   if (parts.size() > 1)
-    container.notes.push_back(fmt::format("the file has {} parts; only the first is read", parts.size()));
+    container.notes.push_back(fmt::format("the file has {} parts, of which only the first is read", parts.size()));
   keep(container, 0, file.size());
 }
 
-// Returns whether all words of a colour map are `v * unit`, and some are not 0. Some programs write `v * 256` instead
-// of `v * 257`.
+// Returns whether all words of a colour map are multiples of `unit`, and some of them are not 0. Some programs
+// multiply 8-bit values by 256 instead of 257.
 bool have_unit(ByteFile& file, const ByteRange& words, bool is_big_endian, int unit) {
   bool has_any = false;
   for (std::int64_t at = words.begin; at < words.end; at += 2) {
@@ -256,10 +258,10 @@ constexpr int kUnsigned = 1, kSigned = 2, kFloats = 3;
 
 std::string either(const std::vector<int>& numbers) { return fmt::format("{}", fmt::join(numbers, ", ")); }
 
-// Rejects files that OpenImageIO 2.4.7 misreads without an error; each kind has a case in
-// tests/cli/odd_inputs/odd_cases.py. Ink colours and Lab colours are neither vectors nor light. OpenImageIO mixes up
-// the bytes of 24-bit samples, and reads signed integers of few bits as unsigned integers. OpenImageIO also assumes 8
-// bits if the file states none, although the standard means 1.
+// Rejects files that OpenImageIO 2.4.7 misreads without an error. Each kind has a case in
+// tests/cli/odd_inputs/odd_cases.py. Ink colours and Lab colours are not vectors, and they are not light. OpenImageIO
+// mixes up the bytes of 24-bit samples, and reads signed integers of few bits as unsigned integers. OpenImageIO also
+// assumes 8 bits if the file does not state the number, although the standard means 1.
 void refuse_misread_tiff(const std::string& path, const TiffSurvey& tiff) {
   if (!tiff.is_whole) return;                                   // the library reports the fault
   const std::vector<int> kOtherColours = {5, 8, 9, 10, 32803};  // CMYK, three kinds of Lab, a camera's mosaic
@@ -267,7 +269,7 @@ void refuse_misread_tiff(const std::string& path, const TiffSurvey& tiff) {
     refuse_file(path, fmt::format("found a TIFF that stores CMYK, Lab or a colour filter array "
                                   "(PhotometricInterpretation {}), expected grey, RGB or a palette",
                                   tiff.photometric));
-  if (tiff.bits == 0) refuse_file(path, "found a TIFF without bits per sample (BitsPerSample), expected that tag");
+  if (tiff.bits == 0) refuse_file(path, "found a TIFF without bits per sample, expected the tag BitsPerSample");
   const std::vector<int> bits = tiff.sample_format == kFloats     ? std::vector{16, 32, 64}
                                 : tiff.sample_format == kSigned   ? std::vector{8, 16, 32}
                                 : tiff.sample_format == kUnsigned ? std::vector{1, 2, 4, 6, 8, 10, 12, 14, 16, 32}
@@ -293,9 +295,9 @@ void refuse_misread_tiff(const std::string& path, const TiffSurvey& tiff) {
                 "does not read; expected 32-bit floats, or that tag");
 }
 
-// Workaround "TIFF rows": OpenImageIO 2.4.7 multiplies by the rows per strip, a number that may be the largest
-// possible. With such a number, OpenImageIO runs forever, or leaves doubles unread. So the number is limited to the
-// picture's rows.
+// Workaround "TIFF rows": OpenImageIO 2.4.7 multiplies by the number of rows per strip, which may be the largest
+// possible number. OpenImageIO then runs forever, or leaves doubles unread. Therefore the number is limited to the
+// number of rows of the picture.
 void limit_strip_rows(ByteFile& file, const TiffSurvey& tiff, ImageContainer& container) {
   if (tiff.height < 1 || tiff.rows_per_strip <= tiff.height) return;
   const bool is_big_endian = file.bytes(0, 1, "the first byte") == "M";
@@ -306,9 +308,10 @@ void limit_strip_rows(ByteFile& file, const TiffSurvey& tiff, ImageContainer& co
   container.patches.push_back({tiff.rows_per_strip_at.begin, bytes});
 }
 
-// Workaround "TIFF white": if a picture uses 0 for white, OpenImageIO 2.4.7 inverts up to 8 bits, but not more bits
-// (ImageReaderTest.WhiteIsZeroOfTiff). With floats, no value means black. Workaround "TIFF palette": OpenImageIO
-// divides words of a colour map by 257, so words of `v * 256` become one code too low (ImageReaderTest.PalettesOfTiff).
+// Workaround "TIFF white": if 0 means white in a picture, OpenImageIO 2.4.7 inverts values of up to 8 bits, but not
+// longer ones (ImageReaderTest.WhiteIsZeroOfTiff). With floats, no value means black. Workaround "TIFF palette":
+// OpenImageIO divides words of a colour map by 257, so words of `v * 256` become one code too low
+// (ImageReaderTest.PalettesOfTiff).
 void inspect_tiff(const std::string& path, ByteFile& file, ImageContainer& container) {
   keep(container, 0, file.size());
   const TiffSurvey tiff = survey_tiff(file, 0);
@@ -331,7 +334,7 @@ void inspect_tiff(const std::string& path, ByteFile& file, ImageContainer& conta
   add_orientation(container, tiff.orientation);
   if (tiff.page_count > 1)
     container.notes.push_back(
-        fmt::format("the file has {} pages; only the first is read{}", tiff.page_count,
+        fmt::format("the file has {} pages, of which only the first is read{}", tiff.page_count,
                     tiff.is_reduced ? ", although the file says that it is a reduced version of another page" : ""));
   else if (tiff.is_reduced)
     container.notes.emplace_back("the file says that its picture is a reduced version of another picture");
@@ -358,7 +361,7 @@ std::string other_kind(std::string_view head) {
   using namespace std::string_view_literals;
   constexpr char kExpected[] = "expected PNG, JPEG, WebP, TIFF or OpenEXR";
   if (head.starts_with("DDS "sv))
-    return fmt::format("a DDS texture for GPUs, {}: give the map that it was made from", kExpected);
+    return fmt::format("a DDS texture for GPUs, {}; give the map from which it was made", kExpected);
   if (head.starts_with("glTF"sv))
     return fmt::format("a glTF model, {}. 'multum gltf' converts a model, and 'multum materials' lists its maps",
                        kExpected);

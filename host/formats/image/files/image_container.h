@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Examines an image file with a few lines of our own code before any image library sees it: its format by the first
-// bytes, its declared size, and the byte ranges of the picture. Libraries trust headers: fuzzed files make libraries
-// allocate too much memory, or parse metadata for minutes.
+// Examines an image file with a few lines of our own code before any image library sees it. Finds its format from the
+// first bytes, its declared size, and the byte ranges of the picture. Libraries trust headers. Fuzzed files can
+// therefore make them allocate too much memory, or parse metadata for minutes.
 #pragma once
 
 #include <cstdint>
@@ -24,7 +24,7 @@ struct BytePatch {
 struct ImageContainer {
   std::string format;  // name of OpenImageIO's reader: "png", "jpeg", "webp", "tiff" or "openexr"
   std::int64_t file_size = 0;
-  std::int64_t width = 0;  // 0 if only the format's own reader knows the size (TIFF)
+  std::int64_t width = 0;  // 0 if only the reader of the format knows the size (TIFF)
   std::int64_t height = 0;
   bool has_metadata = false;               // true if `ranges` leave something out
   std::vector<ByteRange> ranges;           // the file without its metadata (texts, EXIF, XMP, ICC), in order
@@ -39,12 +39,12 @@ struct ImageContainer {
   double gamma = 0.0;                      // for PNG: exponent from value to light (1 / gAMA); 0 for none or sRGB
 };
 
-/// Returns ImageContainer::format according to the first bytes. The result is empty if the file is missing or has
+/// Returns ImageContainer::format according to the first bytes. Returns an empty text if the file is missing or has
 /// another format.
 std::string image_format(const std::string& path);
 
-/// Throws Error(kInput) if the file is missing, cut or of another format. Also rejects a declared size outside
-/// 1..texel_count_max texels, or a size for which the file has too few bytes.
+/// Throws Error(kInput) if the file is missing, truncated or of another format. Also throws if the declared size is
+/// outside 1..texel_count_max texels, or if the file has too few bytes for its size.
 ImageContainer inspect_image_container(const std::string& path, std::int64_t texel_count_max);
 
 /// Throws Error(kInput) unless 1 <= width * height <= texel_count_max.

@@ -18,7 +18,7 @@
 
 namespace multum {
 
-/// A file's own description of one of its pictures. Rely only on fields that check_described() checks.
+/// A file's own description of one of its pictures. Code may rely only on the fields that check_described() checks.
 struct ImagePart {
   int x = 0, y = 0, width = 0, height = 0, depth = 1;  // the data window
   int full_x = 0, full_y = 0, full_width = 0, full_height = 0;
@@ -48,7 +48,7 @@ struct ImageDescription {
   std::optional<double> no_data = {};   // as in ImageContainer
 };
 
-/// Rows of some channels, with interleaved channels, as numbers of one type.
+/// Rows of some channels as numbers of one type, with interleaved channels.
 struct PixelBlock {
   int part = 0;
   int y_begin = 0, y_end = 0;  // in the data window's coordinates
@@ -69,10 +69,10 @@ class ImageFile {
   const ImageDescription& description() const { return description_; }
   const ImagePart& part(int index = 0) const { return description_.parts[static_cast<std::size_t>(index)]; }
 
-  /// Returns memory for read(), valid until the next call, which discards the contents.
+  /// Returns memory for read(). The memory is valid until the next call, which discards the contents.
   virtual std::byte* reserve(std::size_t byte_count) = 0;
-  /// Reads the block to this offset in the reserved memory. Returns the library's error message, or "" after success.
-  /// Calls `while_waiting`, which may throw, while a child works. Throws Error as open_image_file() does.
+  /// Reads the block to this offset in the reserved memory. Returns the error message of the library, or "" after
+  /// success. While a child works, calls `while_waiting`, which may throw. Throws Error like open_image_file().
   virtual std::string read(const PixelBlock& block, std::size_t offset,
                            const std::function<void()>& while_waiting = {}) = 0;
 
@@ -80,11 +80,12 @@ class ImageFile {
   ImageDescription description_;
 };
 
-/// Opens a file, or an image in memory by its name. Throws Error(kInput) naming the file if it is missing, damaged, of
-/// another format, or takes too long to decode.
+/// Opens a file, or an image in memory by its name. Throws Error(kInput), which names the file, if it is missing,
+/// damaged or of another format, or takes too long to decode.
 std::unique_ptr<ImageFile> open_image_file(const std::string& path, const ImageFileSettings& settings);
 
-/// Sets how open_image_file() opens files in the whole process. The default is a child with DecodingChild's defaults.
+/// Sets how open_image_file() opens files in the whole process. By default, files are opened in a child with the
+/// defaults of DecodingChild.
 using ImageOpener = std::function<std::unique_ptr<ImageFile>(const std::string&, const ImageFileSettings&)>;
 void set_image_opener(ImageOpener opener);
 

@@ -48,7 +48,7 @@ void find_texels(const std::string& path, ByteFile& file, Ktx2Survey& survey) {
         path,
         fmt::format(
             "found a KTX2 texture of VkFormat {} (colour model {}), expected uncompressed texels (R8, RG8, RGBA8 or "
-            "RGBA16F) or UASTC: give the image from which it was made, or the output of multum export --texels rgba8",
+            "RGBA16F) or UASTC. Give the image from which it was made, or the output of multum export --texels rgba8",
             vk_format, model));
   survey.base_type = found->base_type;
   survey.channel_count = found->channels;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Examines KTX2 files (Khronos, KTX 2.0), which hold textures for GPUs. Accepts the kinds of texels that multum writes
-// into models: plain values and UASTC blocks, with or without Zstandard. Only level 0 is used as a picture.
+// into models, which are plain values and UASTC blocks, with or without Zstandard. Only level 0 is used as a picture.
 #pragma once
 
 #include <cstdint>
@@ -23,8 +23,8 @@ struct Ktx2Survey {
   std::int64_t bytes = 0;                    // size of all rows of texels or blocks after decompression
 };
 
-/// Throws Error(kInput), which names the file, if it is cut, is an array, a cube or a volume, or has other texels or
-/// another compression.
+/// Throws Error(kInput), which names the file, if it is truncated, is an array, a cube or a volume, or has texels or a
+/// compression of another kind.
 Ktx2Survey survey_ktx2(const std::string& path, ByteFile& file);
 
 }  // namespace multum

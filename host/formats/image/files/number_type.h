@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Types of the numbers in image files. The codes of the types are OpenImageIO's TypeDesc::BASETYPE, which the decoder
-// uses (host/formats/decoder/library_image_file.cpp checks that they are equal). So only the decoder needs
+// The types of the numbers in image files. Their codes are those of OpenImageIO's TypeDesc::BASETYPE, which the decoder
+// uses (host/formats/decoder/library_image_file.cpp checks that they are equal). Therefore only the decoder needs
 // OpenImageIO's headers.
 #pragma once
 
@@ -13,13 +13,13 @@ constexpr int kUint8 = 2, kInt8 = 3, kUint16 = 4, kInt16 = 5, kUint32 = 6, kInt3
 constexpr int kHalf = 10, kFloat = 11, kDouble = 12;
 }  // namespace number_type
 
-/// Returns whether the code is a code of these types.
+/// Returns whether the code belongs to one of these types.
 constexpr bool is_number_type(int code) { return code >= number_type::kUint8 && code <= number_type::kDouble; }
 
 /// Returns the number of bytes of one number, or 0 for other codes.
 std::size_t number_bytes(int code);
 
-/// Returns a type's name for messages, such as "uint8" or "half". Returns "unknown" for other codes.
+/// Returns the name of a type for messages, such as "uint8" or "half". Returns "unknown" for other codes.
 const char* number_name(int code);
 
 }  // namespace multum

@@ -54,7 +54,7 @@ class PngFile {
     guarded([this] { write_header(); });
   }
 
-  /// Writes rows in the format with which the file was opened.
+  /// Writes rows in the format that was given when the file was opened.
   void write_rows(int row_count, const void* interleaved) {
     MULTUM_CHECK(row_ + row_count <= format_.height);
     const auto row_bytes = static_cast<std::size_t>(format_.width * format_.channels * (format_.bits / 8));

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writes PNG files: maps as RGB of 16 or 8 bits, row by row, and whole 8-bit pictures for viewing.
+// Writes PNG files. Maps are written as RGB of 16 or 8 bits, row by row. 8-bit pictures for viewing are written as a
+// whole.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +10,7 @@
 
 namespace multum {
 
-/// Writes a file that appears whole or not at all. All functions throw Error(kEnvironment) if the file cannot be
+/// Writes a file that appears complete or not at all. All functions throw Error(kEnvironment) if the file cannot be
 /// written.
 class Png16Writer {
  public:
@@ -18,16 +19,16 @@ class Png16Writer {
   Png16Writer(const Png16Writer&) = delete;
   Png16Writer& operator=(const Png16Writer&) = delete;
 
-  /// Writes the next rows; `interleaved` holds 3 values per texel.
+  /// Writes the next rows. `interleaved` holds 3 values per texel.
   void write_rows(int row_count, const std::uint16_t* interleaved);
-  /// Gives the file its name; call it after all rows.
+  /// Gives the file its final name. Call this function after all rows are written.
   void finish();
 
  private:
   std::unique_ptr<class PngFile> file_;
 };
 
-/// Writes 8-bit data like Png16Writer; the file names no colour space.
+/// Writes 8-bit data like Png16Writer. The file does not state a colour space.
 class Png8Writer {
  public:
   /// `channels` is 3, or 4 with alpha.
@@ -36,7 +37,7 @@ class Png8Writer {
   Png8Writer(const Png8Writer&) = delete;
   Png8Writer& operator=(const Png8Writer&) = delete;
 
-  /// Writes the next rows; `interleaved` holds `channels` values per texel.
+  /// Writes the next rows. `interleaved` holds `channels` values per texel.
   void write_rows(int row_count, const std::uint8_t* interleaved);
   void finish();
 

@@ -18,7 +18,7 @@
 namespace multum {
 namespace {
 
-constexpr int kPageCountMax = 1000;  // more pages are not counted
+constexpr int kPageCountMax = 1000;  // further pages are not counted
 constexpr std::int64_t kEntryCountMax = 4096;
 
 struct Value {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Examines the directories of a TIFF file (TIFF 6.0, section 2; BigTIFF), and of EXIF blocks, which have the same
-// layout. Finds what OpenImageIO ignores or does not report.
+// Examines the directories of a TIFF file (TIFF 6.0, section 2; BigTIFF) or of an EXIF block, which has the same
+// layout. Finds information that OpenImageIO ignores or does not report.
 #pragma once
 
 #include <array>
@@ -13,8 +13,8 @@
 
 namespace multum {
 
-/// Findings from the first directory; only page_count covers all. Missing or damaged values keep their defaults. The
-/// library that reads the picture rejects the file if it needs these values.
+/// Findings from the first directory, except that page_count covers all directories. Missing or damaged values keep
+/// their defaults. The library that reads the picture rejects the file if it needs these values.
 struct TiffSurvey {
   bool is_whole = false;  // true if the first directory could be read completely
   int orientation = 1;    // 1 means as stored; 2 to 8 mean mirrored or rotated
@@ -37,11 +37,11 @@ struct TiffSurvey {
 /// Examines the directories whose header is at `base`, which is 0 in a TIFF file.
 TiffSurvey survey_tiff(ByteFile& file, std::int64_t base);
 
-/// Returns the orientation in an EXIF block that begins at `position`, with or without its "Exif". Returns 1 if none
-/// can be read.
+/// Returns the orientation in an EXIF block that begins at `position`, with or without its "Exif". Returns 1 if no
+/// orientation can be read.
 int exif_orientation(ByteFile& file, std::int64_t position, std::int64_t size);
 
-/// Returns "its orientation (6, turned by 90 degrees) is not applied ..."; empty for orientation 1 and invalid values.
+/// Returns "its orientation (6, turned by 90 degrees) is not applied ...". Empty for orientation 1 and invalid values.
 std::string orientation_note(int orientation);
 
 }  // namespace multum

@@ -55,7 +55,7 @@ struct Evidence {
 bool is_grey(const Evidence& evidence) { return is_grey_image(evidence.info(), evidence.survey); }
 
 // Returns whether a finite value of the first channel differs by more than `margin` from both ends of its range. In
-// most images, the first rows decide this.
+// most images, the first rows suffice to decide this.
 bool has_value_between(const RawImage& image, const ImageSurvey::Range& range, double margin) {
   const auto channel_count = static_cast<std::size_t>(image.info().channel_count);
   RawRows rows;
@@ -70,8 +70,8 @@ bool has_value_between(const RawImage& image, const ImageSurvey::Range& range, d
 }
 
 // Returns why a grey image is not a height field, or nullopt if it may be one. Rejects images with one or two finite
-// values. Values may differ from these two by a fiftieth of the difference between the two, as in a mask with 8-bit
-// compression.
+// values. Values count as one of the two if they differ from it by at most a fiftieth of the difference between the
+// two, as in a mask with 8-bit compression.
 std::optional<std::string> grey_refusal(const Evidence& evidence) {
   const ImageSurvey::Range range = evidence.survey.range(0);
   if (range.high < range.low) return "no value is finite";
@@ -82,8 +82,8 @@ std::optional<std::string> grey_refusal(const Evidence& evidence) {
   return fmt::format("every texel is {:.4g} or {:.4g}, as in a mask", range.low, range.high);
 }
 
-// Returns whether all vectors around +Z have the same length, whatever this length is. Such vectors are normals times a
-// constant, which normalising removes.
+// Returns whether all vectors around +Z have the same length, no matter how long they are. Such vectors are normals
+// times a constant factor, which normalising removes.
 bool has_one_length(const VectorStatistics& s) {
   constexpr double kSpreadMax = 0.05;
   return s.length_spread <= kSpreadMax && s.below_share <= 0.05 && s.mean_z >= 0.4 * s.length_mean &&
@@ -99,7 +99,7 @@ double plausibility(const Reading& reading) {
   return 1.0 - s.beyond_share - std::hypot(s.mean_x, s.mean_y);
 }
 
-// Returns the possible encodings for a given use of blue; the first one wins a tie.
+// Returns the possible encodings for a given use of blue. In a tie, the first one is chosen.
 std::vector<VectorEncoding> signedness_candidates(SampleType sample_type, VectorEncoding encoding,
                                                   const NormalMapSettings& settings) {
   encoding.is_signed = settings.is_signed.value_or(false);
@@ -131,7 +131,7 @@ VectorEncoding first_encoding(const RawImageInfo& info, const NormalMapSettings&
 }
 
 // Returns whether blue is the same in every texel, up to compression noise. Blue also varies little if all vectors are
-// short, which floats and 16 bits may hold.
+// short, which is possible in floats and 16 bits.
 bool is_blue_constant(const Evidence& evidence, const VectorStatistics& s) {
   constexpr double kNoise = 2.5 / 255.0;
   const double range = s.blue_max - s.blue_min;
@@ -158,17 +158,17 @@ bool is_blue_filler(const Evidence& evidence, const Reading& reading) {
 }
 
 // Old tools and some models store z in 0..1. If their z is read as 2 * blue - 1, tilts are too large: by 0.6 degrees at
-// a tilt of 16 degrees, by 8 at 36, and by 30 at 60. The measured length error of such files, read as positive, is
+// a tilt of 16 degrees, by 8 at 36, and by 30 at 60. If such files are read as positive, the measured length error is
 // 0.0012 to 0.002 in 8 bits, and 0.01 to 0.02 after JPEG. If the choice matters, the error of the other reading is at
-// least three times as large. Blurring or compression also shortens normals. The closest real maps of this kind have an
-// error of 0.020 and a ratio of 2.4, or 0.023 and 4.5. Of 636 real maps, one (a picture frame) has 0.005 and 5; it does
-// store z in 0..1.
+// least three times as large. Blurring or compression also shortens normals. The most similar real maps of this kind
+// have an error of 0.020 and a ratio of 2.4, or an error of 0.023 and a ratio of 4.5. Of 636 real maps, one (a picture
+// frame) has an error of 0.005 and a ratio of 5. That map does store z in 0..1.
 bool is_z_positive(const Evidence& evidence, const Reading& reading, const NormalMapSettings& settings) {
   constexpr double kExact = 0.012, kExactRatio = 3.0, kCompressed = 0.03, kCompressedRatio = 6.0;
   const VectorStatistics& s = reading.statistics;
   if (settings.z_range || reading.encoding.is_signed || reading.encoding.rebuild_z) return false;
-  // Half a step of 8 bits in x, y and z causes an error of 0.0023. If 1 is stored as code 254, the error is three times
-  // as large.
+  // Half a step of 8 bits in x, y and z causes an error of 0.0023. The error is three times as large if 1 is stored as
+  // code 254.
   const double least = evidence.info().sample_type == SampleType::kUint8 ? 0.007 : 0.0005;
   if (s.length_error < least) return false;
   const double ratio = s.length_error / std::max(1e-9, s.positive_length_error);
@@ -208,12 +208,12 @@ std::string summary(const Reading& reading) {
 }
 
 // Returns why (x, y) with a rebuilt z are not normals. Flow maps look similar, because they hold directions of length
-// up to 1 with an empty blue. But they lack the gradients of a surface and are far from flat (measured: agreement 0.00,
-// rebuilt z 0.67).
+// up to 1 with an empty blue channel. But they lack the gradients of a surface and are far from flat (measured:
+// agreement 0.00, rebuilt z 0.67).
 std::optional<std::string> two_channel_refusal(const VectorStatistics& s) {
-  if (s.beyond_share > 0.005) return fmt::format("x^2 + y^2 exceeds 1 on {:.1f} % of texels", 100.0 * s.beyond_share);
-  if (std::hypot(s.mean_x, s.mean_y) > 0.5 * s.rebuilt_z_mean) return "the mean vector leans to one side";
-  if (s.tilted_share > 0.05 && s.negative_share < 0.01) return "red and green are never negative";
+  if (s.beyond_share > 0.005) return fmt::format("x^2 + y^2 exceeds 1 in {:.1f} % of texels", 100.0 * s.beyond_share);
+  if (std::hypot(s.mean_x, s.mean_y) > 0.5 * s.rebuilt_z_mean) return "the mean vector is tilted to one side";
+  if (s.tilted_share > 0.05 && s.negative_share < 0.01) return "red and green contain no negative values";
   if (std::abs(s.gradient_agreement) < 0.15 && s.rebuilt_z_mean < 0.85)
     return "red and green are not the slopes of a surface";
   return std::nullopt;
@@ -232,15 +232,15 @@ std::optional<std::string> vector_refusal(const VectorStatistics& s) {
   }
   const double agreement = std::abs(s.gradient_agreement);
   if (s.unit_share_5 >= 0.95 && s.mean_z >= 0.1) return std::nullopt;
-  // These vectors are normals times a constant. In a picture of low contrast, the colour vectors also have nearly equal
-  // lengths, but they are not gradients.
+  // These vectors are normals times a constant factor. In a picture of low contrast, the colour vectors also have
+  // nearly equal lengths, but they are not gradients.
   if (has_one_length(s) && agreement >= 0.25) return std::nullopt;
   if (s.length_mean < 0.4)
     return fmt::format(
         "vectors have a mean length of {:.3g}, expected 1; their lengths differ, and they are not clearly the slopes "
         "of a surface (scale them to unit length)",
         s.length_mean);
-  if (s.mean_z < 0.4 || std::hypot(s.mean_x, s.mean_y) > 0.5 * s.mean_z) return "the mean vector leans to one side";
+  if (s.mean_z < 0.4 || std::hypot(s.mean_x, s.mean_y) > 0.5 * s.mean_z) return "the mean vector is tilted to one side";
   if (s.unit_share_10 >= 0.8) return std::nullopt;
   if (s.unit_share_20 >= 0.6 && (agreement >= 0.15 || s.rebuilt_z_correlation >= 0.25)) return std::nullopt;
   if (agreement >= 0.25) return std::nullopt;
@@ -273,8 +273,8 @@ bool has_x_in_alpha(const Evidence& evidence) {
   return spread(0) <= kNoise && spread(1) > kNoise;
 }
 
-// Returns whether x and y are plausible without z. Two conditions must hold: the slopes agree with a surface, and x^2 +
-// y^2 leaves room for z.
+// Returns whether x and y are plausible when z is ignored. Two conditions must hold: the slopes agree with a surface,
+// and x^2 + y^2 leaves room for z.
 bool is_two_channel_plausible(const Evidence& evidence, const Reading& reading) {
   if (reading.encoding.rebuild_z || evidence.info().channel_count < 3) return false;
   VectorEncoding encoding = reading.encoding;
@@ -326,7 +326,8 @@ void check_blue(const std::string& path, const Evidence& evidence, const Reading
   warnings.push_back(text + advised);
 }
 
-// For a map with x in alpha, --bumpformat cannot help, because alpha is not read. So the message does not recommend it.
+// For a map with x in alpha, --bumpformat cannot help, because alpha is not read. Therefore the message does not
+// recommend this option.
 [[noreturn]] void refuse_vectors(const std::string& path, const Evidence& evidence, const Reading& reading,
                                  const std::string& why) {
   if (has_x_in_alpha(evidence))
@@ -400,10 +401,11 @@ DetectedEncoding packed_heights(const std::string& path, const Evidence& evidenc
   if (evidence.info().base_type != number_type::kUint8 || evidence.info().channel_count < channel_count)
     throw Error(ErrorCode::kInput, fmt::format("{}: found {}, expected {} channels of 8 bits for {}", path,
                                                evidence.info().format, channel_count, height_coding_name(coding)));
-  return height_field(coding_of(settings.bump_format)
-                          ? height_coding_name(coding) + ", as requested"
-                          : height_coding_name(coding) + ": the heights are continuous, but single channels jump",
-                      {coding, std::nullopt}, settings);
+  return height_field(
+      coding_of(settings.bump_format)
+          ? height_coding_name(coding) + ", as requested"
+          : height_coding_name(coding) + ": the heights are continuous, but the single channels contain jumps",
+      {coding, std::nullopt}, settings);
 }
 
 // Reads the file as a height field, as the settings request.
@@ -411,7 +413,7 @@ DetectedEncoding asked_heights(const std::string& path, const Evidence& evidence
   if (is_grey(evidence))
     return height_field(evidence.info().channel_count == 1
                             ? "as requested"
-                            : "as requested; heights are the mean of equal colour channels",
+                            : "as requested; each height is the mean of equal colour channels",
                         {HeightCoding::kGrey, evidence.survey.no_data()}, settings);
   if (const std::optional<HeightCoding> packed = find_packed_heights(evidence.image))
     return packed_heights(path, evidence, *packed, settings);
@@ -425,8 +427,9 @@ DetectedEncoding asked_heights(const std::string& path, const Evidence& evidence
                  "terrarium or mapbox")));
 }
 
-// The threshold separates maps with known green, which reach at least 0.31, from other maps, which reach at most 0.15
-// (vector_statistics.cpp). With few samples, it is four standard deviations of the correlation of independent samples.
+// The threshold separates two groups of maps (vector_statistics.cpp). Maps with known green reach at least 0.31, and
+// other maps reach at most 0.15. With few samples, it is four standard deviations of the correlation of independent
+// samples.
 std::optional<GreenAxis> green_from_gradients(const VectorStatistics& s) {
   const double threshold = std::max(0.25, 4.0 / std::sqrt(std::max(1.0, s.gradient_sample_count)));
   if (s.gradient_agreement >= threshold) return GreenAxis::kUp;
@@ -436,14 +439,14 @@ std::optional<GreenAxis> green_from_gradients(const VectorStatistics& s) {
 
 const char* green_name(GreenAxis green) { return green == GreenAxis::kUp ? "up (OpenGL)" : "down (DirectX)"; }
 
-// Warns if the vectors are normals times a constant. They are normalised, but a file with other contents would be
-// normalised too.
+// Warns if the vectors are normals times a constant factor. They are normalised, but a file with other contents would
+// be normalised too.
 void warn_of_length(const Reading& reading, std::vector<std::string>& warnings) {
   const VectorStatistics& s = reading.statistics;
   if (reading.encoding.rebuild_z || s.unit_share_20 >= 0.5 || !has_one_length(s)) return;
-  warnings.push_back(
-      fmt::format("all its vectors have length {:.3g} instead of 1; they are read as scaled normals, and normalised",
-                  s.length_mean));
+  warnings.push_back(fmt::format(
+      "all its vectors have a length of {:.3g} instead of 1, so they are read as scaled normals and normalised",
+      s.length_mean));
 }
 
 // Warns if the direction of green is unknown, or if the settings contradict the statistics. A green channel with the
@@ -451,9 +454,9 @@ void warn_of_length(const Reading& reading, std::vector<std::string>& warnings) 
 void warn_of_green(const NormalMapSettings& settings, std::optional<GreenAxis> found, const VectorStatistics& s,
                    std::vector<std::string>& warnings) {
   if (!settings.green && !found) {
-    // If no texel is tilted, green is 0 in both cases.
+    // If no texel is tilted, green is 0 for both directions.
     if (s.tilted_share > 0.0)
-      warnings.emplace_back("the statistics do not show the direction of green; assuming up (OpenGL)" +
+      warnings.emplace_back("the statistics do not show the direction of green, so it is assumed to point up (OpenGL)" +
                             advice(", <green up> or <green down> sets it"));
   } else if (settings.green && found && *settings.green != *found) {
     warnings.push_back(
@@ -473,7 +476,7 @@ std::string describe(const VectorEncoding& encoding, const char* green_note) {
                      green_name(encoding.green), green_note);
 }
 
-// Warns if the direction of green in a set of tiles differs from the direction found in the map.
+// Warns if the direction of green in a set of tiles differs from the direction found in this map.
 void warn_of_set(std::optional<GreenAxis> own, std::optional<GreenAxis> of_set, std::vector<std::string>& warnings) {
   if (!own || !of_set || *own == *of_set) return;
   warnings.push_back(
@@ -509,8 +512,9 @@ DetectedEncoding detect_encoding(const std::string& path, const RawImage& image,
   if (channel_count == 1 && settings.two_channel.value_or(false))
     throw Error(
         ErrorCode::kInput,
-        fmt::format("{}: found {}: 1 colour channel, expected red and green, which hold x and y of a two-channel map",
-                    path, image.info().format));
+        fmt::format(
+            "{}: found {} with 1 colour channel, expected red and green, which hold x and y of a two-channel map", path,
+            image.info().format));
   if (channel_count == 1) {
     if (settings.bump_format == BumpFormat::kNormal)
       throw Error(ErrorCode::kInput,

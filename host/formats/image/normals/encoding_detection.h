@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Detects the meaning of an image's values from their statistics: height field or normal map, signed or 0..1, two or
-// three channels, green up or down. The answer includes its reason. A file that is neither a height field nor a normal
-// map is rejected, and the message gives the reason.
+// Detects the meaning of the values of an image from their statistics: height field or normal map, signed or 0..1, two
+// or three channels, green up or down. The answer includes its reason. A file that is neither a height field nor a
+// normal map is rejected, and the message gives the reason.
 #pragma once
 
 #include <functional>
@@ -26,8 +26,8 @@ struct DetectedEncoding {
   std::vector<std::string> warnings;  // NormalMapReport::warnings
 };
 
-/// Returns the encodings whose statistics detect_encoding() will probably need, as far as this is known before rows are
-/// read. The survey of the image should collect these statistics.
+/// Returns the encodings whose statistics detect_encoding() will probably need, according to the information that is
+/// known before rows are read. The survey of the image should collect these statistics.
 std::vector<VectorEncoding> likely_encodings(const RawImageInfo& info, const NormalMapSettings& settings);
 
 /// Returns whether an image is grey, up to compression noise.

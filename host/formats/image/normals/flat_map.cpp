@@ -31,7 +31,7 @@ Flatness flatness_of(const PlaneStore& normals) {
 std::string flat_note(Flatness flatness) {
   if (flatness == Flatness::kRelief) return "";
   return std::string("its normals are all equal") + (flatness == Flatness::kFlat ? ", and flat" : "") +
-         ": averages represent them exactly, so lobes and fitted levels gain nothing";
+         ": averages represent them exactly, so lobes and fitted levels bring no benefit";
 }
 
 }  // namespace multum

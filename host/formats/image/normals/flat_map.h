@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tells whether a map has the same normal everywhere. For such a map, plain averages are as good as any method.
+// Tells whether a map has the same normal everywhere. For such a map, plain averages are as good as any other method.
 #pragma once
 
 #include <string>
@@ -14,7 +14,7 @@ enum class Flatness { kRelief, kOneNormal, kFlat };
 /// Stops reading at the first row that differs.
 Flatness flatness_of(const PlaneStore& normals);
 
-/// Returns a note for the user; empty if the map is not flat.
+/// Returns a note for the user, or an empty text if the map is not flat.
 std::string flat_note(Flatness flatness);
 
 }  // namespace multum

@@ -24,7 +24,7 @@ constexpr int kTileSide = 1024;  // approximate side of a tile
 constexpr int kOverlap = kDequantizeMargin;
 
 // Divides a row or column of `count` texels into tiles. The first and the last tile also use the known texels beyond
-// the image's sides.
+// the sides of the image.
 struct TileCuts {
   std::vector<int> cuts;  // borders between tiles, from 0 to count
   int before, after;      // numbers of known texels beyond the sides
@@ -39,7 +39,7 @@ struct TileCuts {
   bool is_first(int tile) const { return tile == 0; }
   bool is_last(int tile) const { return tile + 1 == tile_count(); }
   int cut(int i) const { return cuts[static_cast<std::size_t>(i)]; }
-  // Range of texels from which a tile is solved.
+  // The range of texels from which a tile is computed.
   int begin(int tile) const { return cut(tile) - (is_first(tile) ? before : kOverlap); }
   int end(int tile) const { return cut(tile + 1) + (is_last(tile) ? after : kOverlap); }
   // Returns the weight of a tile at a texel.
@@ -58,12 +58,13 @@ bool goes_on(const HeightSide& side) {
   return side.beyond == HeightSide::Beyond::kWrapped || side.beyond == HeightSide::Beyond::kStrip;
 }
 
-// Height beyond a side at which the surface ends.
+// The height beyond a side where the surface ends.
 float height_beyond(const HeightSide& side) {
   return side.beyond == HeightSide::Beyond::kBlack ? 0.0f : std::numeric_limits<float>::quiet_NaN();
 }
 
-// Returns the heights of a tile in steps from the first one, so that floats keep precision for the differences.
+// Returns the heights of a tile in steps, relative to the first one, so that floats keep their precision for
+// differences.
 PlateProblem plate_of(const HeightRows& rows, int column_begin, int column_end, double step, float& first) {
   PlateProblem problem{column_end - column_begin, rows.row_count(), {}};
   problem.codes.reserve(static_cast<std::size_t>(problem.width) * static_cast<std::size_t>(problem.height));
@@ -78,7 +79,7 @@ PlateProblem plate_of(const HeightRows& rows, int column_begin, int column_end, 
   return problem;
 }
 
-// A row of tiles, blended along the row. The row of tiles has texel rows [begin, end) and columns from -1 to width.
+// A row of tiles, blended along the row. It covers texel rows [begin, end) and columns from -1 to width.
 struct TileRow {
   int begin = 0, end = 0;
   std::vector<float> heights;
@@ -114,7 +115,7 @@ class Dequantization {
     image.write({begin + 1, count, reinterpret_cast<const std::byte*>(heights)});
   }
 
-  // Writes the row beyond a side at which the surface ends.
+  // Writes the row beyond a side where the surface ends.
   void write_end(const HeightSide& side, int row, RawImage& image) const {
     const std::vector<float> heights(row_size(), height_beyond(side));
     if (!goes_on(side)) write_rows(row, 1, heights.data(), image);
@@ -157,7 +158,7 @@ class Dequantization {
     }
   }
 
-  // Blends the first rows of a tile with the same rows of the tile before.
+  // Blends the first rows of a tile with the same rows of the previous tile.
   void fade_rows(int tile, const TileRow& before, TileRow& now) const {
     for (int row = now.begin; row < std::min(now.end, before.end); ++row) {
       const float weight = rows_.weight(tile, row);

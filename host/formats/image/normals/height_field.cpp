@@ -29,14 +29,14 @@
 namespace multum {
 namespace {
 
-// Rounds to two significant digits, as a person would type.
+// Rounds to two significant digits, as a person would write the number.
 double rounded(double value) {
   const double unit = std::pow(10.0, std::floor(std::log10(value)) - 1.0);
   return std::round(value / unit) * unit;
 }
 
-// Suggests a scale that gives a usual slope. If texels have a known size and heights are in metres, suggests the exact
-// scale.
+// Suggests a scale that gives a usual slope. If the size of texels is known and heights are in metres, suggests the
+// exact scale.
 std::string suggested_scale(const HeightSurface& surface, double slope_rms, bool is_slope_odd,
                             const NormalMapSettings& settings) {
   const RawImageInfo& info = surface.info();
@@ -61,7 +61,7 @@ constexpr double kSlopeMin = 0.05, kSlopeMax = 5.0;  // slopes of expected surfa
 
 bool is_odd(double slope_rms) { return slope_rms < kSlopeMin || slope_rms > kSlopeMax; }
 
-// Warns about odd slopes. The height scale, which the file does not hold, may be wrong, or a grey image may not be a
+// Warns about unusual slopes. The height scale, which is not in the file, may be wrong, or a grey image may not be a
 // height field.
 void warn_of_doubts(NormalMapReport& report, const HeightSurface& surface, double slope_rms,
                     const NormalMapSettings& settings) {
@@ -78,7 +78,7 @@ void warn_of_doubts(NormalMapReport& report, const HeightSurface& surface, doubl
         std::atan(slope_rms) * 180.0 / std::numbers::pi, slope_rms, kSlopeMin, kSlopeMax);
   else if (is_odd(slope_rms))
     text +=
-        fmt::format("its rms slope {:.3g} is too {}, expected {:g} to {:g}: a height scale of {:g} may be wrong",
+        fmt::format("its rms slope of {:.3g} is too {}, expected {:g} to {:g}, so a height scale of {:g} may be wrong",
                     slope_rms, slope_rms < kSlopeMin ? "flat" : "steep", kSlopeMin, kSlopeMax, settings.height_scale);
   const std::string suggestion = suggested_scale(surface, slope_rms, is_odd(slope_rms), settings);
   if (text.empty() && !suggestion.empty())
@@ -87,7 +87,7 @@ void warn_of_doubts(NormalMapReport& report, const HeightSurface& surface, doubl
   if (!text.empty()) report.warnings.push_back(text);
 }
 
-// Sums over one row. Because sums are per row, the total does not depend on the division into bands.
+// The sums over one row. Because sums are per row, the total does not depend on the division into bands.
 struct RowSums {
   std::int64_t lifted = 0;
   std::int64_t missing = 0;  // texels without a height
@@ -105,7 +105,7 @@ double twice_slope(float before, float at, float after) {
   return has_before ? 2.0 * difference(at, before) : 0.0;
 }
 
-// Reads rows of dequantized_heights(), from -1 on.
+// Reads rows of dequantized_heights(), beginning with row -1.
 HeightRows rows_of(const RawImage& dequantized, int row_begin, int row_end) {
   RawRows raw;
   dequantized.read_rows(row_begin + 1, row_end - row_begin, raw);
@@ -147,7 +147,7 @@ RowSums& operator+=(RowSums& sums, const RowSums& more) {
   return sums;
 }
 
-// Writes the normals of a surface, or of `dequantized` heights if these are not null.
+// Writes the normals of a surface, or the normals of `dequantized` heights if these are not null.
 RowSums write_normals(const HeightSurface& surface, const RawImage* dequantized, const NormalMapSettings& settings,
                       const SpillPolicy& spill, int threads, Progress* progress, PlaneStore& store) {
   const int width = surface.width(), height = surface.height();
@@ -178,7 +178,7 @@ void warn_of_steps(NormalMapReport& report, const HeightSteps& steps, const Heig
     report.warnings.push_back("this setting has no effect on heights without steps" + names_as_advice({"dequantize"}));
   if (settings.dequantize || !steps.are_terraces(scale)) return;
   report.warnings.push_back(
-      fmt::format("its heights have steps of {}: at a height scale of {:g}, one step tilts a texel by {:.1f} degrees, "
+      fmt::format("its heights have steps of {}. At a height scale of {:g}, one step tilts a texel by {:.1f} degrees, "
                   "so smooth slopes become terraces. Heights with more bits avoid this{}",
                   step_text(steps, surface), settings.height_scale, steps.degrees(scale),
                   advice("; <dequantize> smooths them within half a step")));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Computes normals of height fields, the surfaces (x, y, height), by central differences. The differences are one-sided
-// where the surface ends.
+// Computes the normals of height fields, the surfaces (x, y, height), by central differences. The differences are
+// one-sided where the surface ends.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@
 
 namespace multum {
 
-/// A height field in an image, which must outlive it.
+/// A height field in an image. The image must outlive this object.
 struct HeightField {
   const RawImage& image;
   HeightReading reading;
@@ -19,9 +19,9 @@ struct HeightField {
   HeightSides sides;
 };
 
-/// Fills the report's counts, warnings and encoding. The encoding states the rms slope, which reveals a wrong
+/// Fills in the counts, warnings and encoding of the report. The encoding states the rms slope, which reveals a wrong
 /// height_scale. Texels without a height are flat and counted as unused. Warns about terraces, and smooths them if
-/// settings.dequantize is set. Throws and cancels as decode_normals() does.
+/// settings.dequantize is set. Throws and cancels like decode_normals().
 NormalMapRows normals_from_heights(const std::string& path, const HeightField& field, const NormalMapSettings& settings,
                                    const SpillPolicy& spill, int threads, Progress* progress);
 

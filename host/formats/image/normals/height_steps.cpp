@@ -21,7 +21,7 @@ namespace {
 constexpr int kStepRowsMax = 512;
 
 // Checks whether values are multiples of 1 / unit, within a tolerance. With Step::kFound, also finds the largest step,
-// as a multiple of 1 / unit.
+// which is a multiple of 1 / unit.
 class Lattice {
  public:
   enum class Step { kOne, kFound };
@@ -42,7 +42,7 @@ class Lattice {
       high_ = std::max(high_, code);
     }
   }
-  // A map with few distinct values is a mask or a shape with few levels. The differences between its values are not
+  // A map with few distinct values is a mask, or a shape with few levels. The differences between its values are not
   // rounding steps.
   double step() const {
     constexpr std::int64_t kStepsMin = 15;
@@ -59,7 +59,8 @@ class Lattice {
   std::int64_t divisor_ = 0, low_ = 0, high_ = 0;
 };
 
-// Returns grids of values to try, the coarsest first. The first ones are for 8 bits, as v * 257, v * 256 or v / 255.
+// Returns the grids of values to try, beginning with the coarsest. The first ones are for 8 bits, as v * 257, v * 256
+// or v / 255.
 std::vector<Lattice> lattices(const HeightSurface& surface) {
   using Step = Lattice::Step;
   const RawImageInfo& info = surface.info();
@@ -85,7 +86,7 @@ double known_step(const HeightSurface& surface) {
 }
 
 // Counts triples of texels in a line. At the edge of a terrace, two texels are equal and the third differs by one step.
-// On slopes, and with noise, both pairs differ.
+// On slopes and in noise, both pairs of neighbours differ.
 struct StepCounts {
   double edges = 0.0, others = 0.0;
 
@@ -146,10 +147,10 @@ std::string step_text(const HeightSteps& steps, const HeightSurface& surface) {
   constexpr double kByte = 1.0 / 255.0;
   if (std::abs(steps.step - kByte) < 0.005 * kByte) {
     const bool is_byte = surface.info().base_type == number_type::kUint8;
-    return is_byte ? "1/255 (8 bits)" : "1/255 (8 bits stored in more)";
+    return is_byte ? "1/255 (8 bits)" : "1/255 (8-bit values in a wider format)";
   }
   return fmt::format("{:.4g}{}", steps.step * value_unit(surface.info(), surface.reading()),
-                     is_float_type(surface.info().sample_type) ? "" : " in the file's own numbers");
+                     is_float_type(surface.info().sample_type) ? "" : " in the units of the file");
 }
 
 }  // namespace multum

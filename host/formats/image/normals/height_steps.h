@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Finds the step between a height field's values, and whether its slopes are terraces of such steps.
+// Finds the step between the values of a height field, and whether its slopes are terraces of such steps.
 #pragma once
 
 #include <string>
@@ -11,8 +11,8 @@ namespace multum {
 struct HeightSteps {
   double step = 0.0;        // all examined values are multiples of this step, plus an offset; 0 if there is no step
   double edge_share = 0.0;  // share of terrace edges among triples of neighbouring texels that are not all equal
-  /// Returns the tilt, in degrees, of a texel whose two neighbours differ by one step. This is the smallest tilt above
-  /// 0 of a smooth slope.
+  /// Returns the tilt, in degrees, of a texel whose two neighbours differ by one step. A smooth slope cannot have a
+  /// smaller tilt, except for 0.
   double degrees(double height_scale) const;
   /// Returns whether most triples that are not flat are terrace edges, with a visible step.
   bool are_terraces(double height_scale) const;

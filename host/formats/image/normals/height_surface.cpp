@@ -137,7 +137,7 @@ HeightRows HeightSurface::merged_rows(int row_begin, int row_end) const {
   return rows;
 }
 
-// Fills non-finite heights. For this, it reads the unrepaired rows and one extra row on either side.
+// Fills in heights that are not finite. For this, it reads the unrepaired rows and one extra row on either side.
 HeightRows HeightSurface::repaired_rows(int row_begin, int row_end) const {
   if (is_finite_) return merged_rows(row_begin, row_end);
   const int found_end = std::min(height(), row_end + 1);
@@ -155,7 +155,7 @@ HeightRows HeightSurface::repaired_rows(int row_begin, int row_end) const {
   return repaired;
 }
 
-// Appends one of the image's rows, with the columns beyond its ends.
+// Appends one of the rows of the image, with the columns beyond its ends.
 void HeightSurface::append_own_row(const float* own, int row, int margin, HeightRows& rows) const {
   const auto append_side = [&](const HeightSide& side, int column_begin) {
     for (int column = column_begin; column < column_begin + margin; ++column) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Provides heights of an image, and heights beyond its borders. Slopes, their measurements and dequantization all use
-// these heights.
+// Provides the heights of an image, and heights beyond its borders. The computation of slopes, their measurements and
+// dequantization all use these heights.
 #pragma once
 
 #include <array>
@@ -14,13 +14,13 @@
 
 namespace multum {
 
-/// Ways in which the colour channels hold a height. For kGrey, the height is the mean of the channels. The others have
-/// 8 bits per channel, and V is the number with these bytes, of which red is the highest. kPacked16 is V / 65535, from
-/// red and green. kPacked24 is V / 16777215, from all three channels. kTerrarium is V / 256 - 32768 metres. kMapbox is
-/// V / 10 - 10000 metres.
+/// The ways in which colour channels can hold a height. For kGrey, the height is the mean of the channels. The others
+/// have 8 bits per channel, and V is the number with these bytes, of which red is the highest. kPacked16 is V / 65535,
+/// from red and green. kPacked24 is V / 16777215, from all three channels. kTerrarium is V / 256 - 32768 metres.
+/// kMapbox is V / 10 - 10000 metres.
 enum class HeightCoding { kGrey, kPacked16, kPacked24, kTerrarium, kMapbox };
 
-/// Returns "16-bit heights packed in red and green", "Terrarium elevation in metres" and so on. Empty for kGrey.
+/// Returns "16-bit heights packed in red and green", "Terrarium elevation in metres" and so on. For kGrey, returns "".
 std::string height_coding_name(HeightCoding coding);
 
 struct HeightReading {
@@ -28,10 +28,10 @@ struct HeightReading {
   std::optional<float> no_data;  // value, as converted by RawImage, that marks a missing height
 };
 
-/// Returns the size of a value difference of 1 in the file's own numbers: 255 for 8 bits, 1 for floats and metres.
+/// Returns how large a difference of 1 is in the file's own numbers: 255 for 8 bits, 1 for floats and metres.
 double value_unit(const RawImageInfo& info, const HeightReading& reading);
 
-/// Rows of heights; NaN means no height.
+/// Rows of heights. NaN means that there is no height.
 struct HeightRows {
   int column_begin = 0;  // < 0 if there are columns beyond the border
   int row_begin = 0;
@@ -49,7 +49,8 @@ struct HeightRows {
   const float* row(int number) const { return &values[index(column_begin, number)]; }
 };
 
-/// The surface beyond one side. This is nothing, the image's opposite side, heights of 0, or a strip of another image.
+/// The surface beyond one side. There can be no surface, the opposite side of the image, heights of 0, or a strip of
+/// another image.
 struct HeightSide {
   enum class Beyond { kEnd, kWrapped, kBlack, kStrip };
   Beyond beyond = Beyond::kEnd;
@@ -61,14 +62,15 @@ struct HeightSides {
   HeightSide left, right, above, below;
 };
 
-/// Returns sides for wrap modes. With clamp and mirror, the surface ends. A mirror line is between texels, and a slope
-/// would change its sign there, so a texel keeps the slope of its own side.
+/// Returns the sides for wrap modes. With clamp and mirror, the surface ends. The mirror line is between texels, and a
+/// slope would change its sign there, so a texel uses only the slope on its own side.
 HeightSides wrapped_sides(WrapMode wrap_s, WrapMode wrap_t);
 
 class HeightSurface {
  public:
-  /// The image must outlive the object. Repairs non-finite heights by `fix_nan`, unless `is_finite` says that there are
-  /// none. kBox3 uses the mean of the finite 3 x 3 neighbours, or 0 if there are none; kBlack uses 0.
+  /// The image must outlive the object. Heights that are not finite are repaired according to `fix_nan`, unless
+  /// `is_finite` says that there are none. kBox3 uses the mean of the finite 3 x 3 neighbours, or 0 if there are none.
+  /// kBlack uses 0.
   HeightSurface(const RawImage& image, const HeightReading& reading, bool is_finite, FixNan fix_nan,
                 HeightSides sides = {});
 
@@ -78,8 +80,8 @@ class HeightSurface {
   const HeightReading& reading() const { return reading_; }
   const HeightSides& sides() const { return sides_; }
 
-  /// Returns rows [row_begin, row_end), which may be beyond the image, with the columns from -margin to width +
-  /// margin. Several threads may read at once.
+  /// Returns rows [row_begin, row_end), which may be beyond the image, with the columns from -margin to width + margin.
+  /// Several threads may read at the same time.
   HeightRows rows(int row_begin, int row_end, int margin) const;
 
  private:

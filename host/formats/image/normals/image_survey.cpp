@@ -12,7 +12,7 @@ namespace multum {
 
 namespace {
 
-// Converts a value of the file like SampleConverter: integers are divided by their largest value.
+// Converts a value of the file like SampleConverter. Integers are divided by their largest value.
 float converted(double number, int base_type) {
   const auto value = static_cast<float>(number);
   switch (base_type) {

@@ -27,8 +27,8 @@ struct TexelCounts {
   std::int64_t below_horizon = 0;
 };
 
-// Shorter vectors are zero within the file's precision. With 8 bits, no code is 0, and mid-grey has length sqrt(3) /
-// 255 = 0.0068. Half and float store 0 exactly.
+// Shorter vectors are zero within the precision of the file. With 8 bits, no code is 0, and mid-grey has length sqrt(3)
+// / 255 = 0.0068. Half and float store 0 exactly.
 double zero_length_of(SampleType type) {
   switch (type) {
     case SampleType::kUint8: return 0.007;
@@ -43,7 +43,7 @@ struct Decoding {
   VectorEncoding encoding;
   double zero_length;
 
-  // Decodes one texel's normal. The result is flat if the texel has no normal.
+  // Decodes the normal of one texel. The result is flat if the texel has no normal.
   TexelState decode(float r, float g, float b, glm::dvec3& n, TexelCounts& counts) const {
     n = glm::dvec3(0.0, 0.0, 1.0);
     if (encoding.empty_is_unused && is_empty(encoding, r, g, b)) {
@@ -105,8 +105,8 @@ DecodedRows decode_rows(const Decoding& decoding, int row_begin, int row_end, Te
   return rows;
 }
 
-// Returns the mean of the good texels among the 8 neighbours inside the image. The result is flat if there are none, or
-// if they cancel out.
+// Returns the mean of the good texels among the 8 neighbours inside the image. The result is flat if there are no good
+// texels, or if they cancel out.
 glm::dvec3 neighbours_mean(const DecodedRows& rows, int column, int row) {
   glm::dvec3 sum(0.0);
   for (int y = std::max(rows.row_begin, row - 1); y < std::min(rows.row_end, row + 2); ++y) {
@@ -150,13 +150,13 @@ void check_unused_share(const std::string& path, NormalMapRows& map, const Norma
   const auto texel_count = static_cast<double>(map.normals.width()) * map.normals.height();
   const double share = static_cast<double>(map.report.unused_texels) / texel_count;
   if (share <= kUnusedShareNoted) return;
-  const std::string found = fmt::format("{} of {:.0f} texels ({:.1f} %) are {}, which is not a normal",
+  const std::string found = fmt::format("{} of {:.0f} texels ({:.1f} %) are {}, which is not a valid normal",
                                         map.report.unused_texels, texel_count, 100.0 * share, empty);
   if (share > kUnusedShareMax && settings.bump_format != BumpFormat::kNormal)
     throw Error(ErrorCode::kInput,
                 fmt::format("{}: {}; expected at most {:.0f} %{}", path, found, 100.0 * kUnusedShareMax,
                             advice(" (if it is a normal map, use <bumpformat normal>)")));
-  map.report.warnings.push_back(found + "; they count as unused, and are read as flat");
+  map.report.warnings.push_back(found + "; they count as unused and are read as flat");
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Decodes a file's values to unit normals after their meaning is known, and repairs texels without a normal.
+// Decodes the values of a file to unit normals after their meaning is known, and repairs texels without a normal.
 #pragma once
 
 #include <cmath>
@@ -25,14 +25,15 @@ struct VectorEncoding {
 };
 
 /// The smallest z of a unit normal, 1/512. Below it, the slope x/z is meaningless. The smallest positive z in an 8-bit
-/// file is 1/255, or 0.0023 after a vector of the largest possible length, sqrt(3), is normalised. So every 8-bit
-/// normal above the surface stays unchanged, and every 8-bit normal below the surface is lifted.
+/// file is 1/255. If the vector has the largest possible length, sqrt(3), normalising it makes this z 0.0023. Therefore
+/// every 8-bit normal above the surface stays unchanged, and every 8-bit normal below the surface is lifted.
 constexpr double kHorizonZ = 1.0 / 512.0;
 
 /// Decodes v / 255 * 2 - 1, as every GPU does. No code is then 0, because 127 and 128 are -+0.0039. Tools write either
 /// code for 0, so 127.5 is the unbiased choice. (Among the measured lossless maps, the mean slopes suggest 127 for four
-/// maps and 128 for two; all are within half a code of 127.5.) But a flat texel is (127|128, 127|128, 255) in all maps,
-/// and up to half of a map's texels are flat. Such a texel is read as exactly flat instead of tilted by 0.3 degrees.
+/// maps and 128 for two maps; all are within half a code of 127.5.) But a flat texel is (127|128, 127|128, 255) in all
+/// maps, and up to half of the texels of a map are flat. Such a texel is read as exactly flat instead of tilted by 0.3
+/// degrees.
 inline glm::dvec3 decode_vector(const VectorEncoding& encoding, float r, float g, float b) {
   glm::dvec3 v(r, g, b);
   if (!encoding.is_signed)
@@ -46,7 +47,7 @@ inline glm::dvec3 decode_vector(const VectorEncoding& encoding, float r, float g
   return v;
 }
 
-/// Returns false for NaN, infinities, and values that occur only in a renderer's broken pixels, never in scaled
+/// Returns false for NaN, infinities, and values that occur only in broken pixels of a renderer, never in scaled
 /// normals.
 inline bool is_vector_value(float v) { return std::abs(v) <= 1e9f; }
 
@@ -59,15 +60,16 @@ inline bool is_unused(const VectorEncoding& encoding, float r, float g, float b)
 }
 
 /// Returns true if a texel of a signed or float file was never written. Painters and bakers leave 0 or NaN outside
-/// charts. Single texels of this kind are a renderer's faults and are repaired. If z is rebuilt, a texel of 0 is flat.
+/// charts. Single texels of this kind are faults of a renderer and are repaired. If z is rebuilt, a texel of 0 is flat.
 inline bool is_empty(const VectorEncoding& encoding, float r, float g, float b) {
   if (std::isnan(r)) return std::isnan(g) && (encoding.rebuild_z || std::isnan(b));
   return encoding.is_signed && !encoding.rebuild_z && r == 0.0f && g == 0.0f && b == 0.0f;
 }
 
-/// Decodes an image of 2 or 3 channels by bands, with at most a few bands per thread in memory. Fills the counts of the
-/// report, but not its encoding. Throws Error(kInput) if more than repair_share_max of the texels need repair, or if
-/// too many are black. Throws Error(kEnvironment) if scratch files cannot be written. Can cancel between bands.
+/// Decodes an image of 2 or 3 channels in bands, with at most a few bands per thread in memory. Fills in the counts of
+/// the report, but not its encoding. Throws Error(kInput) if more than repair_share_max of the texels need repair, or
+/// if too many are black. Throws Error(kEnvironment) if scratch files cannot be written. The work can be cancelled
+/// between bands.
 NormalMapRows decode_normals(const std::string& path, const RawImage& image, const VectorEncoding& encoding,
                              const NormalMapSettings& settings, const SpillPolicy& spill, int threads,
                              Progress* progress);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads the file, detects the meaning of its values, decodes, and then repairs. The repair comes last, because it must
-// not change the statistics.
+// Reads the file, detects the meaning of its values, decodes them, and then repairs texels. The repair comes last,
+// because it must not change the statistics.
 #include "host/formats/image/normals/normal_map.h"
 
 #include <array>
@@ -48,8 +48,8 @@ void check_finite(const std::string& path, const ImageSurvey& survey, int width,
 
 std::string step_text(const SeamStep& step) {
   return fmt::format(
-      "the step across its border has an rms of {:.3g}, but steps inside the map have a median of {:.3g} and a maximum "
-      "of {:.3g}",
+      "the step across its border has an rms value of {:.3g}, but steps inside the map have a median of {:.3g} and a "
+      "maximum of {:.3g}",
       step.border, step.median, step.largest);
 }
 
@@ -61,13 +61,13 @@ struct Direction {
   bool has_neighbour;  // true if a tile of the set continues the map there
 };
 
-// Returns whether the map repeats only by default, although the border suggests that it does not repeat.
+// Returns whether the map repeats only by default, although its border suggests that it should not repeat.
 bool is_doubtful(const Direction& direction, WrapMode said) {
   return direction.step.is_seam() && direction.origin == WrapOrigin::kDefault && said == WrapMode::kPeriodic;
 }
 
-// Returns the mode of one direction. The mode is `said`, unless the map decides. If it does, adds the decision to the
-// reason.
+// Returns the mode of one direction. The mode is `said`, unless the map itself decides. In that case, adds the decision
+// to the reason.
 WrapMode resolved_wrap(WrapMode said, const Direction& direction, DetectedEncoding& found) {
   if (direction.origin != WrapOrigin::kFound) return said;
   const WrapMode mode = direction.step.is_seam() ? WrapMode::kClamp : WrapMode::kPeriodic;
@@ -78,7 +78,7 @@ WrapMode resolved_wrap(WrapMode said, const Direction& direction, DetectedEncodi
 // Warns about one or both directions in one warning.
 void warn_of_seams(const std::vector<Direction>& doubtful, DetectedEncoding& found) {
   if (doubtful.empty()) return;
-  std::string text = "it is assumed to repeat, but probably does not:";
+  std::string text = "it is assumed to repeat, but it probably does not:";
   for (const Direction& one : doubtful)
     text += fmt::format("{} along {} {}", &one == &doubtful.front() ? "" : ";", one.name, step_text(one.step));
   text += advice(fmt::format(
@@ -115,7 +115,7 @@ void report_wrap(const NormalMapSettings& wrapped, const Direction& s, const Dir
   report.wrap_t = mode(t, wrapped.wrap_t);
 }
 
-// A file's numbers and their statistics.
+// The numbers of a file and their statistics.
 struct ReadImage {
   RawImage image;
   ImageSurvey survey;
@@ -152,7 +152,7 @@ std::optional<GreenAxis> green_of_map(const std::string& path, const NormalMapSe
   return green;
 }
 
-// Finds the direction of green in the other tiles of a set, and stores in `record` which tile decided it.
+// Finds the direction of green in the other tiles of a set, and records in `record` which tile decided it.
 GreenOfSet green_of_set(const NormalMapSettings& settings, const SpillPolicy& spill, int threads, Progress* progress,
                         std::string& record) {
   if (settings.tiles == nullptr) return {};
@@ -166,7 +166,7 @@ GreenOfSet green_of_set(const NormalMapSettings& settings, const SpillPolicy& sp
   };
 }
 
-// Chooses the neighbouring tile. If there is none, chooses the side given by the wrap mode.
+// Chooses the neighbouring tile. If there is no such tile, chooses the side that the wrap mode gives.
 HeightSide side_of(const HeightSide& neighbour, const HeightSide& repeated, const HeightSide& wrapped) {
   if (neighbour.beyond != HeightSide::Beyond::kEnd) return neighbour;
   return wrapped.beyond == HeightSide::Beyond::kWrapped ? repeated : wrapped;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads normal maps and height fields. Statistics reveal the meaning of the file's values; the meaning is printed and
-// can be overridden. A file that holds neither normals nor heights is rejected, and the message gives the reason. If a
-// single property is unclear, most often green, the usual value is used with a warning (docs/reference/input_maps.md
-// lists the rules).
+// Reads normal maps and height fields. Statistics reveal the meaning of the values in the file. The meaning is printed,
+// and settings can override it. A file that holds neither normals nor heights is rejected, and the message gives the
+// reason. If a single property is unclear, most often green, the usual value is used with a warning
+// (docs/reference/input_maps.md lists the rules).
 #pragma once
 
 #include <cstdint>
@@ -22,7 +22,7 @@ namespace multum {
 
 class TileSet;  // defined in host/formats/image/normals/tile_set.h
 
-/// Origin of a wrap mode: the default, a setting, or the map itself (periodic if it tiles, otherwise clamp).
+/// The origin of a wrap mode: the default, a setting, or the map itself (periodic if it tiles, otherwise clamp).
 enum class WrapOrigin { kDefault, kSaid, kFound };
 
 struct NormalMapSettings {
@@ -33,7 +33,7 @@ struct NormalMapSettings {
   std::optional<bool> two_channel = std::nullopt;  // if unset, statistics decide; true for z = sqrt(1 - x^2 - y^2)
   std::optional<ZRange> z_range = std::nullopt;    // if unset, statistics decide; for unsigned files that store z
   float height_scale = 1.0f;                       // height, in texels, for a value difference of 1; finite and not 0
-  bool dequantize = false;                         // true to use the smoothest surface that fits heights of few bits
+  bool dequantize = false;                         // true to use the smoothest surface that fits heights with few bits
   float normal_scale = 1.0f;              // scale of x and y of a normal map, as in glTF's normal textures; finite
   WrapMode wrap_s = WrapMode::kPeriodic;  // wrap mode for height differences at the border
   WrapMode wrap_t = WrapMode::kPeriodic;
@@ -42,17 +42,18 @@ struct NormalMapSettings {
   bool refuse_doubts = false;  // true to reject grey, and a blue that is not z, even if bump_format is kNormal
   bool check_nan = false;      // true to reject the file at the first NaN or Inf; the message gives its position
   FixNan fix_nan = FixNan::kBox3;
-  float repair_share_max = 0.01f;  // largest share of repaired texels, 0..1; if more need repair, the file is rejected
+  float repair_share_max = 0.01f;  // largest share of repaired texels, 0..1; the file is rejected if more texels need
+                                   // repair
   std::int64_t texel_count_max = std::int64_t{1} << 30;
-  // A tile of a set that is read as one surface. `tiles` is null for a single map. Jobs for tiles of one set share
+  // A tile of a set that is read as one surface. `tiles` is null for a single map. Jobs for tiles of the same set share
   // `tiles`.
   std::shared_ptr<TileSet> tiles = nullptr;
   std::string tile = "";
 };
 
 /// Shares of texels that were never written. Above the first limit, a warning is printed. Above the second limit, the
-/// file is rejected, unless BumpFormat::kNormal declares it a normal map. Up to the first limit, texels of NaN and
-/// signed texels of 0 count as single faults, which are repaired.
+/// file is rejected, unless BumpFormat::kNormal declares it a normal map. Up to the first limit, NaN texels and signed
+/// texels of 0 count as single faults, which are repaired.
 constexpr double kUnusedShareNoted = 0.01;
 constexpr double kUnusedShareMax = 0.5;
 
@@ -72,8 +73,8 @@ struct NormalMapReport {
   std::vector<std::string> warnings;  // doubtful choices, one per line, with the option that settles each
 };
 
-/// Unit normals in tangent space: +X right, +Y up (towards row 0), +Z out. Planes of width * height floats, row 0 on
-/// top.
+/// Unit normals in tangent space: +X right, +Y up (towards row 0), +Z out. The planes have width * height floats, with
+/// row 0 at the top.
 struct NormalMap {
   int width = 0;
   int height = 0;
@@ -89,7 +90,7 @@ inline PlaneStore planes_of(const NormalMap& map) {
   return planes;
 }
 
-/// A map by rows, which may be larger than memory.
+/// A map that is accessed by rows, and may be larger than memory.
 struct NormalMapRows {
   PlaneStore normals;
   NormalMapReport report;
@@ -100,9 +101,9 @@ struct NormalMapRows {
 /// cancel between bands. The result does not depend on `threads` (<= 0 means one per core).
 NormalMap read_normal_map(const std::string& path, const NormalMapSettings& settings, int threads, Progress* progress);
 
-/// Reads the map into a store made by `spill`. Only a few bands of rows of file and map are in memory, except for
-/// formats that OpenImageIO decodes whole (docs/reference/input_maps.md). Throws Error(kEnvironment) if scratch files
-/// cannot be written.
+/// Reads the map into a store that `spill` makes. Only a few bands of rows of file and map are in memory, except for
+/// formats that OpenImageIO decodes as a whole (docs/reference/input_maps.md). Throws Error(kEnvironment) if scratch
+/// files cannot be written.
 NormalMapRows read_normal_map_rows(const std::string& path, const NormalMapSettings& settings, const SpillPolicy& spill,
                                    int threads, Progress* progress);
 

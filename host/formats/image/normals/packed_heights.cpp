@@ -6,8 +6,8 @@
 //   high       5   5   6   6          256 high + low   1430 1480 1536 1590
 //   low      150 200   0  54          bends            by 6; 256 high bends by 256
 //
-// Colours never behave in this way: their channels vary together, so the sum bends as much as the higher byte. The
-// measured ratio is 0.02 to 0.4 for smooth heights, and 0.97 and more for the normal maps and colours of shared/data.
+// Colours never behave in this way. Their channels vary together, so the sum bends as much as the higher byte. The
+// measured ratio is 0.02 to 0.4 for smooth heights, and at least 0.97 for the normal maps and colours of shared/data.
 #include "host/formats/image/normals/packed_heights.h"
 
 #include <algorithm>
@@ -46,7 +46,7 @@ struct PackedSums {
   }
 };
 
-// Adds second differences along a row. In elevation tiles, black means no data, so it does not count for their range.
+// Adds second differences along a row. In elevation tiles, black means no data, so it does not count for the range.
 void add_row(const float* values, std::size_t width, std::size_t channel_count, PackedSums& sums) {
   const auto code = [&](std::size_t column, std::size_t channel) {
     return std::round(values[column * channel_count + channel] * 255.0f);
@@ -68,7 +68,7 @@ void add_row(const float* values, std::size_t width, std::size_t channel_count, 
   }
 }
 
-// Ranges of red. Heights reach from 11,000 m below the sea to 9,500 m above it in Terrarium, and also in Mapbox, whose
+// Ranges of red. In Terrarium and in Mapbox, heights reach from 11,000 m below the sea to 9,500 m above it. In Mapbox,
 // red has units of 6553.6 m.
 std::optional<HeightCoding> coding_of(const PackedSums& sums, bool has_blue) {
   const bool is_terrarium_red = sums.is_within(0, 85.0f, 165.0f), is_mapbox_red = sums.is_within(0, 0.0f, 2.0f);
@@ -80,8 +80,8 @@ std::optional<HeightCoding> coding_of(const PackedSums& sums, bool has_blue) {
     if (sums.red_green.is_number() && sums.green_blue.is_number()) return HeightCoding::kPacked24;
   }
   if (!sums.red_green.is_number()) return std::nullopt;
-  // Range of red for heights in whole metres. The heights of a 16-bit picture would hardly use only such a small part
-  // of its range, exactly at sea level.
+  // The range of red for heights in whole metres. It is small and exactly at sea level. The heights of a 16-bit picture
+  // would hardly use only such a part of its range.
   constexpr float kTerrariumLow = 127.0f, kTerrariumHigh = 163.0f;
   const bool are_metres =
       has_blue && sums.is_constant(2) && sums.low[2] == 0.0f && sums.is_within(0, kTerrariumLow, kTerrariumHigh);

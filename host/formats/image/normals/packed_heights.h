@@ -8,8 +8,8 @@
 
 namespace multum {
 
-/// Returns the coding that gives continuous heights although single channels are not continuous. Returns nullopt if
-/// there is none. Examines at most 128 rows.
+/// Returns the coding that gives continuous heights although the single channels are not continuous. Returns nullopt if
+/// there is no such coding. Examines at most 128 rows.
 std::optional<HeightCoding> find_packed_heights(const RawImage& image);
 
 }  // namespace multum

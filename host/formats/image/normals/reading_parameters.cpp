@@ -6,7 +6,7 @@ namespace {
 
 void apply_wrap(const std::optional<std::string>& text, WrapMode& mode, WrapOrigin& origin) {
   if (!text) return;
-  // With "auto", the map decides later; until then, it counts as repeating.
+  // With "auto", the map decides later. Until then, it counts as repeating.
   const bool is_found = *text == "auto";
   mode = is_found ? WrapMode::kPeriodic : parse_wrap_mode(*text).value_or(mode);
   origin = is_found ? WrapOrigin::kFound : WrapOrigin::kSaid;

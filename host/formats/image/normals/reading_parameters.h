@@ -16,7 +16,7 @@ std::optional<MapSurface> map_surface(const ParameterValues& values);
 /// Returns the parameter `z_range`, if given.
 std::optional<ZRange> z_range(const ParameterValues& values);
 
-/// Overwrites `settings` with the given parameters; `values` belong to bake_parameters().
+/// Overwrites `settings` with the parameters that are given. `values` must belong to bake_parameters().
 void apply_reading(const ParameterValues& values, NormalMapSettings& settings);
 
 }  // namespace multum

@@ -14,7 +14,7 @@ namespace multum {
 /// Adds normal_scale if it is not 1, z_range if it is given, and dequantize if it is requested.
 void add_reading_settings(const NormalMapSettings& settings, nlohmann::json& json);
 
-/// Reads settings from `text`, the value of the file's multum:settings (docs/reference/file_format.md). Missing and
+/// Reads settings from `text`, the value of multum:settings in the file (docs/reference/file_format.md). Missing and
 /// unknown settings keep their defaults, so files of other writers are read like maps without settings.
 NormalMapSettings parse_reading_settings(const std::string& text);
 

@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// Solves from coarse to fine. A level's code is the mean of the 2 x 2 codes of the next finer level, and its plate is
-// the initial solution of that level. Each level is solved by projected gradients with Nesterov's momentum (Beck &
-// Teboulle 2009, "A fast iterative shrinkage-thresholding algorithm", FISTA with constant steps). The largest
-// eigenvalue of the energy is 64.
+// Solves from coarse to fine. The code of a coarser texel is the mean of the 2 x 2 codes of the next finer level. The
+// plate
+// of a coarser level is the initial solution of the next finer level. Each level is solved by projected gradients with
+// Nesterov's momentum (Beck & Teboulle 2009, "A fast iterative shrinkage-thresholding algorithm", FISTA with constant
+// steps). The largest eigenvalue of the energy is 64.
 //
 // These figures were measured on smooth 8-bit surfaces where a step of one code tilts a texel by 45 degrees. Without
 // this method, the mean error of normals is 17 degrees. It is 2.3 degrees with 16 steps of the descent at the finest
-// level, 0.8 with 64, and 0.2 with 300. Ramps, which plates represent exactly, have errors below 0.1 degrees, or up to
-// 0.6 where a plateau is longer than the map is high. More steps of the descent at coarse levels would not help,
-// because the bounds of their means are too wide to determine a plate.
+// level, 0.8 degrees with 64 steps, and 0.2 degrees with 300 steps. Ramps, which plates represent exactly, have errors
+// below 0.1 degrees, or up to 0.6 degrees where a plateau is longer than the map is high. More steps of the descent at
+// coarse levels would not help, because the bounds of their means are too wide to determine a plate.
 #include "host/formats/image/normals/thin_plate.h"
 
 #include <algorithm>
@@ -20,21 +21,21 @@
 namespace multum {
 namespace {
 
-constexpr int kFinestSteps = 64, kMostSteps = 250;  // at the finest level; doubled at each coarser level, up to
-                                                    // kMostSteps
+constexpr int kFinestSteps = 64, kMostSteps = 250;  // number of steps at the finest level; doubled at each coarser
+                                                    // level, up to kMostSteps
 constexpr int kCoarsestSide = 8;                    // number of texels of the longer side
 constexpr int kLeastSide = 3;                       // fewer rows do not bend and have no slope
 constexpr float kCut = 1.5f;                        // in codes
 constexpr float kEigenvalueMax = 64.0f;
 
-// A level. A weight is 1 if no cut crosses the second difference; otherwise, it is 0.
+// A level. A weight is 0 if a cut crosses the second difference; otherwise, it is 1.
 struct Plate {
   int width = 0, height = 0;
   std::vector<float> codes;                          // 0 for texels without a code
   std::vector<std::uint8_t> is_whole;                // true if the texel has a code and no cut inside
-  std::vector<std::uint8_t> right_link, below_link;  // links to neighbours; 0 means cut
-  std::vector<std::uint8_t> bend_x, bend_y, twist;   // weights of h_xx and h_yy at a texel, and of h_xy at its lower
-                                                     // right corner
+  std::vector<std::uint8_t> right_link, below_link;  // links to neighbours; 0 means that the link is cut
+  std::vector<std::uint8_t> bend_x, bend_y, twist;   // weights of h_xx and h_yy at a texel, and of h_xy at the lower
+                                                     // right corner of the texel
 
   std::size_t at(int column, int row) const {
     return static_cast<std::size_t>(row) * static_cast<std::size_t>(width) + static_cast<std::size_t>(column);
@@ -124,8 +125,8 @@ struct Continuation {
   int count = 0;
 };
 
-// Extends known heights by one texel into unknown ones. From two linked neighbours, it continues them linearly; from
-// one neighbour, it repeats its height.
+// Extends known heights by one texel into unknown ones. If there are two linked neighbours, it continues them linearly.
+// If there is one neighbour, it repeats the height of this neighbour.
 void continue_once(const Plate& plate, std::vector<float>& heights, std::vector<std::uint8_t>& is_known) {
   const std::vector<float> before(heights);
   const std::vector<std::uint8_t> was_known(is_known);
@@ -156,8 +157,8 @@ void continue_once(const Plate& plate, std::vector<float>& heights, std::vector<
   }
 }
 
-// Starts the finer level from planes through the coarser texels. Cut texels have no plane, so they continue the
-// surrounding heights. If there are no such heights, cut texels use their codes.
+// Makes the initial heights of the finer level from planes through the coarser texels. Texels that are cut off have no
+// plane, so they continue the surrounding heights. If there are no such heights, they start with their codes.
 std::vector<float> refined(const Plate& coarse, const std::vector<float>& heights, const Plate& fine) {
   std::vector<float> result(fine.codes);
   std::vector<std::uint8_t> is_known(fine.size(), 0);

@@ -8,15 +8,15 @@
 
 namespace multum {
 
-/// A grid of `width` x `height` codes, row-major; NaN means no height.
+/// A grid of `width` x `height` codes in row-major order. NaN means that there is no height.
 struct PlateProblem {
   int width = 0;
   int height = 0;
   std::vector<float> codes;
 };
 
-/// Returns the plate's heights, within 1/2 of the codes, or 0 for texels without a code. Neighbours whose codes differ
-/// by more than 1.5 are cut apart. Computes in a fixed order.
+/// Returns the heights of the plate, which are within 1/2 of the codes, or 0 for texels without a code. Neighbours
+/// whose codes differ by more than 1.5 are cut apart. Computes in a fixed order.
 std::vector<float> thin_plate(const PlateProblem& problem);
 
 }  // namespace multum

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The number of a UDIM tile is 1001 + u + 10 v, with u from 0 to 9 to the right and v upwards. Row 0 of an image is on
-// top, so tile 1011 ends where tile 1001 begins.
+// The number of a UDIM tile is 1001 + u + 10 v, with u from 0 to 9 to the right and v upwards. Row 0 of an image is at
+// the top, so tile 1011 ends where tile 1001 begins.
 //
 //   record  {"heights": {"coding": 0, "depth": 1, "sides": {"left": ["neighbour", TILE, SHA of its file, of its
 //            border]}}, "green": {"axis": "down", "tiles": [[TILE, SHA of its file], ...]}}
@@ -77,7 +77,7 @@ HeightSide& side_of(HeightSides& sides, TileSide side) {
   return sides.below;
 }
 
-// Returns some columns, read by bands.
+// Returns some columns, which are read in bands.
 HeightRows columns_of(const HeightSurface& surface, int begin, int end) {
   constexpr int kRows = 64;
   HeightRows strip{begin, 0, end - begin, {}};
@@ -109,7 +109,7 @@ TileBorders read_borders(const std::string& path, const TileSet::BorderReading& 
   TileBorders borders{info.width, info.height, info.base_type, "", {}, {}};
   const int channel_count = reading.coding == HeightCoding::kPacked16 ? 2 : 3;
   if (reading.coding == HeightCoding::kGrey ? !is_grey_image(info, survey) : info.channel_count < channel_count)
-    borders.failure = fmt::format("does not hold heights of this kind ({})", info.format);
+    borders.failure = fmt::format("does not contain heights of this kind ({})", info.format);
   if (!borders.failure.empty()) return borders;
   const HeightSurface surface(image, {reading.coding, survey.no_data()}, survey.nonfinite_count() == 0,
                               reading.fix_nan);
@@ -184,7 +184,7 @@ bool side_is_unchanged(const Json& entry, TileSet& set, const std::string& tile,
 bool green_is_unchanged(const Json& green, TileSet& set) {
   const Json& tiles = green.at("tiles");
   if (tiles.empty() || tiles.size() > set.tiles().size()) return false;
-  // If no tile decided the direction of green, a tile that was added to the set may now decide it.
+  // If no tile has decided the direction of green, a tile that was added to the set may now decide it.
   if (green.at("axis") == "undecided" && tiles.size() < set.tiles().size()) return false;
   for (std::size_t i = 0; i < tiles.size(); ++i)
     if (text_at(tiles[i], 0) != set.tiles()[i] || text_at(tiles[i], 1) != set.file_hash(set.tiles()[i])) return false;
@@ -284,7 +284,7 @@ TileSurroundings tile_surroundings(TileSet& set, const std::string& tile, const 
     sides[name] = {word, other};
     if (beside.kind == Kind::kGap)
       around.warnings.push_back(fmt::format(
-          "its set has tiles beyond the missing tile {} ({}); the surface ends at that border", beside.tile, name));
+          "its set has tiles beyond the missing tile {} ({}), so the surface ends at that border", beside.tile, name));
     if (word != kNeighbourWord && !(is_horizontal(side) ? repeats.s : repeats.t)) {
       sides[name] = {kUnaskedWord, ""};
       continue;
@@ -296,7 +296,7 @@ TileSurroundings tile_surroundings(TileSet& set, const std::string& tile, const 
     }
     const TileBorders& borders = set.borders(other, reading, spill);
     if (const std::string why = difference(borders, info); !why.empty()) {
-      around.warnings.push_back(fmt::format("tile {} ({}) {}; the surface ends at that border", other, name, why));
+      around.warnings.push_back(fmt::format("tile {} ({}) {}, so the surface ends at that border", other, name, why));
       sides[name] = {kUnlikeWord, other, set.file_hash(other)};
       continue;
     }

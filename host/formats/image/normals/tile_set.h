@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// A set of UDIM tiles (host/foundation/base/files/udim_set.h), read as one surface. Heights continue in neighbouring
-// tiles, and green has the same direction in all tiles. The bake of one tile reads the others' borders itself, so the
-// tiles of a set can be baked on any number of machines.
+// A set of UDIM tiles (host/foundation/base/files/udim_set.h) that is read as one surface. Heights continue in
+// neighbouring tiles, and green has the same direction in all tiles. The bake of one tile reads the borders of the
+// other tiles itself, so the tiles of a set can be baked on any number of machines.
 #pragma once
 
 #include <array>
@@ -26,7 +26,7 @@ const char* tile_side_name(TileSide side);
 struct TileBeside {
   enum class Kind {
     kNeighbour,  // another tile
-    kOtherEnd,   // last tile of a complete, repeating row or column, perhaps the tile itself
+    kOtherEnd,   // last tile of a complete, repeating row or column; it may be the tile itself
     kGap,        // `tile` is missing between two tiles of the row or column
     kBroken      // end of a row or column that has a gap elsewhere
   };
@@ -34,38 +34,40 @@ struct TileBeside {
   std::string tile;
 };
 
-/// Borders of a tile's heights: BorderReading::depth rows and columns, with the row and column numbers of the tile
-/// itself.
+/// The borders of a tile's heights. They are BorderReading::depth rows and columns, with the row and column numbers of
+/// the tile itself.
 struct TileBorders {
   int width = 0, height = 0, base_type = 0;
-  std::string failure;                                      // reason why there are no borders; empty if there are some
+  std::string failure;                                      // the reason why there are no borders; empty if there are
+                                                            // borders
   std::array<std::shared_ptr<const HeightRows>, 4> strips;  // index: TileSide
   std::array<std::string, 4> hashes;                        // SHA-256 of each strip
 };
 
 class TileSet {
  public:
-  /// Finds the existing tiles. Throws Error(kUsage) as find_tiles() does.
+  /// Finds the existing tiles. Throws Error(kUsage) like find_tiles().
   explicit TileSet(const std::string& pattern);
 
   const std::vector<std::string>& tiles() const { return tiles_; }
   std::string path(const std::string& tile) const;
   TileBeside beside(const std::string& tile, TileSide side) const;
 
-  /// Settings for reading borders.
+  /// The settings with which borders are read.
   struct BorderReading {
     HeightCoding coding = HeightCoding::kGrey;
     int depth = 1;
     FixNan fix_nan = FixNan::kBox3;
     auto operator<=>(const BorderReading&) const = default;
   };
-  /// Returns a tile's borders; reads each tile once.
+  /// Returns the borders of a tile. Each tile is read only once.
   const TileBorders& borders(const std::string& tile, const BorderReading& reading, const SpillPolicy& spill);
-  /// Returns the SHA-256 of a tile's file; reads the file once.
+  /// Returns the SHA-256 of the file of a tile. The file is read only once.
   std::string file_hash(const std::string& tile);
 
-  /// Returns the direction of green in the first tile that decides it. `of_tile` returns the direction of green found
-  /// in one tile, or nullopt if it is unknown. `of_tile` is called in the order of the tiles, at most once for each.
+  /// Returns the direction of green in the first tile that decides it. `of_tile` returns the direction of green that
+  /// was found in one tile, or nullopt if it is unknown. `of_tile` is called in the order of the tiles, at most once
+  /// for each of them.
   struct Green {
     std::optional<GreenAxis> axis;
     std::vector<std::string> asked;  // examined tiles; the last one decided
@@ -84,7 +86,8 @@ class TileSet {
 /// The sets of a run, each of which is opened once.
 class TileSets {
  public:
-  /// Stores in `settings` the set of a map and its tile in the set. Stores nothing if the tile has no neighbours.
+  /// Stores in `settings` the set to which a map belongs, and its tile in the set. Stores nothing if the tile has no
+  /// neighbours.
   void enter(const std::string& pattern, const std::string& tile, NormalMapSettings& settings);
 
  private:
@@ -100,7 +103,7 @@ struct TileSurroundings {
   std::vector<std::string> warnings;
   std::string record;  // JSON, for tiles_are_unchanged()
 };
-/// Directions in which a surface can repeat. Other ends matter only in these directions.
+/// Directions in which a surface can repeat. The other end of a row or column matters only in these directions.
 struct TileRepeats {
   bool s = true, t = true;
 };
@@ -111,11 +114,11 @@ TileSurroundings tile_surroundings(TileSet& set, const std::string& tile, const 
 /// Adds to a record the tiles that decided the direction of green. The record may be empty.
 std::string with_green(const std::string& record, TileSet& set, const TileSet::Green& green);
 
-/// Returns whether an older bake's record equals the current state. Does not read tiles whose files are unchanged.
+/// Returns whether the record of an older bake equals the current state. Does not read tiles whose files are unchanged.
 bool tiles_are_unchanged(const std::string& record, TileSet& set, const std::string& tile, FixNan fix_nan);
 
-/// Returns the hash of a tile in the state in which it was read. Covers its own file and the parts of other tiles that
-/// `record` lists.
+/// Returns the hash of a tile in the state in which it was read. The hash covers its own file and the parts of other
+/// tiles that `record` lists.
 std::string tile_source_hash(const std::string& file_hash, const std::string& record);
 
 }  // namespace multum

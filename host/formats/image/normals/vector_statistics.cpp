@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Statistics of a normal map. The most reliable statistic is the agreement of gradients. The slopes p = dh/dx = -x/z
 // and q = dh/dy = -y/z of any surface satisfy dp/dy = dq/dx (Frankot & Chellappa 1988, "A method for enforcing
-// integrability"). So both derivatives have a correlation of +1 on a map with green up, -1 with green down (q has the
-// wrong sign), and 0 on colours. The correlation is averaged over scales of 1, 2 and 4 texels (2 x 2 means), because
+// integrability"). Therefore both derivatives have a correlation of +1 on a map with green up, -1 with green down (q
+// has
+// the wrong sign), and 0 on colours. The correlation is averaged over scales of 1, 2 and 4 texels (2 x 2 means),
+// because
 // lossy compression destroys the correlation at 1 texel. Among 36 real normal maps, 29 are beyond +-0.31, and the
 // others (random facets, hard edges, lossy or hand-painted) are within 0.15. 19 colour images are within 0.14, and all
 // except one are within 0.09.
@@ -47,8 +49,8 @@ struct CorrelationSums {
   }
 };
 
-// The correlation ratio of z on the tilt is the share of z's variance that its means in bins of the tilt explain, minus
-// the share that the same number of bins explains in noise.
+// The correlation ratio of z on the tilt is the share of the variance of z that the means of z in bins of the tilt
+// explain. From this share, the share that the same number of bins explains in noise is subtracted.
 struct DependenceSums {
   static constexpr std::size_t kBinCount = 32;
   std::array<double, kBinCount> count{}, z{};
@@ -160,7 +162,7 @@ void add_gradients(const VectorRow& above, const VectorRow& row, const VectorRow
              slope(row[i + 1].y, row[i + 1].z) - slope(row[i - 1].y, row[i - 1].z));
 }
 
-// One band. Keeps the last three rows of each scale. Every pair of rows becomes one row of the next scale.
+// One band. The last three rows of each scale are kept. Every pair of rows becomes one row of the next scale.
 //   scale 1   0 1 2 3 4 5 6 7
 //   scale 2    0   1   2   3
 //   scale 4      0       1
@@ -234,7 +236,7 @@ class StatisticsBand {
   std::vector<Block> blocks_;
 };
 
-// Returns n if every nth band is examined.
+// Returns the number n such that every nth band is examined.
 int band_stride(const RawImageInfo& info) {
   constexpr std::int64_t kTexelsMax = std::int64_t{1} << 22;
   return static_cast<int>(1 + (std::int64_t{info.width} * info.height - 1) / kTexelsMax);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Computes statistics of an image's values, read as vectors, for host/formats/image/normals/encoding_detection.
+// Computes statistics of the values of an image, read as vectors, for host/formats/image/normals/encoding_detection.
 #pragma once
 
 #include <memory>
@@ -9,7 +9,7 @@
 
 namespace multum {
 
-/// Statistics of a normal map for one encoding of its numbers; shares refer to the texels that hold a vector.
+/// Statistics of a normal map for one encoding of its numbers. Shares refer to the texels that hold a vector.
 struct VectorStatistics {
   double texel_count = 0.0;     // number of texels that are finite and written
   double unit_share_5 = 0.0;    // share with | |v| - 1 | <= 0.05
@@ -31,16 +31,16 @@ struct VectorStatistics {
                                     // surface
   double gradient_sample_count = 0.0;
   // The members below show whether blue is z, if z is taken from blue.
-  double length_error = 0.0;           // rms of |v| - 1, weighted by x^2 + y^2, because the z of flat texels says
-                                       // nothing
+  double length_error = 0.0;           // rms of |v| - 1, weighted by x^2 + y^2, because the z of flat texels contains
+                                       // no information
   double positive_length_error = 0.0;  // length error of (x, y, blue), for ZRange::kPositive
   double z_dependence = 0.0;           // correlation ratio of z on sqrt(x^2 + y^2), 0 to 1; at 1, z is a function of it
   double block_length_spread = 0.0;    // standard deviation of ln of the mean |v| of 4 x 4 texels
   double rebuilt_angle = 0.0;          // rms angle in degrees between the vector and the vector with rebuilt z
 };
 
-/// Adds statistics row by row, from the top, each row once. At most about 16 Mi texels are examined, in whole bands of
-/// 64 rows, evenly spaced.
+/// Adds statistics row by row from the top. Each row must be added once. At most about 16 Mi texels are examined, in
+/// whole bands of 64 rows, evenly spaced.
 class VectorStatisticsSums {
  public:
   VectorStatisticsSums(const RawImageInfo& info, const VectorEncoding& encoding);

@@ -22,8 +22,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// ".multum-tmp-PID-RANDOM-PLACE-NAME": a hidden file of process PID on the machine or container PLACE. Files of earlier
-// versions have a counter instead of the random digits. These files are also removed if their processes were killed.
+// ".multum-tmp-PID-RANDOM-PLACE-NAME" is a hidden file of process PID on the machine or container PLACE. Files of
+// earlier versions have a counter instead of the random digits. These files are also removed if their processes were
+// killed.
 constexpr char kPrefix[] = ".multum-tmp-";
 constexpr std::size_t kPlaceDigits = 8;
 constexpr std::time_t kForeignSeconds = 24 * 60 * 60;
@@ -40,8 +41,8 @@ const std::string& place() {
   return digits;
 }
 
-// Returns whether a process that has ended left the temporary file `found` of `name`. Processes of other places cannot
-// be checked, so a file of another place counts as left over after a day.
+// Returns whether the temporary file `found` of `name` was left by a process that has ended. Processes of other places
+// cannot be checked, so a file of another place counts as left over after one day.
 bool is_leftover(const std::string& found, const std::string& name, const struct stat& state) {
   const std::size_t number = found.find('-', sizeof(kPrefix) - 1);
   const std::size_t rest = number == std::string::npos ? number : found.find('-', number + 1);
@@ -55,8 +56,8 @@ bool is_leftover(const std::string& found, const std::string& name, const struct
          std::time(nullptr) - state.st_mtim.tv_sec > kForeignSeconds;
 }
 
-// Removes only files of this user, because other users' files can have such a name too. The directory is listed once
-// per written file. A file of a living process is never touched.
+// Removes only files of this user, because other users' files can have such names too. The directory is listed once per
+// written file. Files of running processes are never touched.
 void sweep_leftovers(const NamedPlace& place, const std::string& path) {
   std::vector<std::string> names;
   try {
@@ -72,8 +73,8 @@ void sweep_leftovers(const NamedPlace& place, const std::string& path) {
   }
 }
 
-// Rejects the name of an existing object that is not a regular file, because that object would be lost, or written to
-// by accident.
+// Rejects the name of an existing object that is not a regular file. Otherwise that object would be lost, or the
+// program would write to it by accident.
 void check_final_name(const NamedPlace& place, const std::string& path) {
   const auto refuse = [&](const char* what) {
     throw Error(ErrorCode::kUsage, path + ": " + what + ", expected the name of a file to write");
@@ -117,7 +118,7 @@ void AtomicFile::commit() {
   if (::renameat(folder, temporary_name_.c_str(), folder, place_.name.c_str()) != 0)
     fail_by_errno(path_, "cannot be renamed to its final name");
   committed_ = true;
-  // A folder that cannot be listed cannot be opened for syncing.
+  // A folder that cannot be listed cannot be opened for syncing either.
   const OpenFile synced(::openat(folder, ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC));
   if (synced.is_open() && ::fsync(synced.descriptor()) != 0)
     fail_by_errno(path_, "its folder cannot be synced to disk");

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writes a file that appears whole or not at all: its bytes go to a temporary file in the same folder, which is synced
-// and renamed. The temporary file is new, has a random name, and is written through its descriptor. If somebody puts a
-// link, a pipe or another file in its place, it is neither followed nor written to.
+// Writes a file that appears complete or not at all. The bytes go to a temporary file in the same folder, which is then
+// synced and renamed. The temporary file is new, has a random name, and is written through its descriptor. If somebody
+// puts a link, a pipe or another file in its place, the program neither follows nor writes to that object.
 #pragma once
 
 #include <string>
@@ -14,9 +14,9 @@ namespace multum {
 
 class AtomicFile {
  public:
-  /// Creates the temporary file. Removes temporary files for the same final name that this user's earlier runs left
-  /// when they were killed. Throws Error(kUsage) for an unusable name: one that is too long, or belongs to a folder, a
-  /// device or a pipe. Throws Error(kEnvironment) if the folder is missing or no file can be created in it.
+  /// Creates the temporary file. Removes temporary files for the same final name that earlier runs of this user left
+  /// when they were killed. Throws Error(kUsage) if the name is too long or belongs to a folder, a device or a pipe.
+  /// Throws Error(kEnvironment) if the folder is missing or no file can be created in it.
   explicit AtomicFile(std::string path);
   /// Removes the temporary file unless commit() was reached.
   ~AtomicFile();
@@ -40,7 +40,7 @@ class AtomicFile {
   bool committed_ = false;
 };
 
-/// Returns whether `name` has the form of an AtomicFile's temporary file, of this or any other process.
+/// Returns whether `name` has the form of a temporary file that an AtomicFile of this or any other process makes.
 bool is_temporary_name(std::string_view name);
 
 /// Writes a small text file atomically.

@@ -19,7 +19,7 @@
 namespace multum {
 namespace {
 
-constexpr std::int64_t kWindowBytes = 4096;  // headers are read byte by byte, and a stream loses its buffer at each
+constexpr std::int64_t kWindowBytes = 4096;  // headers are read byte by byte, and a stream discards its buffer at each
                                              // seek
 
 }  // namespace

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Computes CRC-64 for this program's scratch files, which can be cut or damaged. CRC-64 takes a hundredth of the time
-// of SHA-256, and scratch files need no protection against forgery.
+// Computes CRC-64 for this program's scratch files, which can be truncated or damaged. CRC-64 takes one hundredth of
+// the time of SHA-256, and scratch files need no protection against forgery.
 #pragma once
 
 #include <cstddef>

@@ -27,8 +27,8 @@ class ContentHash {
 };
 
 std::string hash_text(std::string_view text);
-/// Returns the SHA-256 of a file, or of an image in memory by its name (host/foundation/base/files/memory_images.h).
-/// Throws Error(kInput) when the file cannot be read.
+/// Returns the SHA-256 of a file, or of an image in memory that is given by its name
+/// (host/foundation/base/files/memory_images.h). Throws Error(kInput) if the file cannot be read.
 std::string hash_file(const std::string& path);
 
 }  // namespace multum

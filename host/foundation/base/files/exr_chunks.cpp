@@ -45,7 +45,7 @@ std::vector<ExrChannel> channels_of(ByteFile& file, const ExrAttribute& attribut
 
 std::int64_t floor_divided(std::int64_t x, std::int64_t by) { return x >= 0 ? x / by : -((by - 1 - x) / by); }
 
-// Counts the multiples of `step` from `begin` to before `end`.
+// Counts the multiples of `step` that are at least `begin` and less than `end`.
 std::int64_t multiples(std::int64_t begin, std::int64_t end, std::int64_t step) {
   return floor_divided(end - 1, step) - floor_divided(begin - 1, step);
 }
@@ -61,7 +61,7 @@ int levels_of_side(int side, bool rounds_up) {
   return count;
 }
 
-// The low four bits of `mode` select the levels, and the high four bits the rounding of their sizes.
+// The low four bits of `mode` select the levels, and the high four bits select the rounding of their sizes.
 void add_levels(ExrPart& part, int mode) {
   constexpr int kOneLevel = 0, kMipmap = 1;
   const bool rounds_up = mode / 16 != 0;
@@ -81,7 +81,7 @@ void add_levels(ExrPart& part, int mode) {
     for (int x = 0; x < levels_of_side(part.width, rounds_up); ++x) add(x, y);
 }
 
-// Values of a header that is being read.
+// Values of the header that is being read.
 struct PartDraft {
   ExrPart part;
   std::string type;
@@ -195,7 +195,7 @@ void ExrChunks::read_table(std::size_t index, std::int64_t& position) {
     if (place < static_cast<std::uint64_t>(tables_end_) ||
         place > static_cast<std::uint64_t>(file_.size() - head_bytes))
       refuse(index, chunk,
-             fmt::format("the table of chunks gives byte {} as its start, expected {} to {}", place, tables_end_,
+             fmt::format("the chunk table states that it starts at byte {}, expected {} to {}", place, tables_end_,
                          file_.size() - head_bytes));
     const auto begin = static_cast<std::int64_t>(place);
     const std::string head = file_.bytes(begin, head_bytes, kHead);

@@ -22,7 +22,7 @@ struct ExrChannel {
   std::int64_t bytes() const { return type == kHalf ? 2 : 4; }
 };
 
-/// Texels that a chunk holds. Rows and columns are counted within its level, from the corner of the data window.
+/// The texels that a chunk holds. Rows and columns are counted within its level, from the corner of the data window.
 struct ExrChunkArea {
   int level_x, level_y;  // equal except in ripmaps
   int tile_x, tile_y;    // position of the tile; if the part is not tiled, 0 and the index of the block
@@ -52,13 +52,13 @@ struct ExrPart {
   std::vector<ExrChunkPlace> chunks;
 };
 
-/// Several threads may call it at once.
+/// Several threads may call this function at once.
 class ExrChunks {
  public:
-  /// Reads the headers and tables of the file, and the head of every chunk. Messages begin with `damaged`, and add
-  /// `first_levels` (one per part; 0 if empty) to level numbers. Throws Error(kInput), which names the file, part,
-  /// level and tile, for a chunk that is not at the position in its table, overlaps another chunk, or has an impossible
-  /// size.
+  /// Reads the headers and tables of the file, and the beginning of every chunk. Messages begin with `damaged`.
+  /// `first_levels` (one per part; empty means 0) are added to the level numbers in messages. Throws Error(kInput),
+  /// which names the file, part, level and tile, if a chunk is not at the position in its table, overlaps another
+  /// chunk, or has an impossible size.
   explicit ExrChunks(const std::string& path, std::vector<int> first_levels = {}, std::string damaged = "damaged");
 
   const std::vector<ExrPart>& parts() const { return parts_; }
@@ -67,14 +67,14 @@ class ExrChunks {
   std::int64_t unpacked_bytes(std::size_t part, std::size_t chunk) const;
   /// Returns whether unpack() can unpack the part, which must be uncompressed or packed by RLE, ZIPS or ZIP.
   bool can_unpack(std::size_t part) const;
-  /// Unpacks the chunk's texels row by row, and within a row channel by channel, in little-endian order. Writes all
-  /// unpacked_bytes() bytes to `unpacked`, or throws Error(kInput). Requires can_unpack().
+  /// Unpacks the texels of the chunk in little-endian order, row by row, and within each row channel by channel. Writes
+  /// all unpacked_bytes() bytes to `unpacked`, or throws Error(kInput). can_unpack() must be true.
   void unpack(std::size_t part, std::size_t chunk, std::vector<unsigned char>& unpacked) const;
   /// Unpacks every chunk with a known compression, to find chunks that are too short. For other compressions, the
   /// library itself detects short chunks.
   void check_all(int threads) const;
-  /// Like check_all(), but only for chunks of the part's first level that hold rows from `first` to before `end`. Rows
-  /// are counted in the data window.
+  /// Like check_all(), but only for chunks of the part's first level that hold rows from `first` up to, but not
+  /// including, `end`. Rows are counted from the first row of the data window.
   void check_rows(std::size_t part, int first, int end, int threads) const;
   [[noreturn]] void refuse(std::size_t part, std::size_t chunk, const std::string& what) const;
 
@@ -89,7 +89,7 @@ class ExrChunks {
   const std::string path_;
   const std::vector<int> first_levels_;
   const std::string damaged_;
-  mutable ByteFile file_;  // after construction, used only to read by position
+  mutable ByteFile file_;  // after construction, it is only read by position
   bool is_multi_part_ = false;
   std::int64_t tables_begin_ = 0, tables_end_ = 0;
   std::vector<ExrPart> parts_;

@@ -16,7 +16,7 @@ namespace {
 constexpr char kHeader[] = "an EXR header";
 constexpr std::uint64_t kExrMagic = 0x01312f76;  // the first four bytes
 
-// Reads a name or type of an EXR attribute, at most 255 bytes, and moves `position` past its zero byte.
+// Reads the name or type of an EXR attribute, which has at most 255 bytes, and moves `position` past its zero byte.
 std::string exr_string(const std::string& path, ByteFile& file, std::int64_t& position) {
   constexpr std::int64_t kBytesMax = 256;  // includes the zero byte
   const std::int64_t left = std::max<std::int64_t>(0, file.size() - position);
@@ -31,7 +31,7 @@ std::string exr_string(const std::string& path, ByteFile& file, std::int64_t& po
   return text;
 }
 
-// Replaces characters that a message must not contain.
+// Replaces the characters that a message must not contain.
 std::string plain(std::string text) {
   for (char& byte : text)
     if (byte < ' ' || byte > '~') byte = '?';
@@ -42,8 +42,8 @@ std::int64_t exr_int(ByteFile& file, std::int64_t position) {
   return static_cast<std::int32_t>(file.little_endian(position, 4, kHeader));
 }
 
-// The offset table holds 8 bytes per chunk. A chunk is a tile, or at most 256 rows (DWAB). If the table for an image
-// size does not fit into the file, the size is wrong.
+// The offset table holds 8 bytes per chunk. A chunk is a tile, or a block of at most 256 rows (DWAB). If the file is
+// smaller than the table that an image size requires, the size is wrong.
 void check_exr_table(const std::string& path, std::int64_t file_size, const ExrPartSize& part, std::int64_t tile_width,
                      std::int64_t tile_height) {
   std::int64_t chunk_count = (part.height + 255) / 256;
@@ -58,8 +58,8 @@ void check_exr_table(const std::string& path, std::int64_t file_size, const ExrP
                                   part.height, file_size));
 }
 
-// Returns the first channel with fewer samples than texels. Channels are [name 0][type 4][flags 4][steps in x 4, in y
-// 4].
+// Returns the first channel that has fewer samples than texels. A channel is [name 0][type 4][flags 4][steps in x 4, in
+// y 4].
 std::string subsampled_channel(const std::string& path, ByteFile& file, std::int64_t position) {
   for (;; position += 16) {
     std::string name = exr_string(path, file, position);
@@ -67,14 +67,14 @@ std::string subsampled_channel(const std::string& path, ByteFile& file, std::int
   }
 }
 
-// Channels are [name 0][16 bytes], up to an empty name.
+// Each channel is [name 0][16 bytes]. An empty name ends the list.
 std::int64_t channel_list_size(const std::string& path, ByteFile& file, std::int64_t begin) {
   std::int64_t position = begin;
   while (!exr_string(path, file, position).empty()) position += 16;
   return position - begin;
 }
 
-// Texts are [length 4][bytes].
+// Each text is [length 4][bytes].
 std::int64_t text_list_size(ByteFile& file, std::int64_t begin, std::int64_t size) {
   std::int64_t position = begin;
   while (position < begin + size) {
@@ -92,8 +92,8 @@ std::int64_t preview_size(ByteFile& file, std::int64_t begin) {
   return width < 0 || height < 0 || width > kSideMax || height > kSideMax ? -1 : 8 + 4 * width * height;
 }
 
-// The library reads a value by its type and ignores the length before the value. If the lengths differ, the library
-// reads bytes of the value as the length of the next attribute.
+// The library reads a value according to its type and ignores the length stored before the value. If the two lengths
+// differ, the library reads bytes of the value as the length of the next attribute.
 void check_exr_value(const std::string& path, ByteFile& file, const ExrAttribute& attribute) {
   const auto& [part, name, type, position, size] = attribute;
   static const std::map<std::string, std::int64_t> kSizes = {{"box2i", 16},      {"box2f", 16}, {"chromaticities", 32},
@@ -114,8 +114,8 @@ void check_exr_value(const std::string& path, ByteFile& file, const ExrAttribute
                                   size, expected, plain(type)));
 }
 
-// Reads one part's header, in which each attribute has a name, a type, a size (4 bytes) and a value. An empty name ends
-// the header. Returns false if the part has no attributes.
+// Reads the header of one part. Each attribute in it has a name, a type, a size (4 bytes) and a value. An empty name
+// ends the header. Returns false if the part has no attributes.
 bool walk_part(const std::string& path, ByteFile& file, int part, std::int64_t& position,
                const std::function<void(const ExrAttribute&)>& visit) {
   for (int attribute_count = 0;; ++attribute_count) {

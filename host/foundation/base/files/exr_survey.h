@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Examines an OpenEXR file's headers ("OpenEXR file layout") without the library. The library trusts the lengths in the
-// headers: for a file of 30 KiB, it allocates gigabytes for one attribute.
+// Examines the headers of an OpenEXR file ("OpenEXR file layout") without the library. The library trusts the lengths
+// in the headers. For a file of 30 KiB, it can therefore allocate gigabytes for one attribute.
 #pragma once
 
 #include <cstdint>
@@ -23,13 +23,13 @@ struct ExrAttribute {
   std::int64_t position, size;  // place of the value, which is entirely within the file
 };
 
-/// Visits every attribute of every header, in the file's order, and calls `end_part` after each header. Throws
-/// Error(kInput) if a header is cut or damaged. Exceptions of the two functions pass through.
+/// Visits every attribute of every header, in the order of the file, and calls `end_part` after each header. Throws
+/// Error(kInput) if a header is cut or damaged. Exceptions that the two functions throw are passed on.
 void walk_exr_headers(const std::string& path, ByteFile& file, const std::function<void(const ExrAttribute&)>& visit,
                       const std::function<void()>& end_part = {});
 
-/// Returns at least one part. Throws Error(kInput) for deep images, cut files, attributes beyond the end of the file,
-/// and image sizes whose chunk table does not fit into the file.
+/// Returns the parts of the file, at least one. Throws Error(kInput) for deep images, cut files, attributes beyond the
+/// end of the file, and image sizes whose chunk table does not fit into the file.
 std::vector<ExrPartSize> survey_exr(const std::string& path, ByteFile& file);
 
 /// Checks the first bytes and the headers before a library opens the file. Accepts a missing file, because the library

@@ -32,11 +32,11 @@ constexpr std::array<CompressionRow, exr_compression::kCount> kCompressionRows =
 
 using ByteVector = unsigned char __attribute__((vector_size(16)));
 
-// Sums the differences, 16 at a time. The steps add the values that are 1, 2, 4 and 8 positions before.
+// Sums the differences of 16 bytes at a time. The steps add the values 1, 2, 4 and 8 positions before.
 void sum_differences(unsigned char* bytes, std::size_t size) {
   constexpr unsigned char kMiddle = 128;
   const ByteVector zero{}, middle = zero + kMiddle;
-  unsigned char last = kMiddle;  // the first byte is stored as a value
+  unsigned char last = kMiddle;  // the first byte is stored as it is
   std::size_t i = 0;
   for (; i + sizeof(ByteVector) <= size; i += sizeof(ByteVector)) {
     ByteVector v;
@@ -62,7 +62,7 @@ void bring_together(const unsigned char* parted, std::size_t size, unsigned char
   if (size % 2 != 0) together[size - 1] = parted[size / 2];
 }
 
-// Expands runs. A negative count is followed by that number of bytes; any other count is followed by one byte, which is
+// Expands runs. A negative count is followed by that number of bytes. Any other count is followed by one byte, which is
 // repeated count + 1 times.
 const char* unroll(const unsigned char* packed, std::size_t packed_size, unsigned char* out, std::size_t size) {
   std::size_t at = 0;
@@ -70,7 +70,7 @@ const char* unroll(const unsigned char* packed, std::size_t packed_size, unsigne
     const int count = static_cast<signed char>(packed[i++]);
     const auto length = static_cast<std::size_t>(count < 0 ? -count : count + 1);
     if (length > size - at) return "its runs unpack to too many bytes";
-    if ((count < 0 ? length : 1) > packed_size - i) return "its runs are cut";
+    if ((count < 0 ? length : 1) > packed_size - i) return "its last run is incomplete";
     if (count < 0) std::memcpy(out + at, packed + i, length);
     else std::memset(out + at, packed[i], length);
     i += count < 0 ? length : 1;
@@ -94,14 +94,14 @@ const char* inflate_all(const unsigned char* packed, std::size_t packed_size, un
   }
 }
 
-// Returns a buffer of this thread, at least `size` bytes.
+// Returns a buffer of this thread with at least `size` bytes.
 std::vector<unsigned char>& parted_bytes(std::size_t size) {
   static thread_local std::vector<unsigned char> bytes;
   if (bytes.size() < size) bytes.resize(size);
   return bytes;
 }
 
-// Unpacks to differences, with even and odd bytes separated.
+// Unpacks a chunk to differences, in which even and odd bytes are still separated.
 const char* unpack_parted(int compression, const unsigned char* packed, std::size_t packed_size, unsigned char* parted,
                           std::size_t size) {
   if (packed_size > size || compression == exr_compression::kNone)

@@ -6,7 +6,7 @@
 
 namespace multum {
 
-/// Values of the header's attribute "compression".
+/// Values of the attribute "compression" in the header.
 namespace exr_compression {
 constexpr int kNone = 0, kRle = 1, kZips = 2, kZip = 3, kPiz = 4, kPxr24 = 5, kB44 = 6, kB44a = 7, kDwaa = 8, kDwab = 9;
 constexpr int kCount = 10;
@@ -20,16 +20,17 @@ int exr_rows_per_chunk(int compression);
 /// Returns whether unpack_exr() knows the compression.
 inline bool can_unpack_exr(int compression) { return compression >= 0 && compression <= exr_compression::kZip; }
 
-/// Writes all `size` bytes of `unpacked` and returns null. If this fails, returns a description of the fault, and the
+/// Writes all `size` bytes of `unpacked` and returns null. On failure, returns a description of the fault, and the
 /// contents of `unpacked` are invalid. A chunk whose packed and unpacked sizes are equal is stored unpacked.
 const char* unpack_exr(int compression, const unsigned char* packed, std::size_t packed_size, unsigned char* unpacked,
                        std::size_t size);
 
-/// Returns the result of unpack_exr() without the unpacked bytes, for callers that pass the packed bytes to a library.
+/// Returns what unpack_exr() would return, but without the unpacked bytes. Used by callers that pass the packed bytes
+/// to a library.
 const char* check_exr(int compression, const unsigned char* packed, std::size_t packed_size, std::size_t size);
 
-/// Returns whether this number of packed bytes can unpack to `size`, so that memory is not allocated for a damaged
-/// size.
+/// Returns whether this number of packed bytes can unpack to `size` bytes. The check prevents allocating memory for a
+/// size that is damaged.
 bool may_unpack_exr(int compression, std::size_t packed_size, std::size_t size);
 
 }  // namespace multum

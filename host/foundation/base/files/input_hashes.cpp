@@ -16,8 +16,8 @@ namespace multum {
 namespace {
 
 // File times have the resolution of the kernel's timer tick, 1 to 10 ms on Linux, so two writes within one tick have
-// the same time. After a very recent write, the file is examined with a short delay, so that any later write has
-// another time. File systems that store whole seconds (FAT) are not supported.
+// the same time. If a file was written very recently, it is therefore examined after a short delay, so that any later
+// write gets another time. File systems that store whole seconds (FAT) are not supported.
 constexpr std::int64_t kTickNs = 20'000'000;
 
 std::int64_t nanoseconds(const timespec& time) { return time.tv_sec * std::int64_t{1'000'000'000} + time.tv_nsec; }
@@ -39,7 +39,7 @@ InputHashes::Known* InputHashes::noted(const std::string& path) {
   if (const auto found = known_.find(path); found != known_.end()) return &found->second;
   std::optional<Stamp> stamp = stamp_of(path);
   if (!stamp) return nullptr;
-  // A file time in the future, from a clock that runs ahead, does not lengthen the wait.
+  // If a clock that runs ahead caused a file time in the future, the wait is not longer.
   const std::int64_t age = std::max(std::int64_t{0}, now_ns() - stamp->changed_ns);
   if (age < kTickNs) {
     std::this_thread::sleep_for(std::chrono::nanoseconds(kTickNs - age));
@@ -51,7 +51,8 @@ InputHashes::Known* InputHashes::noted(const std::string& path) {
 
 void InputHashes::check(const Known& known, const std::string& path) {
   if (stamp_of(path) != known.stamp)
-    throw Error(ErrorCode::kInput, path + ": changed while it was read, expected a file that no program writes to");
+    throw Error(ErrorCode::kInput,
+                path + ": changed while it was being read, expected a file that no program is writing");
 }
 
 void InputHashes::note(const std::string& path) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Hashes each file that a program reads, once. The hash covers the bytes that the file had when it was first examined;
-// a file that changes later is rejected.
+// Hashes each file that a program reads, once. The hash covers the bytes that the file had when it was first examined.
+// A file that changes later is rejected.
 #pragma once
 
 #include <cstdint>
@@ -16,25 +16,25 @@ class InputHashes {
   /// Records the state of a file before anything reads it. Does nothing if the file cannot be examined or its state is
   /// already recorded.
   void note(const std::string& path);
-  /// Returns the SHA-256, computed at the first call. Throws Error(kInput) when the file cannot be read, or has changed
-  /// since note().
+  /// Returns the SHA-256, which is computed at the first call. Throws Error(kInput) if the file cannot be read, or has
+  /// changed since note().
   std::string hash(const std::string& path);
-  /// Throws Error(kInput) if the file has changed since note(), because data read since then are invalid.
+  /// Throws Error(kInput) if the file has changed since note(), because data that were read since then are invalid.
   void check_unchanged(const std::string& path);
-  /// The part of a file's state that other machines also see.
+  /// The part of a file's state that is also visible on other machines.
   struct FileState {
     std::int64_t size = -1, modified_ns = 0;
     bool operator==(const FileState&) const = default;
   };
-  /// State of the file when it was first examined.
+  /// The state of the file when it was first examined.
   FileState state(const std::string& path);
-  /// Adopts a hash that another process computed, if the file still has the `state` that the other process saw.
+  /// Adopts a hash that another process computed, if the file still has the same `state` as in that process.
   void take(const std::string& path, const FileState& state, const std::string& hash);
-  /// Number of files that were read for hashing.
+  /// The number of files that were read in order to hash them.
   int read_count() const;
 
  private:
-  // The stamp changes with every write. If the file is replaced, its inode differs.
+  // The stamp changes with every write. If the file is replaced, the new file has a different inode.
   struct Stamp {
     std::uint64_t device, inode;
     std::int64_t size, modified_ns, changed_ns;

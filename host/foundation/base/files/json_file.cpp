@@ -61,7 +61,7 @@ std::optional<std::string> json_of_file(const std::string& path, StandardInput i
   return text;
 }
 
-// In valid JSON, a backslash occurs only in strings, in which it begins an escape.
+// In valid JSON, a backslash occurs only within strings, where it begins an escape.
 bool holds_nul(std::string_view json) {
   if (json.find('\0') != std::string_view::npos) return true;
   for (std::size_t at = json.find('\\'); at != std::string_view::npos; at = json.find('\\', at + 2))

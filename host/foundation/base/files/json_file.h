@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Reads and writes JSON for exchange with other programs. Rejects strings that hold NUL, and checks the ranges of
-// integers. Writes file names that are not UTF-8 as described in host/foundation/base/path_text.
+// integers. File names that are not UTF-8 are written as described in host/foundation/base/path_text.
 #pragma once
 
 #include <cstdint>
@@ -15,12 +15,12 @@
 
 namespace multum {
 
-/// Returns a whole JSON file; nullopt if it cannot be read. Throws Error(kInput) if the path is not a regular file, or
-/// if the file holds NUL (refuse_nul()).
+/// Returns the contents of a whole JSON file, or nullopt if the file cannot be read. Throws Error(kInput) if the path
+/// is not a regular file, or if the file holds NUL (refuse_nul()).
 std::optional<std::string> json_of_file(const std::string& path, StandardInput input = StandardInput::kRefused);
 
 /// Throws Error(kInput), which names `path`, if a string or a key holds NUL (\u0000). System functions end names at
-/// NUL, so two parts of a program would see two different names. `json` need not be valid.
+/// NUL, so two parts of a program would see two different names. `json` does not have to be valid.
 void refuse_nul(std::string_view json, const std::string& path);
 bool holds_nul(std::string_view json);
 
@@ -35,9 +35,9 @@ int json_int(const nlohmann::json& object, const char* key);
 std::vector<int> json_ints(const nlohmann::json& object, const char* key);
 std::vector<int> json_ints_of(const nlohmann::json& value, const std::string& what);
 
-/// Like dump(), but writes text_of_path() of each text and key that is not UTF-8. Callers must convert every path, even
-/// a UTF-8 path, with text_of_path(). Otherwise characters from U+EF80 to U+EFFF would be read back as another name. If
-/// `is_ascii`, escapes all characters that are not ASCII.
+/// Like dump(), but replaces each text and key that is not UTF-8 by its text_of_path(). Callers must convert every
+/// path, even a UTF-8 path, with text_of_path(). Otherwise a name that contains characters from U+EF80 to U+EFFF would
+/// be read back as a different name. If `is_ascii`, escapes all characters that are not ASCII.
 std::string json_text(const nlohmann::json& json, int indent = -1, bool is_ascii = false);
 std::string json_text(const nlohmann::ordered_json& json, int indent = -1, bool is_ascii = false);
 

@@ -10,7 +10,7 @@
 namespace multum {
 namespace {
 
-// No file has such a name, and no colon separates a channel from it.
+// No file has such a name, and the name contains no colon that could separate a channel.
 constexpr char kPrefix[] = "<memory ";
 
 struct Names {

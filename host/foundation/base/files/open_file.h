@@ -10,7 +10,7 @@ namespace multum {
 
 class OpenFile {
  public:
-  /// Takes ownership of the descriptor; -1 means none.
+  /// Takes ownership of the descriptor. -1 means that there is no descriptor.
   explicit OpenFile(int descriptor = -1) : descriptor_(descriptor) {}
   OpenFile(OpenFile&& other) noexcept : descriptor_(std::exchange(other.descriptor_, -1)) {}
   OpenFile& operator=(OpenFile&& other) noexcept {
@@ -23,7 +23,7 @@ class OpenFile {
 
   bool is_open() const { return descriptor_ >= 0; }
   int descriptor() const { return descriptor_; }
-  /// Gives up ownership: the caller closes the descriptor.
+  /// Gives up ownership. The caller must close the descriptor.
   int release() { return std::exchange(descriptor_, -1); }
 
  private:

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Writes bytes to an AtomicFile for libraries that write through callbacks. Exceptions must not pass through a
-// callback, so the first failure is stored and thrown when the file is closed.
+// callback. Therefore the first failure is stored, and thrown when the file is closed.
 #pragma once
 
 #include <cstddef>
@@ -14,7 +14,7 @@ namespace multum {
 
 class OutputFile {
  public:
-  /// Writes from the first byte on; `file` must outlive this object. Throws Error(kEnvironment).
+  /// Starts writing at the first byte. `file` must outlive this object. Throws Error(kEnvironment).
   explicit OutputFile(const AtomicFile& file);
   ~OutputFile();
   OutputFile(const OutputFile&) = delete;
@@ -24,9 +24,9 @@ class OutputFile {
   bool write(const void* bytes, std::size_t count);
   bool seek(std::uint64_t position);
   std::uint64_t position() const { return position_; }
-  /// Returns the first failure as text, which is empty if there was none.
+  /// Returns a description of the first failure, or an empty text if nothing has failed.
   std::string failure() const;
-  /// Hands all bytes to the system. Throws Error(kEnvironment) when this or an earlier write failed.
+  /// Passes all bytes to the system. Throws Error(kEnvironment) if this or an earlier write failed.
   void close();
 
  private:
@@ -37,7 +37,7 @@ class OutputFile {
   int failure_ = 0;  // the first errno
 };
 
-/// Writes for callers that can pass exceptions on: throws Error(kEnvironment) as soon as a write fails.
+/// Writes for callers through which exceptions can pass. Throws Error(kEnvironment) as soon as a write fails.
 inline void write_or_throw(OutputFile& file, const void* bytes, std::size_t count) {
   if (!file.write(bytes, count)) file.close();  // throws the stored failure
 }

@@ -18,18 +18,18 @@ namespace {
 namespace fs = std::filesystem;
 
 bool same_file(const std::string& a, const std::string& b) {
-  std::error_code ignored;  // a file that does not exist yet can be in a folder with several names
+  std::error_code ignored;  // a file that does not exist yet can be in a folder that has several names
   return fs::equivalent(a, b, ignored) || canonical_name(a) == canonical_name(b);
 }
 
 // Names are written to file lists, logs and terminals, where a control character could have an effect.
 void check_name(const fs::path& name, const std::string& path) {
   if (holds_control(name.string()))
-    throw Error(ErrorCode::kUsage,
-                fmt::format("{}: its name holds a control character, expected a name without one", shown_text(path)));
+    throw Error(ErrorCode::kUsage, fmt::format("{}: its name contains a control character, expected a name without one",
+                                               shown_text(path)));
 }
 
-// Folders that were created. Each folder comes after the folders that contain it.
+// The folders that were created. Each folder comes after the folders that contain it.
 struct NewFolderList {
   std::mutex mutex;
   int keepers = 0;
@@ -53,7 +53,7 @@ NewFolders::~NewFolders() {
   NewFolderList& list = new_folders();
   const std::lock_guard lock(list.mutex);
   if (--list.keepers > 0) return;
-  // rmdir() fails if a folder is not empty, so such a folder stays.
+  // rmdir() fails if a folder is not empty, so such a folder remains.
   for (auto path = list.paths.rbegin(); path != list.paths.rend(); ++path) ::rmdir(path->c_str());
   list.paths.clear();
 }
@@ -105,8 +105,8 @@ std::string existing_part(const std::string& path) {
 
 void check_writable(const std::string& path) {
   check_name(fs::path(path).filename(), path);
-  // Permissions do not tell whether the file can be written (a read-only disk, root). So a file is created; it is
-  // removed together with the probe.
+  // Permissions do not tell whether the file can be written, for example on a read-only disk or for root. Therefore a
+  // file is created. It is removed together with the probe.
   const AtomicFile probe(path);
 }
 

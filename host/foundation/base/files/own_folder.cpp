@@ -20,7 +20,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kDepthMax = 64;    // largest depth of nested folders, each of which is an open file
+constexpr int kDepthMax = 64;    // the largest depth of nested folders, because every level keeps a file open
 constexpr int kTriesMax = 1000;  // other processes can remove the folder between its creation and its opening
 constexpr char kMark[] = ".multum-folder";
 constexpr mode_t kOwnMode = 0700;  // no other user can list the folder, or put a link there
@@ -28,8 +28,8 @@ constexpr mode_t kOthersWrite = S_IWGRP | S_IWOTH;
 
 [[noreturn]] void refuse(const std::string& path, const std::string& what) {
   throw Error(ErrorCode::kEnvironment,
-              fmt::format("{}: {}; expected a new folder, or one that only this user may write to. It was left "
-                          "unchanged: remove it, or write to another folder",
+              fmt::format("{}: {}; expected a new folder, or one to which only this user can write. It was left "
+                          "unchanged. Remove it, or write to another folder",
                           path, what));
 }
 
@@ -98,8 +98,8 @@ bool remove_one(int folder, dev_t device, const std::string& name, int depth) {
          ::unlinkat(folder, name.c_str(), AT_REMOVEDIR) == 0;
 }
 
-// Lists the names in an open folder. Returns false, with errno, if they cannot be read. Uses the descriptor itself, so
-// that a process that cannot open more files can still remove its own.
+// Lists the names in an open folder. Returns false and sets errno if they cannot be read. Uses the descriptor itself,
+// so a process that cannot open more files can still remove its own folder.
 bool list_names(int folder, std::vector<std::string>& names) {
   if (::lseek(folder, 0, SEEK_SET) < 0) return false;
   alignas(dirent64) char entries[32 << 10];
@@ -155,7 +155,7 @@ OpenFile open_own_folder(const OpenFile& above, const std::string& name, const s
     const bool is_made = ::mkdirat(above.descriptor(), name.c_str(), kOwnMode) == 0;
     if (!is_made && errno == ENAMETOOLONG)
       throw Error(ErrorCode::kUsage, path + ": the name is too long for the file system; choose a shorter one");
-    if (!is_made && errno != EEXIST) fail_by_errno(path, "cannot be made");
+    if (!is_made && errno != EEXIST) fail_by_errno(path, "cannot be created");
     try {
       if (OpenFile folder = open_if_own(above, name, path); folder.is_open()) return folder;
     } catch (...) {
@@ -190,7 +190,7 @@ bool clear_own_folder(const OpenFile& folder, const std::string& kept) {
 }
 
 bool remove_own_folder(const OpenFile& above, const std::string& name, const OpenFile& folder) {
-  // The mark is removed last. If the process is killed, the remaining folder is therefore still marked, or empty.
+  // The mark is removed last. If the process is killed before that, the remaining folder is still marked, or empty.
   if (!clear_own_folder(folder)) return false;
   ::unlinkat(folder.descriptor(), kMark, 0);
   return !is_named(above, name, folder.descriptor()) || ::unlinkat(above.descriptor(), name.c_str(), AT_REMOVEDIR) == 0;

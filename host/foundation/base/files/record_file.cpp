@@ -27,9 +27,10 @@ std::uint64_t size_of_file(const OpenFile& file, const std::string& path) {
   struct stat found {};
   if (!file.is_open() || ::fstat(file.descriptor(), &found) != 0) fail_by_errno(path, "cannot be opened");
   if (!S_ISREG(found.st_mode))
-    throw Error(ErrorCode::kEnvironment, path +
-                                             ": is not a file, but multum keeps the journal of an interrupted run "
-                                             "under this name; remove or rename it");
+    throw Error(
+        ErrorCode::kEnvironment,
+        path +
+            ": is not a file, but multum keeps the journal of interrupted work under this name; remove or rename it");
   return static_cast<std::uint64_t>(found.st_size);
 }
 
@@ -44,7 +45,7 @@ bool write_all(int file, RecordFile::Bytes bytes, std::uint64_t offset) {
   return true;
 }
 
-// If a process was killed or the power failed, the file may hold only the beginning of the first line, or zeros.
+// If the process was killed or the power failed, the file may hold only the beginning of the first line, or only zeros.
 bool is_torn(const std::string& text) {
   return text[0] == '\0' || (text.size() < kFormatBytes && std::string(kFormatLine).starts_with(text));
 }
@@ -113,7 +114,7 @@ void RecordFile::begin(const std::string& key) {
 
 void RecordFile::go_on(std::uint64_t size) {
   if (::ftruncate(file_.descriptor(), static_cast<off_t>(size)) != 0)
-    fail_by_errno(shown_path_, "its damaged end cannot be cut off");
+    fail_by_errno(shown_path_, "its damaged end cannot be removed");
   size_ = size;
 }
 

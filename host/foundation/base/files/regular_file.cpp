@@ -31,7 +31,8 @@ const char* name_of_kind(mode_t mode) {
   refuse_file(path, fmt::format("is {}, expected a regular file", name_of_kind(mode)));
 }
 
-// Reports files that open() itself rejects (a socket, a device without a driver), and failures of the process.
+// Reports files that open() itself rejects (a socket, a device without a driver), and failures that concern the
+// process.
 void check_unopened(const std::string& path) {
   const int failure = errno;
   if (failure == EMFILE || failure == ENFILE || failure == ENOMEM || failure == ENAMETOOLONG)
@@ -53,7 +54,7 @@ Opened open_anything(const std::string& path) {
   if (!opened.file.is_open()) return opened;
   if (::fstat(opened.file.descriptor(), &found) != 0) fail_by_errno(path, "cannot be examined");
   opened.mode = found.st_mode;
-  // Reads of regular files never wait, so the descriptor gets the usual flags of open() back.
+  // Reads of regular files never wait, so the descriptor gets the usual flags of open() again.
   if (S_ISREG(found.st_mode)) ::fcntl(opened.file.descriptor(), F_SETFL, 0);
   return opened;
 }
@@ -68,7 +69,7 @@ bool is_below(const fs::path& folder, const fs::path& file) {
 OpenFile open_regular_file(const std::string& path, StandardInput input) {
   Opened opened = open_anything(path);
   if (opened.file.is_open() && S_ISREG(opened.mode)) return std::move(opened.file);
-  // Standard input is not opened again by its name: this would wait if it is a FIFO, and fail if it is a socket.
+  // Standard input is not opened again by its name. Doing so would wait if it is a FIFO, and fail if it is a socket.
   if (input == StandardInput::kAllowed && path == kStandardInput)
     return OpenFile(::fcntl(STDIN_FILENO, F_DUPFD_CLOEXEC, 0));
   if (opened.file.is_open()) refuse_kind(path, opened.mode);

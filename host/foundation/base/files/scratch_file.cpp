@@ -72,8 +72,9 @@ void ScratchFile::read(std::uint64_t offset, void* data, std::size_t byte_count)
     const ssize_t got = pread(descriptor_, to, byte_count, static_cast<off_t>(offset));
     if (got < 0 && errno == EINTR) continue;
     if (got <= 0)
-      throw Error(ErrorCode::kEnvironment, folder_ + ": cannot read a scratch file there: " +
-                                               (got < 0 ? errno_text(errno) : "it ends before the written data"));
+      throw Error(ErrorCode::kEnvironment,
+                  folder_ + ": cannot read a scratch file there: " +
+                      (got < 0 ? errno_text(errno) : "it ends before the end of the written data"));
     to += got;
     offset += static_cast<std::uint64_t>(got);
     byte_count -= static_cast<std::size_t>(got);

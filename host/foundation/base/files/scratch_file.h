@@ -13,13 +13,14 @@ namespace multum {
 
 class ScratchFile {
  public:
-  /// Throws Error(kEnvironment) when the folder does not exist or cannot be written.
+  /// Throws Error(kEnvironment) if the folder does not exist or is not writable.
   explicit ScratchFile(std::string folder);
-  /// Opens a file of that name, with the data that an earlier process wrote to it. Also throws Error(kEnvironment).
+  /// Opens the file with this name and keeps the data that an earlier process wrote to it. Also throws
+  /// Error(kEnvironment).
   ScratchFile(const WorkFolder& folder, const std::string& name);
   /// Like the constructor above, with the path() of a WorkFolder.
   ScratchFile(std::string folder, const std::string& name);
-  /// Opens an existing file only for reading.
+  /// Opens an existing file for reading only.
   static ScratchFile to_read(const std::string& path);
   ~ScratchFile();
   ScratchFile(ScratchFile&& other) noexcept;

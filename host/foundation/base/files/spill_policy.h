@@ -10,10 +10,10 @@ namespace multum {
 
 struct SpillPolicy {
   std::string scratch_folder = ".";
-  std::int64_t memory_bytes = std::numeric_limits<std::int64_t>::max();  // limit per store; larger stores go to scratch
-                                                                         // files
-  int band_rows = 0;  // rows of an image that are read or decoded at once; 0 chooses by the width; does not change
-                      // results
+  std::int64_t memory_bytes = std::numeric_limits<std::int64_t>::max();  // memory limit of each store; data beyond it
+                                                                         // go to scratch files
+  int band_rows = 0;  // number of image rows that are read or decoded at once; 0 chooses it from the width; does not
+                      // change results
 };
 
 }  // namespace multum

@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Placeholders for tile numbers, and for u and v.
+// Placeholders for tile numbers, and for the pair of u and v.
 constexpr std::string_view kNumberWords[] = {"<UDIM>", "<udim>", "%(UDIM)d"};
 constexpr std::string_view kPairWords[] = {"<UVTILE>", "<uvtile>"};
 constexpr std::size_t kTileDigits = 4;
@@ -45,8 +45,8 @@ std::string pair_text(const std::string& tile) {
   return "u" + std::to_string(number % kTilesPerRow + 1) + "_v" + std::to_string(number / kTilesPerRow + 1);
 }
 
-// Returns the number at the beginning of a name, up to the first character that is not a digit. Returns nullopt if
-// there is none.
+// Returns the number at the beginning of a name. The number ends before the first character that is not a digit.
+// Returns nullopt if there is no number.
 std::optional<int> leading_number(std::string_view& name) {
   std::size_t length = 0;
   while (length < name.size() && length < kTileDigits && is_digits(name.substr(length, 1))) ++length;
@@ -56,7 +56,7 @@ std::optional<int> leading_number(std::string_view& name) {
   return number;
 }
 
-// Returns the tile at the beginning of a name, as a number; empty if there is none.
+// Returns the tile at the beginning of a name as a number, or nullopt if there is none.
 std::string leading_tile(std::string_view name, bool is_pair) {
   if (!is_pair) {
     const std::string tile(name.substr(0, kTileDigits));

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Finds sets of maps whose paths hold a placeholder for the tile, e.g. rock_<UDIM>.png for rock_1001.png, rock_1002.png
+// Finds sets of maps whose paths hold a placeholder for the tile. For example, rock_<UDIM>.png names rock_1001.png,
+// rock_1002.png and so on.
 //   <UDIM>, <udim>, %(UDIM)d   four digits, 1001 + u + 10 v: 1001 to 9999
 //   <UVTILE>, <uvtile>         u1_v1, u2_v1 ...: u + 1 and v + 1
 #pragma once
@@ -22,16 +23,16 @@ std::string with_tile(std::string path, const std::string& tile);
 struct SetMap {
   std::string path;
   std::string tile;      // tile of a set; empty for a single map
-  std::string set = "";  // pattern of the set, if it has other tiles too
+  std::string set = "";  // pattern of the set, if the set also has other tiles
 };
 
-/// Returns maps in the given order. The tiles of a set are in the order of their numbers. Throws Error(kUsage) like
+/// Returns maps in the given order. The tiles of a set are sorted by their numbers. Throws Error(kUsage) like
 /// find_tiles(), and Error(kInput) if a set has no tile.
 std::vector<SetMap> maps_of_names(const std::vector<std::string>& inputs);
 
-/// Returns the output path for one of several maps: `pattern` with the map's tile, or a file in the folder `pattern`
-/// with the map's name and `suffix`. An empty pattern stays empty. Throws Error(kUsage) if a pattern is not a folder
-/// and lacks `<UDIM>`. Makes a missing folder whose name has no extension.
+/// Returns the output path for one of several maps. The path is `pattern` with the map's tile, or a file in the folder
+/// `pattern` with the map's name and `suffix`. An empty pattern stays empty. Throws Error(kUsage) if a pattern is not a
+/// folder and lacks `<UDIM>`. Creates a missing folder if its name has no extension.
 std::string place_of_map(const std::string& pattern, const SetMap& map, const std::string& suffix);
 
 }  // namespace multum

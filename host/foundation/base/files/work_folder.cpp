@@ -22,8 +22,8 @@ constexpr char kWorkPrefix[] = ".multum-work-";
 
 enum class Lock { kTaken, kOurs, kUnsupported };
 
-// Some network file systems have no locks. On these, work continues, but folders that remain after a run was killed are
-// not removed.
+// Some network file systems do not support locks. There, work continues, but folders that remain after a run was killed
+// are not removed.
 Lock work_lock(const OpenFile& folder, const std::string& path) {
   while (::flock(folder.descriptor(), LOCK_EX | LOCK_NB) != 0) {
     if (errno == EWOULDBLOCK) return Lock::kTaken;
@@ -40,7 +40,7 @@ std::unique_ptr<WorkFolder> WorkFolder::take(const std::string& path) {
     NamedPlace place = open_place(path);
     OpenFile folder = open_own_folder(place.folder, place.name, path);
     if (work_lock(folder, path) == Lock::kTaken) return nullptr;
-    // The previous owner can remove the folder between our opening and our locking.
+    // The previous owner can remove the folder after this process has opened it and before this process locks it.
     if (!is_named(place.folder, place.name, folder.descriptor())) continue;
     try {
       if (mark_own_folder(folder, path))
@@ -59,7 +59,7 @@ std::unique_ptr<WorkFolder> WorkFolder::make(const std::string& folder) {
     if (auto made = take((above / (kWorkPrefix + random_digits())).string())) return made;
 }
 
-// Removes folders of runs that were killed. No process has locked these folders.
+// Removes the folders of runs that were killed. Such folders are not locked by any process.
 void WorkFolder::sweep(const std::string& folder) {
   std::error_code ignored;
   std::vector<std::string> found;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Holds the unfinished work of one process in a folder. The folder has mode 0700, is locked, and is used, emptied and
-// removed only through its descriptor. Every command keeps unfinished work in such a folder, next to its output or in a
-// hidden folder of that name. A link or a folder that somebody else puts there is never written to, and nothing behind
-// it is removed (own_folder.h).
+// removed only through its descriptor. Every command keeps unfinished work in such a folder. The folder is next to the
+// output of the command, or in a hidden folder that is named after the output. If somebody else puts a link or a folder
+// there, the program neither writes to it nor removes anything behind it (own_folder.h).
 #pragma once
 
 #include <memory>
@@ -15,16 +15,16 @@ namespace multum {
 
 class WorkFolder {
  public:
-  /// Creates the folder `path`, or takes an existing one with its contents. Returns null if another living process has
-  /// the folder. If it is not an own folder, leaves it unchanged and throws Error(kEnvironment), which names the
-  /// obstacle.
+  /// Creates the folder `path`, or takes an existing one with its contents. Returns null if another living process owns
+  /// the folder. If it is not an own folder, leaves it unchanged and throws Error(kEnvironment), which gives the
+  /// reason.
   static std::unique_ptr<WorkFolder> take(const std::string& path);
   /// Creates a new work folder with a random name in `folder`, and removes work folders that remain there because their
   /// runs were killed. Throws Error(kEnvironment).
   static std::unique_ptr<WorkFolder> make(const std::string& folder);
   /// Removes the folders that make() created in `folder` for runs that were then killed, and nothing else.
   static void sweep(const std::string& folder);
-  /// Takes and removes the folder `path`. Leaves it if take() would reject it, or if another process has it.
+  /// Takes and removes the folder `path`. Does not touch it if take() would reject it, or if another process owns it.
   static void drop(const std::string& path);
   /// Removes the folder and its contents, unless leave() was called.
   ~WorkFolder();
@@ -39,7 +39,7 @@ class WorkFolder {
   int descriptor() const { return folder_.descriptor(); }
   /// Removes the contents, except for the entry `kept`. Throws Error(kEnvironment) when anything else remains.
   void clear(const std::string& kept = "") const;
-  /// Keeps the folder when this object is destroyed, so that stopped work may be resumed. With false, which is the
+  /// Keeps the folder when this object is destroyed, so that interrupted work can be resumed. If false, which is the
   /// default, the folder is removed.
   void leave(bool stays = true) { stays_ = stays; }
 
@@ -52,7 +52,7 @@ class WorkFolder {
   bool stays_ = false;
 };
 
-/// Returns the hidden folder of unfinished work next to an output, .multum-partial-NAME.
+/// Returns the hidden folder for unfinished work next to an output, .multum-partial-NAME.
 std::string partial_folder_of(const std::string& output);
 
 }  // namespace multum

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Delivers the log of one piece of work to one listener, so that several calls in one process do not mix their logs. A
-// thread has at most one listener; threads that work for it take over its listener (with_own_log()).
+// Delivers the log of one call to one listener, so that several calls in one process do not mix their logs. A thread
+// has at most one listener. Threads that work for this thread use its listener too (with_own_log()).
 #pragma once
 
 #include <string>
@@ -12,7 +12,7 @@ class HeldWarnings;
 
 enum class LogKind { kWarning, kInfo, kVerbose };
 
-/// Receives lines of the log. Several threads of one piece of work may call it at the same time.
+/// Receives lines of the log. Several threads that work for one call may call it at the same time.
 class LogListener {
  public:
   virtual ~LogListener() = default;
@@ -28,7 +28,7 @@ struct LogReceivers {
 /// Returns the receivers of this thread.
 LogReceivers& log_receivers();
 
-/// Gives this thread other receivers during the object's life.
+/// Gives this thread other receivers while the object exists.
 class LogScope {
  public:
   explicit LogScope(const LogReceivers& receivers) : outer_(log_receivers()) { log_receivers() = receivers; }
@@ -41,7 +41,7 @@ class LogScope {
 };
 
 /// Returns a function that runs `body` in another thread with the receivers of the calling thread. The caller must wait
-/// for that thread before its receivers end.
+/// for that thread before the receivers are destroyed.
 template <typename Body>
 auto with_own_log(Body body) {
   return [receivers = log_receivers(), body = std::move(body)]() mutable {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Keeps stdout, stderr and the progress bar apart when they go to one terminal, pipe or file. Stdout writes only whole
-// lines, one thread writes at a time, and the bar is erased before any line.
+// Separates stdout, stderr and the progress bar when they go to the same terminal, pipe or file. Stdout writes only
+// whole lines, one thread writes at a time, and the bar is erased before a line is written.
 #pragma once
 
 #include <mutex>
@@ -12,7 +12,7 @@ namespace multum {
 /// once, before any output.
 void begin_whole_lines();
 
-/// Gives this thread the right to write to stdout or stderr while the object exists. Erases the progress bar.
+/// Gives this thread the exclusive right to write to stdout or stderr while the object exists. Erases the progress bar.
 class StreamTurn {
  public:
   StreamTurn();

@@ -38,8 +38,8 @@ void hold_to(pid_t pid, const ChildLimits& limits) {
 #endif
 }
 
-// Reads the child's output until the child closes its end. Returns false if the child was killed because it took too
-// long or was cancelled.
+// Reads the output of the child until the child closes its end of the pipe. Returns false if the child was killed
+// because it took too long or was cancelled.
 bool read_output(int pipe_end, pid_t pid, const ChildLimits* limits, std::string& output) {
   const Stopwatch stopwatch;
   std::array<char, 4096> buffer;

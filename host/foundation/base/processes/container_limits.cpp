@@ -77,7 +77,7 @@ std::vector<GroupMount> read_mounts(const std::string& root) {
     if (!(words >> type >> source >> options) || (type != "cgroup" && type != "cgroup2")) continue;
     found.push_back({type == "cgroup2" ? "" : options, without_escapes(top), root + without_escapes(folder)});
   }
-  // The usual place of control groups. In a container, groups may also have been made visible at this place.
+  // The usual place of control groups. A container may also make groups visible at this place.
   found.push_back({"", "/", root + "/sys/fs/cgroup"});
   return found;
 }

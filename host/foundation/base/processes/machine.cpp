@@ -30,8 +30,7 @@ std::uint64_t process_limit(__rlimit_resource which) {
                                                                             : limit.rlim_cur;
 }
 
-// The kernel rejects a processor set that is smaller than the kernel's own set, and does not report the size of that
-// set.
+// The kernel rejects a processor set that is smaller than its own, and does not report the required size.
 int affinity_count() {
   for (int room = 1024; room <= (1 << 20); room *= 2) {
     const std::unique_ptr<cpu_set_t, void (*)(cpu_set_t*)> set(CPU_ALLOC(static_cast<std::size_t>(room)),

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Makes threads wait until the memory that they need together fits into a limit.
+// Makes threads wait until the memory that they need in total fits into a limit.
 #pragma once
 
 #include <condition_variable>

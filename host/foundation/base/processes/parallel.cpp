@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Threads take bands from a counter. So a slow band delays no other thread, and results do not depend on which thread
-// takes a band.
+// Threads take bands from a shared counter. A slow band therefore delays no other thread. Results do not depend on
+// which thread takes a band.
 #include "host/foundation/base/processes/parallel.h"
 #include "host/foundation/base/messages/log_listener.h"
 #include "host/foundation/base/processes/machine.h"
@@ -43,7 +43,8 @@ void for_each_row_band(int row_count, int rows_per_band, int threads,
 
 void for_each_row_band(int row_count, int rows_per_band, int threads, Progress* progress,
                        const std::function<void(int band, int row_begin, int row_end)>& body) {
-  constexpr int kBandsBetween = 64;  // so many bands that threads seldom wait for another thread's last band
+  constexpr int kBandsBetween = 64;  // there are so many bands that threads seldom wait for the last band of another
+                                     // thread
   const int band_count = row_band_count(row_count, rows_per_band);
   for (int first = 0; first < band_count; first += kBandsBetween) {
     const int row_first = first * rows_per_band;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Defines MULTUM_SHADOW_MEMORY if the program contains a sanitizer whose shadow memory needs terabytes of addresses.
-// Such a program cannot set a memory limit, and the sanitizer reports signals with its own messages. GCC reports
-// sanitizers by macros, clang by features.
+// Such a program cannot set a memory limit, and the sanitizer reports signals with its own messages. GCC indicates
+// sanitizers by macros, and clang indicates them by features.
 #pragma once
 
 #ifdef __has_feature

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Uses vfork(), because posix_spawn() cannot tie a child's life to its parent. Between vfork() and exec, the child
-// shares this process's memory. So the child only makes system calls, with arguments that were prepared before vfork().
+// Uses vfork(), because posix_spawn() cannot make a child end with its parent. Between vfork() and exec, the child
+// shares the memory of this process. Therefore the child only makes system calls, with arguments that were prepared
+// before vfork().
 #include "host/foundation/base/processes/spawn_process.h"
 
 #include <fcntl.h>
@@ -24,7 +25,7 @@ namespace {
   throw Error(ErrorCode::kEnvironment, program + ": cannot be started: " + errno_text(error));
 }
 
-// Steps of the child before exec.
+// The steps of the child before exec.
 struct ChildStart {
   const SpawnSettings& settings;
   char* const* argv;
@@ -41,7 +42,7 @@ void check_call(const ChildStart& start, long result) {
   ::_exit(127);
 }
 
-// Arranges the child's files. The end of the pipe comes after the files that the child keeps, and exec closes it.
+// Arranges the files of the child. The end of the pipe comes after the files that the child keeps, and exec closes it.
 void arrange_files(ChildStart& start) {
   if (start.settings.has_empty_input) {
     const int nothing = ::open("/dev/null", O_RDONLY);
@@ -56,12 +57,12 @@ void arrange_files(ChildStart& start) {
   ::closefrom(last + 1);
 }
 
-// Runs while all signals are blocked, because the handlers belong to this process.
+// This function runs while all signals are blocked, because the handlers belong to this process.
 void arrange_signals(const ChildStart& start) {
   for (int signal = 1; signal < NSIG; ++signal) {
     struct sigaction now {};
     if (::sigaction(signal, nullptr, &now) != 0 || now.sa_handler == SIG_DFL) continue;
-    // This process ignores SIGXFSZ, the signal of a file that grows too large. Another program may not check the
+    // This process ignores SIGXFSZ, the signal that a file has grown too large. Another program may not check the
     // results of its writes, so it gets the default action.
     const bool is_kept = now.sa_handler == SIG_IGN && !start.settings.blocked_signals && signal != SIGXFSZ;
     if (is_kept) continue;

@@ -14,7 +14,8 @@ namespace multum {
 void run_viewer(const std::vector<std::string>& command, const std::string& what, Progress* progress) {
   const ChildResult result = run_child(command);
   progress_advance(progress, 0);
-  // Ctrl-C, and SIGTERM to a group, reach both processes. The viewer can end before this process notices the signal.
+  // Ctrl-C, and a SIGTERM that is sent to the group, reach both processes. The viewer can end before this process
+  // notices the signal.
   if (result.signal == SIGINT || result.signal == SIGTERM) throw Cancelled();
   if (result.exit_code != 0)
     throw Error(ErrorCode::kEnvironment,

@@ -9,9 +9,9 @@
 
 namespace multum {
 
-/// Runs `command` and waits for it; shows its output when verbose. If it cannot be started, fails or crashes, throws
-/// Error(kEnvironment) with `what` and the child's output. If `progress` was cancelled during this time, throws
-/// Cancelled instead, because Ctrl-C on a terminal also ends the child, and this is not a failure.
+/// Runs `command` and waits for it. Shows its output if the log is verbose. If it cannot be started, fails or crashes,
+/// throws Error(kEnvironment) with `what` and the child's output. If `progress` was cancelled during this time, throws
+/// Cancelled instead. Ctrl-C on a terminal also ends the child, and this is not a failure.
 void run_viewer(const std::vector<std::string>& command, const std::string& what, Progress* progress);
 
 }  // namespace multum

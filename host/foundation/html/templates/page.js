@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Functions that all pages' scripts share. Untrusted text becomes text nodes and attributes, never markup.
+// Functions that the scripts of all pages share. Untrusted text becomes text nodes and attributes, never markup.
 
 const byId = (id) => document.getElementById(id);
 const data = JSON.parse(byId("data").textContent);

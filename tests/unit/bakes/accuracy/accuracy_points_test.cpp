@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests where errors are measured: samples spread over every level, points around them, and the texels that they read.
+// Tests where errors are measured: the samples that are spread over every level, the points around these samples, and
+// the texels that the points read.
 #include "host/bakes/accuracy/accuracy_points.h"
 
 #include <gtest/gtest.h>
@@ -48,7 +49,7 @@ TEST(AccuracyPointsTest, EveryTexelOnceWhenAllAreWanted) {
 TEST(AccuracyPointsTest, SamplesAreSpreadAndReadFewTexels) {
   const std::vector<PlaneSize> levels = levels_of(300, 200);
   const AccuracyPoints points(levels, {0, 100, 7});
-  std::map<int, std::set<int>> cells;  // with the stride of 25 at level 0, one sample in each cell
+  std::map<int, std::set<int>> cells;  // the stride at level 0 is 25, with one sample in each cell
   std::size_t chosen = 0;
   for (const AccuracySample& sample : points.samples()) {
     const PlaneSize size = levels[static_cast<std::size_t>(sample.level)];
@@ -61,8 +62,8 @@ TEST(AccuracyPointsTest, SamplesAreSpreadAndReadFewTexels) {
   EXPECT_LT(points.texels().slot_count(), 7 * points.samples().size());
 }
 
-// Each sample represents the texels of its cell. Together the samples cover all texels of the level, even where the
-// borders of thin levels cut the grid's cells. If a level has few texels, all of them are samples.
+// Each sample represents the texels of its cell. Together, the samples represent all texels of the level, even where
+// the borders of thin levels cut the cells of the grid. If a level has few texels, all of them are samples.
 TEST(AccuracyPointsTest, CellsCoverEveryLevel) {
   for (const PlaneSize map : {PlaneSize{4097, 7}, {7, 4097}, {9000, 1}, {300, 200}, {3, 3}, {1, 1}})
     for (const std::int64_t wanted : {1, 2, 50, 2048}) {
@@ -109,7 +110,7 @@ TEST(AccuracyPointsTest, WeightsOfEachPointSumToOne) {
     }
     EXPECT_EQ(std::count(is_read.begin(), is_read.end(), false), 0);
     EXPECT_EQ(counts[AccuracyPoint::kCentre], static_cast<int>(points.samples().size()));
-    EXPECT_EQ(counts[AccuracyPoint::kBetween], counts[AccuracyPoint::kCentre] - 1);  // except the coarsest
+    EXPECT_EQ(counts[AccuracyPoint::kBetween], counts[AccuracyPoint::kCentre] - 1);  // all levels except the coarsest
     if (wanted == 0) {
       EXPECT_EQ(counts[AccuracyPoint::kMidX], 36 * 20 + 17 * 10 + 8 * 5 + 3 * 2 + 1 * 1);
     }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Compares averages of a plane that arrives row by row, and the reference computed from them, with plain averages in
-// double.
+// Computes averages of a plane that arrives row by row, and the reference from these averages. Compares both with plain
+// averages in double precision.
 #include "host/bakes/accuracy/accuracy_reference.h"
 
 #include <gtest/gtest.h>
@@ -37,7 +37,7 @@ std::vector<std::vector<int>> some_texels(const std::vector<PlaneSize>& levels, 
 
 constexpr PlaneSize kSizes[] = {{1, 1}, {64, 32}, {37, 20}, {23, 61}, {300, 7}, {1, 19}, {255, 130}};
 
-// Calls body(level, slot, average) for each selected texel, with the average of `finest` over the covered area.
+// Calls body(level, slot, average) for each selected texel. `average` is the mean of `finest` over the covered area.
 template <typename Body>
 void for_each_average(const std::vector<double>& finest, const std::vector<PlaneSize>& levels,
                       const TexelSelection& texels, const Body& body) {
@@ -57,7 +57,8 @@ TEST(TexelAveragesTest, EqualThoseOfWholePlanes) {
       const std::vector<PlaneSize> levels = levels_of(map);
       const TexelSelection texels(levels, some_texels(levels, share, random));
       std::vector<double> plane(static_cast<std::size_t>(map.width * map.height));
-      for (double& value : plane) value = std::pow(uniform_above_zero(random), 9.0);  // over many orders of magnitude
+      // Values over many orders of magnitude.
+      for (double& value : plane) value = std::pow(uniform_above_zero(random), 9.0);
       const TexelAverages averages(texels, static_cast<int>(levels.size()));
       ASSERT_EQ(averages.slot_count(), texels.slot_count());
       std::vector<double> sums(averages.slot_count(), 0.0), row(averages.row_length());

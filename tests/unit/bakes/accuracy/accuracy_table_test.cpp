@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests measured errors as people read them and as files store them; other text in the attribute is passed through.
+// Tests measured errors as people read them and as files store them. Other text in the attribute is returned unchanged.
 #include "host/bakes/accuracy/accuracy_table.h"
 #include "host/formats/asset/averages/moment_file.h"
 
@@ -73,8 +73,8 @@ TEST(AccuracyTable, ErrorsOfPixelsComeFirst) {
   EXPECT_EQ(footprint_error_text({}), "");
 }
 
-// A writer of rows reserves space for the table before anything is measured. Tests that the space holds the longest
-// table of each representation.
+// A writer of rows reserves space for the table before any error is measured. Tests that this space is enough for the
+// longest table of each representation.
 TEST(AccuracyTable, TheLongestFitsIntoTheRoomOfAHeader) {
   const auto longest = [](const std::vector<std::string>& ways) {
     std::vector<AccuracyRow> rows;
@@ -94,7 +94,7 @@ TEST(AccuracyTable, TheLongestFitsIntoTheRoomOfAHeader) {
   EXPECT_LE(longest({" toksvig", " lean", " lean-jacobian"}), static_cast<std::size_t>(kMomentErrorBytes));
 }
 
-// Each way of shading and of colours has one table, with one column per BRDF.
+// There is one table for each way of shading, with and without colours. Each table has one column per BRDF.
 TEST(AccuracyTable, WaysOfShadingHaveTablesOfTheirOwn) {
   const std::vector<AccuracyRow> rows = {
       {0, AccuracyPoint::kCentre, parse_accuracy_brdf("lambert toksvig"), 0.125, 0.0, 1},
@@ -110,7 +110,7 @@ TEST(AccuracyTable, WaysOfShadingHaveTablesOfTheirOwn) {
   }
 }
 
-// Rounding to six digits and then to four may differ from rounding to four.
+// Rounding first to six digits and then to four digits may give another result than rounding directly to four digits.
 TEST(AccuracyTable, RoundsAlikeFromBakeAndFile) {
   const std::vector<AccuracyRow> rows = {
       {0, AccuracyPoint::kCentre, parse_accuracy_brdf("lambert"), 0.0001499996, 0.0, 1}};
@@ -130,12 +130,12 @@ TEST(AccuracyBrdf, HasTheTextThatItIsReadFrom) {
   EXPECT_EQ(parse_accuracy_brdf("ggx:0.5 lean"),
             (AccuracyBrdf{AccuracyBrdfKind::kNamed, 0.0, "ggx:0.5", "lean", false}));
   EXPECT_EQ(AccuracyBrdf::named("my paint.brdf").text(), "my_paint.brdf");
-  // Text that none of our programs writes is returned unchanged.
+  // Text that does not come from our programs is returned unchanged.
   for (const char* text : {"", " ", "blinn-phong:2e1", "blinn-phong:", "blinn-phong:20x lean", "lambert ", " coloured"})
     EXPECT_EQ(parse_accuracy_brdf(text).text(), text);
 }
 
-// Files of earlier programs have four fields per entry.
+// Files of earlier versions have four fields per entry.
 TEST(AccuracyTable, IntervalsMayBeUnstated) {
   const std::string json = "[[0,\"centre\",\"lambert\",0.125]]";
   const auto stated = parse_measured_error(json);

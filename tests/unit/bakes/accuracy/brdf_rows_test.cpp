@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests powers of cosines that are computed as products: the plan reaches every exponent, and rows follow the plan bit
-// for bit with every size of vector register.
+// Tests powers of cosines, which are computed as products. The plan reaches every exponent, and rows follow the plan
+// bit for bit with every size of vector register.
 #include "host/bakes/accuracy/brdf_rows.h"
 
 #include <gtest/gtest.h>
@@ -13,7 +13,7 @@
 namespace multum {
 namespace {
 
-// Returns the exponent of each power of a plan.
+// Returns the exponents of all powers in a plan.
 std::vector<double> exponents_of(const PowerPlan& plan) {
   std::vector<double> exponents = {1.0};
   for (const PowerProduct& product : plan.products) {
@@ -82,7 +82,7 @@ TEST(BrdfRowsTest, EqualPlainProductsBitForBit) {
         const double exact = std::pow(powers[0], exponents[e]);
         const double plain = plan.whole[e] >= 0 ? powers[static_cast<std::size_t>(plan.whole[e])] : exact;
         ASSERT_EQ(found[e][i], plain) << exponents[e];
-        // A product of two factors with m and n roundings has m + n + 1 roundings.
+        // If two factors have m and n roundings, their product has m + n + 1 roundings.
         EXPECT_NEAR(plain, exact, exponents[e] * std::numeric_limits<double>::epsilon() * exact + 1e-300);
       }
     }

@@ -39,8 +39,8 @@ reference::PixelRectangle rectangle_of(const Footprint& footprint) {
   return {footprint.centre, footprint.longer_side, footprint.shorter_side};
 }
 
-// Every octave has equally many footprints. Sizes, elongations and places are stratified: their ranges are divided into
-// equal parts, with one footprint in each part.
+// Every octave has equally many footprints. Sizes, elongations and positions are stratified, which means that each
+// range is divided into equal parts with one footprint per part.
 TEST(Footprints, AreSpreadEvenly) {
   constexpr int kCount = 64, kWidth = 300, kHeight = 100;
   const std::vector<Footprint> all = choose_footprints(kWidth, kHeight, {kCount, 1, 7});
@@ -71,7 +71,8 @@ TEST(Footprints, AreSpreadEvenly) {
   EXPECT_TRUE(choose_footprints(16, 16, {0}).empty());
 }
 
-// Taps that are shaded one by one read the same texels, grouped by point, and their mean has the same weights.
+// Taps that are shaded one by one read the same texels, which are grouped by point. The mean of the taps has the same
+// weights.
 void expect_same_tap_by_tap(const std::vector<FilterTap>& averaged, const Footprint& footprint,
                             const std::vector<PlaneSize>& sizes, const FootprintSettings& settings) {
   const double longer = glm::length(footprint.longer_side), shorter = glm::length(footprint.shorter_side);
@@ -114,7 +115,8 @@ TEST(Footprints, AreFilteredAsTheGlDoes) {
   }
 }
 
-// The points of the definition are 1/400 of a side apart. On random values, their own error is up to 0.002.
+// The points of the definition are 1/400 of a side apart. On random values, the definition itself has an error of up to
+// 0.002.
 TEST(Footprints, AveragesAreThoseOfTheDefinition) {
   for (const PlaneSize size : {PlaneSize{32, 32}, PlaneSize{45, 13}, PlaneSize{1, 1}, PlaneSize{100, 3}}) {
     const reference::ValuePlane plane = random_plane(size, 5);
@@ -124,7 +126,7 @@ TEST(Footprints, AveragesAreThoseOfTheDefinition) {
       const FootprintAverages averages(choose_footprints(size.width, size.height, settings), size.width, size.height,
                                        settings);
       std::vector<double> sums(2 * averages.footprints().size());
-      std::vector<double> doubled(sums.size());  // average of a product
+      std::vector<double> doubled(sums.size());  // the average of a product
       std::vector<double> scratch(averages.scratch_length());
       const std::vector<double> twos(static_cast<std::size_t>(size.width), 2.0);
       for (int y = 0; y < size.height; ++y) {
@@ -144,15 +146,15 @@ TEST(Footprints, AveragesAreThoseOfTheDefinition) {
   }
 }
 
-// Two octaves of two footprints each are computed by hand. R is 6 / 20. The residuals d - R t are 1 and -0.4 in one
-// octave, and 0 and -0.6 in the other.
+// The values for two octaves, with two footprints each, are computed by hand. R is 6 / 20. The residuals d - R t are 1
+// and -0.4 in one octave, and 0 and -0.6 in the other.
 TEST(FootprintErrors, AreARatioWithItsInterval) {
   std::vector<Footprint> footprints(4);
   footprints[2].octave = footprints[3].octave = 1;
   const std::vector<ErrorSum> sums = {{2.5, 5.0, 1.0}, {1.1, 5.0, 1.0}, {1.5, 5.0, 1.0}, {0.9, 5.0, 1.0}};
   const FootprintError error = footprint_error(AccuracyBrdf::lambert(), footprints, sums);
   EXPECT_DOUBLE_EQ(error.error, 0.3);
-  // The sums of squares about the octaves' means are 2 0.7^2 and 2 0.3^2, times n / (n - 1) = 2.
+  // The sums of squares about the mean of each octave are 2 0.7^2 and 2 0.3^2. Both are multiplied by n / (n - 1) = 2.
   EXPECT_NEAR(error.confidence, 1.96 * std::sqrt(2.0 * (2.0 * 0.49 + 2.0 * 0.09)) / 20.0, 1e-12);
   EXPECT_EQ(error.worst_octave, 0);
   EXPECT_DOUBLE_EQ(error.worst_octave_error, 0.36);

@@ -42,7 +42,7 @@ TEST_F(BakeBatchTest, SeveralMapsGoToAFolderUnderTheirNames) {
   std::filesystem::create_directory(path("out"));
   pattern_.output = path("out");
   EXPECT_EQ(outputs({"b.png", "a.b.tif"}), (std::vector<std::string>{path("out/b.ndf.exr"), path("out/a.b.ndf.exr")}));
-  expect_refused({"b.png", "b.tif"}, ErrorCode::kUsage, {"would go there"});
+  expect_refused({"b.png", "b.tif"}, ErrorCode::kUsage, {"would be written there"});
   pattern_.report = path("r.json");
   expect_refused({"b.png", "a.png"}, ErrorCode::kUsage, {"r.json: ", "several maps"});
   pattern_.output = path("one.ndf.exr");
@@ -64,7 +64,7 @@ TEST_F(BakeBatchTest, SetsAreFoundByTheirTiles) {
   EXPECT_EQ(jobs[2].report, path("1011.json"));
   expect_refused({"none_<UDIM>.png"}, ErrorCode::kInput, {"none_1001.png"});
   expect_refused({"rock_<UDIM>.png", "b.png"}, ErrorCode::kUsage, {"b.png", "not a set"});
-  expect_refused({"rock_<UDIM>.png", "rock_<UDIM>.png"}, ErrorCode::kUsage, {"would go there"});
+  expect_refused({"rock_<UDIM>.png", "rock_<UDIM>.png"}, ErrorCode::kUsage, {"would be written there"});
 }
 
 TEST_F(BakeBatchTest, SetsHaveTheWordsOfOtherPrograms) {

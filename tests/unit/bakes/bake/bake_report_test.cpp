@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests a bake's measured time, which time budgets limit.
+// Tests the measured time of a bake, which time budgets limit.
 #include "host/bakes/bake/bake_report.h"
 
 #include <gtest/gtest.h>

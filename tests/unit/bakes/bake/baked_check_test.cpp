@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests when a measured error counts as worse than the error stated in the file.
+// Tests when a measured error counts as worse than the error that the file states.
 #include "host/bakes/bake/baked_check.h"
 
 #include <gtest/gtest.h>
@@ -32,8 +32,8 @@ TEST(BakedCheck, ErrorsOfPixelsAreHeldToo) {
   EXPECT_EQ(worse_than_stated(stated, stated), "");
   EXPECT_EQ(worse_than_stated({{of_pixels(0.1009)}, {}}, stated), "") << "rounding";
   EXPECT_EQ(worse_than_stated({{of_pixels(0.12), of_pixels(0.25, "blinn-phong:20")}, {row(0, 0.9)}}, stated),
-            "has a pixel error of 25 % for blinn-phong:20, but states 20 %");
-  EXPECT_EQ(worse_than_stated({{of_pixels(0.1, "ggx:0.5")}, {}}, stated), "states no pixel error for ggx:0.5");
+            "has a pixel error of 25 % for blinn-phong:20, but its header states 20 %");
+  EXPECT_EQ(worse_than_stated({{of_pixels(0.1, "ggx:0.5")}, {}}, stated), "does not state its pixel error for ggx:0.5");
   EXPECT_EQ(worse_than_stated({{of_pixels(0.9)}, {row(0, 0.1)}}, {{}, {row(0, 0.1)}}), "")
       << "earlier programs stated none";
 }
@@ -48,7 +48,7 @@ TEST(BakedCheck, RoundingIsNoFinding) {
   EXPECT_NE(worse_rows({row(1, 0.506)}, stated), "");
 }
 
-// Earlier programs stated no intervals and measured other texels.
+// Earlier versions did not state intervals, and they measured other texels.
 TEST(BakedCheck, WithoutAnIntervalThereIsRoom) {
   std::vector<AccuracyRow> stated = {row(0, 0.426)};
   EXPECT_NE(worse_rows({row(0, 0.609)}, stated), "");
@@ -60,11 +60,13 @@ TEST(BakedCheck, WithoutAnIntervalThereIsRoom) {
 TEST(BakedCheck, TheFurthestOffIsNamed) {
   const std::vector<AccuracyRow> stated = {row(0, 0.1), row(1, 0.1), row(1, 0.1, "blinn-phong:20"), row(2, 0.1)};
   const std::vector<AccuracyRow> measured = {row(0, 0.1), row(1, 0.2), row(1, 0.4, "blinn-phong:20"), row(2, 0.3)};
-  EXPECT_EQ(worse_rows(measured, stated), "has an error of 40 % at level 1, centre, blinn-phong:20, but states 10 %");
+  EXPECT_EQ(worse_rows(measured, stated),
+            "has an error of 40 % at level 1, centre, blinn-phong:20, but its header states 10 %");
 }
 
 TEST(BakedCheck, WhatIsNotStatedIsNotHeld) {
-  EXPECT_EQ(worse_rows({row(0, 0.1), row(3, 0.1)}, {row(0, 0.1)}), "states no error for level 3, centre, lambert");
+  EXPECT_EQ(worse_rows({row(0, 0.1), row(3, 0.1)}, {row(0, 0.1)}),
+            "does not state its error for level 3, centre, lambert");
 }
 
 TEST(BakedCheck, WhatIsNoNumberIsWorse) { EXPECT_NE(worse_rows({row(0, std::nan(""))}, {row(0, 0.1)}), ""); }

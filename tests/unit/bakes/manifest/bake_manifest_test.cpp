@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests manifests: they give the same jobs as the same options on the command line. Each refusal names the line, the
-// key, the value found and the value expected.
+// Tests that manifests give the same jobs as the same options on the command line. Each error message names the line,
+// the key, the value found and the value expected.
 #include "host/bakes/manifest/bake_manifest.h"
 
 #include <gtest/gtest.h>
@@ -41,7 +41,7 @@ class BakeManifestTest : public ::testing::Test {
     write_bytes(path(), text);
     return read_bake_manifest(path(), pattern_);
   }
-  // Replaces the first `from` by `to`; the refusal must name that line and contain all of `parts`.
+  // Replaces the first `from` by `to`. The error message must name that line and contain all of `parts`.
   void expect_refused(const std::string& from, const std::string& to, std::vector<std::string> parts) const {
     SCOPED_TRACE(to);
     const std::size_t at = kManifest.find(from);
@@ -90,8 +90,8 @@ TEST_F(BakeManifestTest, RefitIterationsGoBeforeThoseOfReference) {
   EXPECT_EQ(read(map + "reference = true\nrefit_iterations = 3\n")[0].job.fitting.refit_iterations, 3);
 }
 
-// Sets every key to a value other than its default and compares with options set by hand: both give the same settings
-// of the file.
+// Sets every key to a value other than its default, and compares the result with options that are set by hand. Both
+// must give the same settings in the file.
 TEST_F(BakeManifestTest, EveryKeyIsTheOptionOfItsName) {
   const std::string whole =
       "[[map]]\ninput = \"a.png\"\noutput = \"a.exr\"\nlobes = 5\nreference = true\niterations = 9\npasses = 3\n"
@@ -216,7 +216,7 @@ TEST_F(BakeManifestTest, OutputsMustBeNamesOfBakedFiles) {
   expect_refused("output = \"out/b.exr\"", "output = \"out\"", {"map.output", "name that ends in"});
 }
 
-// Settings of one map override settings of all maps.
+// The settings of a single map override the settings for all maps.
 TEST_F(BakeManifestTest, SettingsMayBeChosenForATarget) {
   const auto of_map = [&](const std::string& defaults, const std::string& map) {
     return read("[defaults]\n" + defaults + "\n[[map]]\ninput = \"a.png\"\noutput = \"a.exr\"\n" + map)[0];
@@ -238,7 +238,7 @@ TEST_F(BakeManifestTest, SettingsMayBeChosenForATarget) {
     expect_error(ErrorCode::kInput, parts, [&] { of_map("", map); });
   };
   refused("target_error = 0.1\nsh_order = 3\nndf = \"sh\"", "7",
-          {"map.sh_order", "exclude each other", "target_error"});
+          {"map.sh_order", "are mutually exclusive", "target_error"});
   refused("target_error = 0.1\nbudget_ms = 5", "7", {"map.budget_ms", "together with", "target_error"});
   refused("target_error = 0", "6", {"map.target_error", "0"});
   refused("brdf = \"lambert\"", "6", {"map.brdf", "target_error", "budget_ms", "neither"});
@@ -291,7 +291,7 @@ TEST_F(BakeManifestTest, TheDocumentedExampleIsRead) {
   EXPECT_EQ(maps[2].error_max, 0.95);
 }
 
-// The page has a row, in backquotes, for every key that is read.
+// For every key that the program reads, the page has a row with the key in backquotes.
 TEST_F(BakeManifestTest, EveryKeyIsDocumented) {
   const std::string page = read_bytes(std::string(MULTUM_SOURCE_DIR) + "/docs/reference/manifests.md");
   std::vector<std::string> keys = bake_parameters().names(kInManifest);

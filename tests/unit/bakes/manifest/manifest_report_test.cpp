@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests the reports for build services: every byte that a file name may contain, the counts, and the exit code.
+// Tests the reports for build services: file names with every possible byte, the counts, and the exit code.
 #include "host/bakes/manifest/manifest_report.h"
 
 #include <gtest/gtest.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests that a setting outside its range is refused with name, value and range, and that the settings' text covers
-// every setting that changes pixels.
+// Tests that a setting outside its range is refused with a message that gives its name, value and range. Also tests
+// that the text of the settings contains every setting that changes pixels.
 #include "host/bakes/movmf/bake_settings.h"
 
 #include <gtest/gtest.h>

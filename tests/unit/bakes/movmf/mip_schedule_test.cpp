@@ -44,7 +44,8 @@ std::map<int, int> steps_of_texels(const LevelSchedule& level) {
   return step_of;
 }
 
-// Returns whether the initial guess of a texel reads the neighbour; mirrors fitted_before() in done_neighbours.clh.
+// Returns whether the initial guess of a texel reads the neighbour. This is the same rule as fitted_before() in
+// done_neighbours.clh.
 bool reads(int other_x, int other_y, int x, int y, FitOrder order) {
   if (order == FitOrder::kScanline) return other_y < y || (other_y == y && other_x < x);
   const auto rank = [](int i, int j) {
@@ -94,7 +95,7 @@ TEST_P(MipScheduleTest, SamplesCoverTheTexelAndChunksTheSamples) {
   for (const LevelSchedule& level : make_mip_schedule(GetParam().width, GetParam().height, settings).levels) {
     SCOPED_TRACE(level.level);
     const MultumMovmfFit& fit = level.fit;
-    // Computes the width of the widest texel by definition: a texel covers [x W/w, (x + 1) W/w).
+    // Computes the width of the widest texel from the definition that a texel covers [x W/w, (x + 1) W/w).
     int columns = 0;
     for (int x = 0; x < fit.width; ++x) {
       int covered = 0;
@@ -127,7 +128,7 @@ TEST(MipScheduleMethodTest, CoarseTexelsAreCondensedAndSettledOnesStop) {
   }
 }
 
-// movmf_choose handles only texels of four whole normals with a parent.
+// movmf_choose handles only texels that have four whole normals and a parent.
 TEST(MipScheduleMethodTest, FourNormalsAreGivenToLobesWhereThereIsAParentToFollow) {
   const auto finest = [](int width, int height, const MovmfSettings& settings) {
     return make_mip_schedule(width, height, settings).levels.back();
@@ -150,7 +151,7 @@ TEST(MipScheduleMethodTest, FourNormalsAreGivenToLobesWhereThereIsAParentToFollo
   settings = {};
   make_reference(settings);
   EXPECT_EQ(finest(64, 64, settings).method, FitMethod::kTexels);
-  // If EM fits level 1, it runs only the iterations that four normals need.
+  // If EM fits level 1, it runs only as many iterations as four normals need.
   const LevelSchedule em = finest(63, 64, usual);
   EXPECT_EQ(em.fit.iteration_count, kIterationsFewNormals);
   EXPECT_EQ(em.refit_iterations, MovmfSettings().refit_iterations);
@@ -172,7 +173,7 @@ TEST(MipScheduleFirstLevelTest, FinerLevelsAreNotScheduledAndTheOthersAreAsTheyW
   }
 }
 
-// Bands of rows, also beyond the borders, hold the same values as the whole level.
+// Bands of rows have the same values as the whole level, also beyond its borders.
 TEST(MipScheduleStepTest, RowsBeyondABorderAreThoseOfTheLevelRepeated) {
   const LevelSchedule level = make_mip_schedule(20, 26, MovmfSettings()).levels.back();  // 10 x 13: odd
   ASSERT_EQ(level.fit.height, 13);
@@ -189,7 +190,8 @@ TEST(MipScheduleStepTest, RowsBeyondABorderAreThoseOfTheLevelRepeated) {
 }
 
 TEST(MipScheduleStepTest, CoveredRowsFollowOneAnotherThroughTheBorders) {
-  const MultumMovmfFit fit = make_mip_schedule(8, 26, MovmfSettings()).levels[1].fit;  // two levels below the top
+  // Two levels finer than the coarsest level.
+  const MultumMovmfFit fit = make_mip_schedule(8, 26, MovmfSettings()).levels[1].fit;
   for (int row = -2 * fit.height; row < 2 * fit.height; ++row) {
     EXPECT_EQ(first_covered_row(fit, row + fit.height), first_covered_row(fit, row) + fit.map_height);
     EXPECT_EQ(last_covered_row(fit, row + fit.height), last_covered_row(fit, row) + fit.map_height);
@@ -209,7 +211,8 @@ TEST(MipScheduleWeightTest, OnlySidesThatHalveWithoutRestAreUnweighted) {
 }
 
 TEST(MipScheduleWeightTest, ThreeTimesAPowerOfTwoHasAWholeTopLevel) {
-  // The sizes are 12, 6, 3 and 1. Each of them divides 12, and the last level's only texel covers everything.
+  // The sizes are 12, 6, 3 and 1. Each of these sizes divides 12, and the only texel of the last level covers the whole
+  // map.
   const MipSchedule schedule = make_mip_schedule(12, 12, MovmfSettings());
   EXPECT_FALSE(schedule.weighted);
   EXPECT_EQ(schedule.levels.front().fit.sample_columns, 12);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests the initial lobes of the coarsest level: the candidates, and the proxy map on which they are tried.
+// Tests the initial lobes of the coarsest level: the candidates, and the proxy map on which the candidates are tried.
 #include "host/bakes/movmf/movmf_start.h"
 
 #include <gtest/gtest.h>
@@ -20,7 +20,7 @@ using testing::make_map;
 
 const glm::dvec3 kFacets[4] = {{0.6, 0.0, 0.8}, {-0.6, 0.0, 0.8}, {0.0, 0.6, 0.8}, {0.0, -0.6, 0.8}};
 
-// Makes a knurled plate: four facets in a pattern of `period` texels.
+// Makes a knurled plate, which has four facets in a pattern of `period` texels.
 NormalMap knurled_plate(int width, int height, int period) {
   return make_map(width, height, [&](int x, int y) {
     const int u = x % period - period / 2, v = y % period - period / 2;
@@ -68,8 +68,8 @@ TEST(MovmfStartTest, CandidatesDifferAndAreFewAndFiniteAndTheSameForAnyThreads) 
   }
 }
 
-// Returns the relative L1 error of the best candidate's highlights compared with those of the map's normals, at s =
-// 100.
+// Returns the relative L1 error of the highlights of the best candidate at s = 100, compared with the highlights of the
+// map's normals.
 double highlight_error(const NormalMap& map, const std::vector<MultumVmfLobe>& lobes) {
   constexpr double kSharpness = 100.0;
   const auto density = [](double kappa, double cosine) {
@@ -92,7 +92,7 @@ double highlight_error(const NormalMap& map, const std::vector<MultumVmfLobe>& l
   return difference / total;
 }
 
-// Makes normals of `count` clusters; few clusters are broad or have a large share.
+// Makes normals in `count` clusters. Only a few clusters are broad or have a large share.
 NormalMap clustered_map(int count, unsigned seed) {
   std::mt19937 random(seed);
   std::vector<glm::dvec3> centres;
@@ -112,8 +112,8 @@ NormalMap clustered_map(int count, unsigned seed) {
   });
 }
 
-// For sharp and broad clusters with very unequal shares, few random trials of 6 lobes find the best optimum. Trials
-// that grow from 4 lobes find it.
+// If clusters are sharp and broad and have very unequal shares, few random trials with 6 lobes find the best optimum.
+// Trials that start with 4 lobes and then add lobes find it.
 TEST(MovmfStartTest, StartsThatGrowFromFewerLobesAreNearer) {
   for (const unsigned seed : {16u, 110u, 111u, 129u}) {
     const NormalMap map = clustered_map(20, seed);
@@ -133,7 +133,7 @@ TEST(MovmfStartTest, ALikenessTakesEachNormalFromWhereItLies) {
   };
   for (const Case& test : {Case{1024, 512, 64, 64}, Case{403, 50, 64, 50}, Case{1, 300, 1, 64}, Case{1, 1, 1, 1}}) {
     SCOPED_TRACE(test.width);
-    // Each normal encodes its own place in the map.
+    // Each normal encodes its own position in the map.
     const NormalMap map = make_map(test.width, test.height, [](int x, int y) { return glm::dvec3(x, y, 0.0); });
     const NormalMap proxy = sample_proxy_map(planes_of(map), 64, 1);
     ASSERT_EQ(proxy.width, test.proxy_width);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Compares box averages over covered texels with brute force on a grid that both sizes divide.
+// Compares box averages over covered texels with a brute-force computation, on a grid whose size is a multiple of both
+// sizes.
 #include "host/bakes/pyramid/mip_coverage.h"
 
 #include <gtest/gtest.h>
@@ -9,8 +10,8 @@
 namespace multum {
 namespace {
 
-// Cuts each finest texel into to.width x to.height equal pieces and counts each piece in the texel that holds its
-// centre.
+// Cuts each texel of the finest level into to.width x to.height equal pieces, and counts each piece in the texel that
+// contains its centre.
 std::vector<double> brute_force(const std::vector<double>& plane, PlaneSize from, PlaneSize to) {
   std::vector<double> sums(static_cast<std::size_t>(to.width * to.height), 0.0);
   for (int y = 0; y < from.height * to.height; ++y)
@@ -50,7 +51,7 @@ TEST(MipCoverageTest, WeightsSumToOneAndLoseNoTexel) {
       const PlaneSize to = {std::max(1, from.width >> level), std::max(1, from.height >> level)};
       const std::vector<double> ones(static_cast<std::size_t>(from.width * from.height), 1.0);
       for (const double value : average_over_texels(ones, from, to, 1)) EXPECT_NEAR(value, 1.0, 1e-13);
-      // Each finest texel counts once per level, so that the mean of the averages is the overall mean.
+      // Each texel of the finest level counts once in every level, so the mean of the averages is the overall mean.
       std::vector<double> ramp(ones.size());
       for (std::size_t i = 0; i < ramp.size(); ++i) ramp[i] = static_cast<double>(i * i % 101);
       double mean = 0.0, mean_of_averages = 0.0;

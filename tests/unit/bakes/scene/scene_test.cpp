@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests scenes: each refusal with its line, the survey of a map against sums over its texels, and estimates of lobes on
-// maps with known answers. Also tests which levels are seen, and the plans for generated maps.
+// Tests scenes. Each error message must name its line. Compares the survey of a map with sums over its texels, and
+// estimates of lobes with known results. Also tests which levels are visible, and the plans for generated maps.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -57,7 +57,7 @@ std::string with(std::string text, const std::string& from, const std::string& t
 
 class SceneTest : public ::testing::Test {
  protected:
-  // The file must exist; its content does not matter.
+  // The file must exist, but its content does not matter.
   SceneTest() { write_bytes(folder_ / "wall.exr", ""); }
   SceneDescription read(const std::string& text) const {
     write_bytes(path(), text);
@@ -74,7 +74,7 @@ class SceneTest : public ::testing::Test {
         for (int c = 0; c < 3; ++c) image.at(x, y, c) = static_cast<float>(n[c]);
       }
     write_test_image(folder_ / "wall.exr", image);
-    pattern_.hashes = BakeJob().hashes;  // a job compares its inputs with the hashes that it computed first
+    pattern_.hashes = BakeJob().hashes;  // a job compares its inputs with the hashes that it computed at the start
   }
   ScenePlan plan(const std::string& text) const { return plan_scene(read(text), {2}, nullptr); }
   static const PlannedEffect& effect(const std::vector<PlannedEffect>& effects, const std::string& name) {
@@ -139,7 +139,7 @@ TEST_F(SceneTest, WhatIsWrongIsRefusedWithItsLine) {
       {"[[material]]",
        "[[map]]\nname = \"other\"\nnormal = \"wall.exr\"\n[[material]]",
        11,
-       {"map.name", "\"other\"", "no [[object]]"}},
+       {"map.name", "\"other\"", "not used by any [[object]]"}},
       {"green = \"up\"", "green = \"left\"", 9, {"map.green", "\"left\"", "up, down"}},
       {"brdf = \"blinn-phong\"", "brdf = \"phong\"", 12, {"material.brdf", "\"phong\"", "lambert, blinn-phong"}},
       {"exponent = [20, 100]", "exponent = [100, 20]", 13, {"material.exponent is [100, 20]", "lower", "first"}},
@@ -169,7 +169,7 @@ TEST_F(SceneTest, WhatIsWrongIsRefusedWithItsLine) {
                [&] { read(kScene.substr(0, kScene.find("[[light]]"))); });
 }
 
-// Includes sides that are not powers of two: each texel has exactly one parent, up to the coarsest level.
+// Each texel has exactly one parent, up to the coarsest level, even if the sides are not powers of two.
 TEST_F(SceneTest, TheSurveyIsWhatSumsSay) {
   for (const auto& [width, height] : {std::pair{64, 64}, std::pair{37, 75}, std::pair{1, 9}}) {
     SCOPED_TRACE(width);
@@ -222,7 +222,8 @@ TEST_F(SceneTest, TheSurveyIsWhatSumsSay) {
   }
 }
 
-// Tests the shader's formula, which is within 0.22 % of the exact mean over the sphere of lights.
+// Tests the formula of the shader, whose error is at most 0.22 % compared with the exact mean over the sphere of
+// lights.
 TEST_F(SceneTest, LambertOfALobeIsTheShaders) {
   for (const double kappa : {0.5, 3.0, 20.0, 300.0})
     for (const double theta : {0.0, 0.5, 1.2, 1.6, 2.2}) {
@@ -233,7 +234,7 @@ TEST_F(SceneTest, LambertOfALobeIsTheShaders) {
     }
 }
 
-// On a map of two directions, one lobe has a large highlight error and two lobes are exact. Low-order harmonics and
+// On a map of two directions, one lobe has a large highlight error and two lobes are exact. Harmonics of low order and
 // moments are not exact.
 TEST_F(SceneTest, TwoDirectionsAreTwoLobes) {
   std::vector<float> x, y, z;
@@ -255,13 +256,13 @@ TEST_F(SceneTest, TwoDirectionsAreTwoLobes) {
       << "planar Gaussians round slanted facets and cut off tails";
   EXPECT_LT(errors.error(1, lambert, ColourModel::kNone), 0.05);
   EXPECT_LT(errors.error(2, lambert, ColourModel::kNone), 1e-3);
-  // Harmonics of order 20 can represent a highlight with s = 8. The remaining error is the estimate's vMF approximation
-  // of Blinn-Phong.
+  // Harmonics of order 20 can represent a highlight with s = 8. The remaining error comes from the estimate, which
+  // approximates Blinn-Phong by a vMF.
   EXPECT_LT(errors.sh_error(20, {{8.0}}, ColourModel::kNone), 0.15);
 }
 
-// Red and blue facets at x = +-0.6 need lobes with their own colours. If both sides mix the colours equally, one colour
-// is enough.
+// If red facets are at x = +0.6 and blue facets at x = -0.6, lobes need their own colours. If both sides mix the
+// colours equally, one colour is enough.
 TEST_F(SceneTest, ColoursThatGoWithSlopesAreFound) {
   for (const bool correlated : {true, false}) {
     std::vector<float> x, y, z, r, g, b;
@@ -307,7 +308,8 @@ TEST_F(SceneTest, WeightsThatGoWithSlopesAreFound) {
   }
 }
 
-// The width of equal normals is their roughness. One lobe of that length is exact, and diffuse light ignores the width.
+// If all normals are equal, their only width is the roughness. One lobe with the corresponding length is exact, and
+// diffuse light ignores the width.
 TEST_F(SceneTest, RoughnessIsAWidthOfItsOwn) {
   const float length = 0.9f;
   const std::vector<float> none(64 * 64, 0.0f), z(64 * 64, length);
@@ -324,7 +326,7 @@ TEST_F(SceneTest, RoughnessIsAWidthOfItsOwn) {
   EXPECT_GT(plain.error(1, {ShadedBy{}}, ColourModel::kNone), 0.02) << "the normal's length would darken diffuse light";
 }
 
-// Returns the error of a bake of 4 lobes at texel centres, over all levels from the first.
+// Returns the error at texel centres of a bake with 4 lobes, over all levels from the first one on.
 double measured_error(const PlaneStore& normals, double exponent) {
   static Device device = Device::open("");
   MapInputs inputs;
@@ -348,9 +350,9 @@ double measured_error(const PlaneStore& normals, double exponent) {
 }
 
 // On steep waves, highlights are too sharp for the sampled normals and directions, so the estimate uses the sharpest
-// highlight that the samples resolve. The estimate is near the measured error of a bake: 1.08 estimated and 1.00
-// measured at s = 100, 1.20 and 1.46 at s = 500. Shading each normal with its own sharpness gives 1.41 and more. More
-// lobes give lower estimates.
+// highlight that the samples resolve. The estimate is near the measured error of a bake. At s = 100, the estimate is
+// 1.08 and the measured error is 1.00. At s = 500, they are 1.20 and 1.46. Shading each normal with its own sharpness
+// gives 1.41 and more. More lobes give lower estimates.
 TEST_F(SceneTest, SharpHighlightsOfSteepMapsHaveEstimatesToCompare) {
   std::vector<float> x, y, z;
   for (int i = 0; i < 128 * 128; ++i) {
@@ -466,7 +468,8 @@ TEST_F(SceneTest, FarAwayTheFinestLevelsAreLeftOut) {
   EXPECT_FALSE(effect(map.effects, "finest levels").needed);
 }
 
-// Four directions and a sharp highlight need all lobes of the default settings, so the plan has these settings.
+// Four directions and a sharp highlight need as many lobes as the default settings have, so the plan keeps these
+// settings.
 TEST_F(SceneTest, WhereAllIsNeededThePlanIsTheDefault) {
   write_map(64, [](int x, int y) { return glm::dvec3(x % 2 == 0 ? 0.5 : -0.5, y % 2 == 0 ? 0.5 : -0.5, 1.0); });
   const MapPlan map = plan(kScene).maps[0];
@@ -491,7 +494,7 @@ TEST_F(SceneTest, BudgetsAndTargetsAreKeptOrRefused) {
                [&] { plan(with(kScene, "estimate_margin = 0.05", "target_error = 0.0001")); });
 }
 
-// With a target, the bake's trials decide, so a plan must not promise a number of lobes or bytes.
+// With a target, the trials of the bake decide, so a plan must not promise a number of lobes or bytes.
 TEST_F(SceneTest, WhatTrialsChooseIsARange) {
   write_map(64, [](int x, int y) { return glm::dvec3(x % 2 == 0 ? 0.5 : -0.5, y % 2 == 0 ? 0.5 : -0.5, 1.0); });
   for (const char* target : {"0.2", "0.5", "1.9"}) {
@@ -516,17 +519,17 @@ TEST_F(SceneTest, WhatTrialsChooseIsARange) {
     EXPECT_LT(found.cost_min.bytes, found.cost.bytes);
     EXPECT_GT(found.cost_max.bytes, found.cost.bytes);
     expect_says(text.substr(0, text.find('\n')), {"vmf, 1 to 8 lobes (trials choose the number)"});
-    // The stated time excludes trials. Both the plan of a map and the total say how many trials there may be and how
+    // The stated time excludes trials. Both the plan of a map and the total state how many trials there may be and how
     // long they take.
     const std::string in_all = text.substr(text.rfind("in total: "));
     for (const std::string& part : {text, in_all})
-      expect_says(part, {"plus the trials (up to 24 per map, a few seconds in total)"});
+      expect_says(part, {"plus the trials (up to 24 per map, which take a few seconds in total)"});
     EXPECT_GE(map.stated_difference, std::stod(target))
         << "the chosen settings need not have a lower error than the target";
   }
 }
 
-// Estimates for one, two and three lobes are listed in this order, whatever their textures cost; other text is
+// The estimates for one, two and three lobes are listed in this order, whatever their textures cost. Other text is
 // separate.
 TEST_F(SceneTest, WhatWasTriedIsAListInOrder) {
   write_map(64, [](int x, int y) { return glm::dvec3(x % 2 == 0 ? 0.5 : -0.5, y % 2 == 0 ? 0.5 : -0.5, 1.0); });
@@ -543,7 +546,7 @@ TEST_F(SceneTest, WhatWasTriedIsAListInOrder) {
       EXPECT_EQ(lobes.why.find(lobes.list[i].name + ": "), std::string::npos) << lobes.why;
     }
     EXPECT_FALSE(effect(found.maps[0].effects, "planar Gaussians").list.empty());
-    // Line breaks never split an item.
+    // A line break never splits an item.
     const std::string text = plan_text(scene, found, 120);
     for (const PlannedItem& item : lobes.list)
       EXPECT_NE(text.find(item.name + (item.name == "1 lobe" ? ":  " : ": ") + item.value), std::string::npos) << text;

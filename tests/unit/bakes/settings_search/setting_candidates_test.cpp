@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests that every search for settings uses its part of one list, in the list's order.
+// Tests that every search for settings uses its part of one common list, in the order of that list.
 #include "host/bakes/settings_search/setting_candidates.h"
 
 #include <gtest/gtest.h>

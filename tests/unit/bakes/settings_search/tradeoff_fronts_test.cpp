@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests that fronts compare work and not elapsed time, so that other load on the machine does not matter.
+// Tests that Pareto fronts compare work and not elapsed time, so that other load on the machine does not matter.
 #include <gtest/gtest.h>
 
 #include "host/bakes/settings_search/tradeoff_sweep.h"
@@ -7,7 +7,7 @@
 namespace multum {
 namespace {
 
-// Makes a measured row with an exact error.
+// Makes a measured row whose error is exact.
 TradeoffRow made_row(double error, const RunTime& bake, double frame_ms, double frame_work_ms) {
   TradeoffRow row;
   row.reached.error = error;
@@ -20,7 +20,8 @@ TradeoffRow made_row(double error, const RunTime& bake, double frame_ms, double 
 }
 
 TEST(TradeoffFrontsTest, ElapsedTimeDecidesNothing) {
-  // The second row has half the error for twice the work. Other programs slowed the first row, so it took longer.
+  // The second row has half the error and needs twice the work. Other programs slowed down the first row, so it took
+  // longer.
   std::vector<TradeoffRow> rows = {made_row(0.2, {1.0, 90.0, 0.0}, 500.0, 4.0),
                                    made_row(0.1, {2.0, 3.0, 0.0}, 20.0, 8.0), made_row(0.3, {2.0, 0.1, 0.0}, 0.1, 8.0)};
   mark_fronts(rows, {0.05, 0.05});

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests the measurement of an export's error: its lights against plain quadrature, its results for exact and wrong
-// lobes, and the search for the best lobe.
+// Tests how the error of an export is measured. Compares the sampled lights with plain quadrature, and tests the
+// results for exact and wrong lobes and the search for the best lobe.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -23,7 +23,7 @@ CoveredFacets facets_of(const NormalMap& map, double alpha) {
   return covered_facets(planes_of(map), nullptr, alpha * alpha, 1, 1, 0, 0);
 }
 
-// Returns D V (n . l) as the papers print it, with G2 of Smith's Lambdas.
+// Returns D V (n . l) as the papers print it, with the G2 of Smith's Lambda functions.
 double printed_highlight(const GgxLobe& lobe, const glm::dvec3& v, const glm::dvec3& l) {
   const glm::dvec3 b = glm::cross(lobe.normal, lobe.axis), h = glm::normalize(v + l);
   const auto local = [&](const glm::dvec3& w) {
@@ -74,7 +74,8 @@ TEST(LobeShading, IsThePrintedFormula) {
   }
 }
 
-// Compares sampled lights with even quadrature over the upper hemisphere, within four times the lights' noise.
+// Compares sampled lights with even quadrature over the upper hemisphere. The allowed difference is four times the
+// noise of the lights.
 TEST(CellReference, LightsIntegrateWhatQuadratureDoes) {
   for (const double alpha : {0.1, 0.5}) {
     const CoveredFacets facets = facets_of(random_map(4, 4, 0.8, 5), alpha);
@@ -169,7 +170,8 @@ TEST(ExportMeter, MeasuresWhatItIsShown) {
   for (std::size_t l = 0; l < 3; ++l) {
     // At level 6 the mean normal is nearly upright, and averaged normals have only the base roughness.
     EXPECT_LT(wide.levels[l].errors[0].point.error, base.levels[l].errors[0].point.error);
-    EXPECT_EQ(wide.levels[l].errors[2].point.error, base.levels[l].errors[2].point.error);  // rules read only the map
+    // These rules read only the map.
+    EXPECT_EQ(wide.levels[l].errors[2].point.error, base.levels[l].errors[2].point.error);
   }
   EXPECT_NEAR(base.levels[2].errors[0].point.error, base.levels[2].errors[1].point.error, 0.05);
   EXPECT_NE(base.to_text().find("Unreal"), std::string::npos);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests the engines' rules for roughness against numbers derived from the engines' sources. Also tests the choice of
-// axis signs, samples of facets, and the effect of rounding.
+// Compares the engines' rules for roughness with numbers that are derived from the engines' sources. Also tests the
+// signs of axes, the samples of facets, and the effect of rounding.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -28,7 +28,8 @@ const EngineRule& rule_called(const std::string& id) {
   throw std::runtime_error("no rule " + id);
 }
 
-// The results of each rule's own formula for a base roughness of 0.1 and kappa 50 are computed by hand.
+// The expected results for a base roughness of 0.1 and a kappa of 50 are computed by hand from the formula of each
+// rule.
 TEST(ExportRules, AreThoseOfTheirSources) {
   double low = 0.9, high = 0.999999;
   for (int i = 0; i < 60; ++i) (kappa_of_length(0.5 * (low + high)) < 50.0 ? low : high) = 0.5 * (low + high);
@@ -61,7 +62,7 @@ TEST(ExportRules, GrowWithTheSpreadAndEndAt1) {
 }
 
 // Half of GGX's facets have slopes below alpha, and a fifth below half of alpha. Every square of samples that covers
-// one finest texel has these shares, in all directions.
+// one texel of the finest level has these shares, in all directions.
 TEST(FacetSamples, AreSpreadInEverySquare) {
   for (const int grid : {8, 16, 32}) {
     const std::vector<glm::vec2> facets = facet_samples(grid);
@@ -83,7 +84,8 @@ TEST(FacetSamples, AreSpreadInEverySquare) {
   }
 }
 
-// The sides of levels halve exactly: every finest texel has the same number of samples.
+// The sides of each level are exactly half of the previous sides, so every texel of the finest level has the same
+// number of samples.
 TEST(FacetSamples, PlacesAreEvenWhereLevelsNest) {
   for (const int level : {1, 2, 3, 5}) {
     const int grid = sample_grid(level), coarse = 4, fine = coarse << level;
@@ -97,7 +99,7 @@ TEST(FacetSamples, PlacesAreEvenWhereLevelsNest) {
   EXPECT_EQ(sample_place(0, 7, 8, 1, 3), 2);
 }
 
-// In slightly crooked grooves at any angle, every axis gets a sign that makes it point to the same side.
+// In slightly crooked grooves at any angle, the signs make all axes point to the same side.
 TEST(AxisCut, LeavesBrushedMetalInOnePiece) {
   for (double degrees = 0.0; degrees < 180.0; degrees += 15.0) {
     const double angle = degrees * M_PI / 180.0;

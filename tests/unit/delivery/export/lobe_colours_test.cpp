@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests tints: a lobe's tint is its colour relative to the texel's colour, and the tints of a texel add up to 0. A file
-// of tints is written only if the map has enough levels.
+// Tests tints. The tint of a lobe is its colour relative to the colour of the texel, and the tints of a texel add up to
+// 0. A file of tints is written only if the map has enough levels.
 #include "host/delivery/export/lobes/lobe_colours.h"
 
 #include <gtest/gtest.h>
@@ -13,7 +13,7 @@
 namespace multum {
 namespace {
 
-// Makes two lobes of amplitudes 1/4 and 3/4; the first is `times` as bright as the second.
+// Makes two lobes with amplitudes 1/4 and 3/4. The first lobe is `times` as bright as the second.
 MovmfMipmap coloured_mipmap(int side, float times) {
   MovmfMipmap mipmap;
   for (int s = side; s > 0; s /= 2) {
@@ -35,7 +35,7 @@ MovmfMipmap coloured_mipmap(int side, float times) {
 TEST(LobeColours, TintsAddUpToNothing) {
   const auto tints = lobe_tints(coloured_mipmap(8, 2.0f).levels[1]);
   ASSERT_EQ(tints.size(), 2u);
-  // The texel has 2/4 + 3/4 = 5/4, so that the factors are 8/5 and 4/5.
+  // The brightness of the texel is 2/4 + 3/4 = 5/4, so the factors are 8/5 and 4/5.
   for (std::size_t i = 0; i < tints[0].size(); ++i) {
     EXPECT_NEAR(tints[0][i], 0.25f * 0.6f, 1e-6f);
     EXPECT_NEAR(tints[1][i], -0.75f * 0.2f, 1e-6f);
@@ -45,8 +45,8 @@ TEST(LobeColours, TintsAddUpToNothing) {
 TEST(LobeColours, BlackAndFaintLobesHaveTintsWithinBounds) {
   for (const auto& of_lobe : lobe_tints(coloured_mipmap(4, 0.0f).levels[1]))
     for (const float tint : of_lobe) EXPECT_LE(std::abs(tint), 0.26f);
-  // First a quarter and then a hundredth of the normals have all of the texel's light. Factors are at most four times
-  // the texel's luminance.
+  // First a quarter and then a hundredth of the normals reflect all of the light of the texel. Factors are limited to
+  // four times the luminance of the texel.
   MovmfLevel bright = coloured_mipmap(4, 1000.0f).levels[1];
   EXPECT_NEAR(lobe_tints(bright)[0][0], 0.25f * 3.0f, 5e-3f);
   bright.lobes[0][0] *= 0.04f;

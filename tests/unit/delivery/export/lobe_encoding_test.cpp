@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests lobes of a level that are encoded together: they keep their sum of amplitudes and mean normal better than lobes
-// encoded one by one. Each lobe keeps its direction and spread.
+// Tests the encoding of all lobes of a level together. It keeps the sum of amplitudes and the mean normal better than
+// encoding each lobe separately. Each lobe keeps its direction and spread.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -15,12 +15,14 @@
 namespace multum {
 namespace {
 
-constexpr int kLevelWidth = 50, kLevelHeight = 70;  // not multiples of 4, and more rows than a band
+constexpr int kLevelWidth = 50, kLevelHeight = 70;  // the sides are not multiples of 4, and there are more rows than in
+                                                    // a band
 constexpr std::size_t kLevelTexels = std::size_t{kLevelWidth} * kLevelHeight;
 
 using Lobes = std::vector<std::vector<glm::vec4>>;
 
-// Makes a level of four lobes that face four sides; amplitudes, directions and spreads differ from texel to texel.
+// Makes a level with four lobes that face four sides. The amplitudes, directions and spreads differ from texel to
+// texel.
 MovmfMipmap rough_level() {
   SplitMix64 random(54);
   MovmfMipmap mipmap;
@@ -66,8 +68,8 @@ Lobes stored(const MovmfMipmap& mipmap, const std::vector<std::size_t>& which, L
   return lobes;
 }
 
-// Holds root mean square errors of the sum of amplitudes, the mean normal's direction (radians), a lobe's vector, and a
-// lobe's mean vector without its amplitude.
+// Holds four root mean square errors: of the sum of amplitudes, of the direction of the mean normal (in radians), of
+// the vector of a lobe, and of the mean vector of a lobe without its amplitude.
 struct JointError {
   double sum = 0.0, angle = 0.0, lobe = 0.0, shape = 0.0;
 };
@@ -104,7 +106,7 @@ TEST_P(LobeEncodingTest, KeepsWhatLobesHaveInCommon) {
   EXPECT_LT(together.sum, 0.6 * apart.sum) << apart.sum;
   EXPECT_LT(together.angle, 0.75 * apart.angle) << apart.angle;
   EXPECT_LT(together.lobe, 1.4 * apart.lobe) << apart.lobe;
-  EXPECT_LT(together.shape, 1.1 * apart.shape) << apart.shape;  // weak lobes lose no more than strong ones
+  EXPECT_LT(together.shape, 1.1 * apart.shape) << apart.shape;  // weak lobes lose no more precision than strong ones
 }
 
 INSTANTIATE_TEST_SUITE_P(Texels, LobeEncodingTest, ::testing::Values(LobeTexels::kBlocks, LobeTexels::kRgba8));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests the picture error that texture storage adds: none for lossless storage, more for coarser codes, and more in
-// smooth metal than in dull stone.
+// Tests the picture error that texture storage adds. Lossless storage adds no error. Coarser codes add more error, and
+// smooth metal gets more error than dull stone.
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -78,14 +78,14 @@ TEST_F(StorageErrorTest, GrowsWithWhatIsLost) {
   EXPECT_GT(by_fine, 0.0);
   EXPECT_GT(by_coarse, 3.0 * by_fine);
   EXPECT_GT(by_coarse, 0.01);
-  // Stone scatters light, which small turns of a normal hardly change.
+  // Stone scatters light so broadly that small changes of a normal hardly matter.
   EXPECT_LT(storage_error({&normal, &stone}, {&coarse, &stone}).error, 0.3 * by_coarse);
 }
 
 TEST_F(StorageErrorTest, SeesRoughness) {
   const LevelFile normal = bumps("normal", 1), metal = surface("metal", 0.30, 1.0), other = surface("other", 0.33, 1.0);
   EXPECT_GT(storage_error({&normal, &metal}, {&normal, &other}).error, 0.01);
-  // Without a texture the surface has the same roughness everywhere.
+  // Without a roughness texture, the surface has the same roughness everywhere.
   const MaterialLevels plain{&normal, nullptr, 0.3, 1.0}, rougher{&normal, nullptr, 0.33, 1.0};
   EXPECT_NEAR(storage_error(plain, rougher).error, storage_error({&normal, &metal}, {&normal, &other}).error, 0.01);
   const LobeSurface mean = mean_surface({&normal, &metal});

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests the pictures of an export's page: textures that are filtered as hardware does, averages against the covered
-// facets, and videos. A surface of one normal must look alike with every filter.
+// Tests the pictures on the page of an export: textures that are filtered as in hardware, averages compared with the
+// covered facets, and videos. A surface with a single normal must look the same with every filter.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -36,7 +36,7 @@ TEST(LevelTexture, IsFilteredAsHardwareDoes) {
   EXPECT_NEAR(values[1], 15.0, 1e-12);
   texture.sample(3.0, 0.0, 0.25, values);  // across the border, since the texture repeats
   EXPECT_NEAR(values[0], 1.5, 1e-12);
-  texture.sample(3.5, 1.5 / 4, 0.25, values);  // halfway to the next level: 1 and (5 * 0.75 + 7 * 0.25 ...)
+  texture.sample(3.5, 1.5 / 4, 0.25, values);  // halfway to the next level, between 1 and (5 * 0.75 + 7 * 0.25 ...)
   EXPECT_NEAR(values[0], 0.5 * 1.0 + 0.5 * (5.0 * 0.75 + 7.0 * 0.25), 1e-12);
   texture.sample(9.0, 0.25, 0.5, values);  // beyond the coarsest level
   EXPECT_NEAR(values[0], 5.0, 1e-12);
@@ -60,7 +60,7 @@ TEST(AveragedLevels, AreTheMeansOfCoveredFacets) {
   }
 }
 
-// A tilted plane has one normal everywhere. All averages equal that normal, and no rule makes the surface rougher.
+// A tilted plane has the same normal everywhere. All averages equal that normal, and no rule makes the surface rougher.
 TEST(SurfaceFrames, AllAreAlikeWhereThereIsOneNormal) {
   const glm::dvec3 normal = glm::normalize(glm::dvec3(0.2, -0.1, 1.0));
   const NormalMap map = make_map(40, 24, [&](int, int) { return normal; });
@@ -93,14 +93,14 @@ TEST(SurfaceFrames, AllAreAlikeWhereThereIsOneNormal) {
   }
 }
 
-// A near pixel is one texel, and the reference is its facet. A far pixel is the mean of all facets.
+// A near pixel shows one texel, and its reference is the facet of that texel. A far pixel shows the mean of all facets.
 TEST(SurfaceFrames, TheReferenceIsTheMeanOfFacets) {
   const NormalMap map = random_map(16, 16, 0.9, 8);
   const FrameView view{2.0, {192.0, 192.0}, {0.0, 0.0}};  // pixel (0, 0) begins at texel (0, 0)
   const FramePixels pixels = draw_reference(planes_of(map), nullptr, 0.01, view, 2);
   const CoveredFacets facets = covered_facets(planes_of(map), nullptr, 0.01, 4, 4, 1, 2);
   // Tests the light of pixel (1, 2) in the picture. Half vectors are spread evenly over slopes, and the eye is 30
-  // degrees up.
+  // degrees above the horizon.
   const double step = 2.0 * 0.45 / kFrameSide;
   const glm::dvec3 eye(0.0, 0.5, std::sqrt(0.75));
   const glm::dvec3 half = glm::normalize(glm::dvec3(-0.45 + 1.5 * step, 0.45 - 2.5 * step, 1.0));

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests the bytes of KTX2 and DDS files: header fields at their specified places, levels in order, and Zstandard frames
-// that unpack unchanged. tests/cli/exports/export_command_test.cpp reads such files with third-party readers.
+// Tests the bytes of KTX2 and DDS files. Header fields must be at their specified positions, levels must be in order,
+// and Zstandard frames must decompress to the original bytes. tests/cli/exports/export_command_test.cpp reads such
+// files with third-party readers.
 #include <gtest/gtest.h>
 
 #include <zstd.h>
@@ -39,13 +40,13 @@ struct Level {
   int columns, rows;  // columns and rows of blocks
 };
 
-// Makes levels of a texture of 7 x 5 texels.
+// Makes the levels of a texture of 7 x 5 texels.
 std::vector<Level> levels_of(TexelFormat format) {
   return info_of(format).block_side == 4 ? std::vector<Level>{{2, 2}, {1, 1}, {1, 1}}
                                          : std::vector<Level>{{7, 5}, {3, 2}, {1, 1}};
 }
 
-// Every byte of level l is 10 l + its row.
+// Every byte of level l is 10 l plus the number of its row.
 std::string level_bytes_of(TexelFormat format, std::size_t level) {
   const Level size = levels_of(format)[level];
   std::string bytes;
@@ -55,7 +56,7 @@ std::string level_bytes_of(TexelFormat format, std::size_t level) {
   return bytes;
 }
 
-// Writes rows of different levels in turn, as an export does.
+// Writes rows of different levels alternately, as an export does.
 void write_texture(TextureFile& file, TexelFormat format) {
   const std::vector<Level> levels = levels_of(format);
   for (int row = 0; row < levels[0].rows; ++row)
@@ -97,7 +98,8 @@ TEST(TextureFile, AFailedWriteEndsTheWorkAtOnce) {
   EXPECT_EQ(folder.names(), testing::Names{});
 }
 
-// After the first frame of two levels of incompressible data fails, the second frame is not begun.
+// There are two levels of incompressible data. After the frame of the first level fails, the second frame is not
+// started.
 TEST(TextureFile, AFrameThatCannotBeWrittenEndsTheWorkAtOnce) {
   const testing::TemporaryFolder folder;
   const LeveledTexture texture = {TexelFormat::kRgba8, 2048, 1024, 2};
@@ -129,7 +131,7 @@ TEST(TextureFile, Ktx2HasItsHeadAndItsLevels) {
     EXPECT_EQ(number_at(bytes, descriptor_at, 4), descriptor);
     const std::uint64_t samples = format == TexelFormat::kBc7 ? 1 : static_cast<std::uint64_t>(info.channels);
     EXPECT_EQ(descriptor, 28u + 16u * samples);
-    // Samples follow one another and fill the block.
+    // The sample descriptions follow one another and fill the block.
     const std::uint64_t bits = 8 * static_cast<std::uint64_t>(info.block_bytes) / samples;
     for (std::uint64_t i = 0; i < samples; ++i) {
       EXPECT_EQ(number_at(bytes, descriptor_at + 28 + 16 * i, 2), bits * i) << i;
@@ -137,7 +139,7 @@ TEST(TextureFile, Ktx2HasItsHeadAndItsLevels) {
     }
     EXPECT_EQ(number_at(bytes, 64, 8) + number_at(bytes, 72, 8), 0u);
     EXPECT_NE(bytes.find(std::string("KTXorientation\0rd\0", 18)), std::string::npos);
-    // The smallest level comes first after the header; each begins at a multiple of its block size and of 4.
+    // The smallest level comes first after the header. Each level begins at a multiple of its block size and of 4.
     std::uint64_t end = keys_at + keys;
     for (std::size_t level = 3; level-- > 0;) {
       const std::string expected = level_bytes_of(format, level);
@@ -180,7 +182,7 @@ TEST(TextureFile, Ktx2LevelsAreThereAgainAfterZstandard) {
     }
 }
 
-// Frames of more than one piece do not depend on how many rows arrive at once.
+// The bytes of a frame with more than one piece do not depend on how many rows arrive at once.
 TEST(TextureFile, ZstandardDoesNotDependOnRowsAtOnce) {
   const testing::TemporaryFolder folder;
   constexpr int kSide = 768;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests each engine's formula for roughness where normals change.
+// Tests the formula of each engine for roughness where normals change.
 #include "host/delivery/forms/engine_filter.h"
 
 #include <gtest/gtest.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests forms of a material on a sphere: steep bumps need fitted forms, a smooth map needs none, and no form is worse
-// than the plain one.
+// Tests the forms of a material on a sphere. Steep bumps need fitted forms, a smooth map does not, and no form has a
+// higher error than the plain form.
 #include "host/delivery/forms/material_forms.h"
 
 #include <gtest/gtest.h>
@@ -23,7 +23,7 @@ constexpr int kSide = 256;
 
 std::uint8_t code_of_share(double share) { return static_cast<std::uint8_t>(std::lround(255.0 * share)); }
 
-// Fills all levels with `level_texel(level, x, y)`, which returns four values from 0 to 1.
+// Fills all levels with the results of `level_texel(level, x, y)`, which returns four values from 0 to 1.
 void fill(LevelFile& file, const std::function<glm::dvec4(int, int, int)>& level_texel) {
   for (int level = 0; level < file.level_count(); ++level) {
     const int width = mip_level_size(file.width(), level), height = mip_level_size(file.height(), level);
@@ -37,8 +37,8 @@ void fill(LevelFile& file, const std::function<glm::dvec4(int, int, int)>& level
   }
 }
 
-// Slopes alternate between +-steepness from texel to texel, so their mean is flat. The fitted roughness follows from
-// their variance.
+// Slopes alternate between +steepness and -steepness from texel to texel, so their mean is flat. The fitted roughness
+// follows from their variance.
 class MaterialFormsTest : public Test {
  protected:
   MaterialFormsTest()
@@ -128,7 +128,7 @@ TEST_F(MaterialFormsTest, AFitThatIsWrongIsNotTaken) {
 }
 
 TEST_F(MaterialFormsTest, AFitThatIsKeptIsWorseInNoView) {
-  set_bumps(0.25, 0.3, 1.0);  // wider than the bumps require
+  set_bumps(0.25, 0.3, 1.0);  // roughness that is higher than the bumps require
   measure([](const FormMeter& meter) {
     const ChosenNormalForm chosen = choose_normal_form(meter, NormalForm::of(meter.level_count(), {true, 1.0}));
     EXPECT_LT(chosen.chosen.mean, 0.95 * chosen.fitted.mean);
@@ -161,7 +161,7 @@ TEST_F(MaterialFormsTest, PicturesAreThoseOfTheEngine) {
   // On a flat map only the sphere's curvature is filtered, and three.js widens highlights most.
   EXPECT_GT(error_for(Engine::kThree), 1.5 * error_for(Engine::kFilament));
   EXPECT_NE(error_for(Engine::kUnity), error_for(Engine::kFilament));
-  // Godot's normals include the map.
+  // In Godot, the normals include the normal map.
   set_bumps(0.6, 0.3, 0.3);
   EXPECT_NE(error_for(Engine::kGodot), error_for(Engine::kUnity));
 }

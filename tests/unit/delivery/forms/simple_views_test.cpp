@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests pixels of planes and spheres: they cover the stated number of texels, and their differences agree with samples.
+// Tests pixels of planes and spheres. They must cover the stated number of texels, and their derivatives must agree
+// with samples.
 #include "host/delivery/forms/simple_views.h"
 
 #include <gtest/gtest.h>
@@ -23,11 +24,11 @@ TEST(SimpleViewsTest, PixelsAreAsLargeAsTheySay) {
     const glm::dvec3 towards_eye = glm::normalize(picture.eye - pixel.middle.position);
     const double facing = glm::dot(pixel.middle.normal, towards_eye);
     ASSERT_GT(facing, 0.2);
-    // Computes a pixel's area on the surface, seen from the eye, in texels.
+    // Computes the area of a pixel on the surface, as seen from the eye, in texels.
     const double area = glm::length(glm::cross(pixel.along_x.position, pixel.along_y.position)) * facing;
     EXPECT_GE(std::sqrt(area), 0.7 * picture.distance);
     EXPECT_LE(std::sqrt(area), 1.5 * picture.distance);
-    // Computes the area on the map, whose columns are denser towards the poles of a sphere.
+    // Computes the area of a pixel on the map. On a sphere, the columns of the map are denser towards the poles.
     const glm::dvec2 size(kWidth, kHeight), x = pixel.along_x.place * size, y = pixel.along_y.place * size;
     const double latitude = picture.shape == "sphere" ? std::asin(pixel.middle.normal.y) : 0.0;
     EXPECT_NEAR(std::abs(x.x * y.y - x.y * y.x) * facing * std::cos(latitude), area,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests each limit of Open Job Description's "Template Schemas" 2023-09 that a bundle could break. The largest allowed
+// Tests each limit of Open Job Description's "Template Schemas" 2023-09 that a bundle could exceed. The largest allowed
 // value is accepted, and one more is refused. tests/cli/farms validates whole bundles against the schema.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -156,7 +156,7 @@ TEST(OpenJdLimits, WhatIsWithinIsTakenAndOneMoreIsRefused) {
          job["steps"].push_back(job["steps"][0]);
          if (more == 0) job["steps"][1]["name"] = "Other";
        },
-       "is there twice"},
+       "occurs twice"},
       {"dependency",
        [](FarmJson& job, std::size_t more) {
          job["steps"].push_back(job["steps"][0]);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests the files that the daemon keeps for others: their total size, and the removal of files that nobody uses.
+// Tests the files that the daemon stores for its clients: their total size, and the removal of files that nobody uses.
 #include "host/farm/service/dispatch/data_folder.h"
 
 #include <gtest/gtest.h>
@@ -47,7 +47,7 @@ class DataFolderTest : public ::testing::Test {
     data.sweep(*ledger_, hours(24), [&] { done.set_value(); });
     done.get_future().wait();
   }
-  // Posted work runs on the ledger's thread.
+  // Posted work runs on the thread of the ledger.
   std::unique_ptr<QueueThread> open(const std::string& name) {
     return std::make_unique<QueueThread>(settings_in(fs::canonical(folder_.path()).string(), name),
                                          [](const std::function<void()>& task) { task(); });
@@ -59,7 +59,7 @@ class DataFolderTest : public ::testing::Test {
     make_old(path);
     return fs::canonical(path).string();
   }
-  // A job with an output has published that file.
+  // A job with an output has published the output file.
   std::int64_t job(const std::string& output, const std::string& input = "") {
     std::int64_t id = 0;
     ledger_->run_now([&](JobQueue& queue) {
@@ -147,11 +147,11 @@ TEST_F(DataFolderTest, WhatItsLedgerIsFinishedWithGoesAndNothingElse) {
   for (const std::string& path : {purged, below, fs::path(folder).parent_path().string()})
     EXPECT_FALSE(fs::exists(path)) << path;
   for (const std::int64_t id : gone) EXPECT_FALSE(fs::exists(folder_ / ("d/logs/" + std::to_string(id) + ".log")));
-  // The file that has this name now is not the file of that job.
+  // The file that now has this name is not the file that the job published.
   made("results/purged.exr");
   sweep(data);
   EXPECT_TRUE(fs::exists(purged));
-  // The other job of this file is purged too.
+  // The other job that uses this file is also purged.
   purge(gone.back() + 1);
   sweep(data);
   EXPECT_FALSE(fs::exists(shared));
@@ -163,7 +163,7 @@ TEST_F(DataFolderTest, AResultThatWasChangedSinceStays) {
   for (const std::string& output : {same, changed}) job(output);
   write_text_file(changed, "by somebody else");
   ledger_->run_now([](JobQueue& queue) { EXPECT_EQ(queue.purge({1, 2}).size(), 2u); });
-  // A job that never published anything does not own the file either.
+  // A job that never published a result does not own the file either.
   const std::string nobodys = made("results/nobodys.exr");
   ledger_->run_now([&](JobQueue& queue) {
     JobSubmission submission;
@@ -214,7 +214,7 @@ TEST_F(DataFolderTest, OldUploadsThatWereNotedGo) {
   EXPECT_FALSE(fs::exists(used));
 }
 
-// A link in place of a folder of results is not followed when the folder is cleaned up.
+// If a symbolic link has replaced a result folder, the cleanup does not follow the link.
 TEST_F(DataFolderTest, LinksAreNotFollowed) {
   DataFolder data(folder_ / "d", 1 << 20);
   const std::string result = made("results/sub/a.exr");

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests that a client does not wait forever for a service that accepts no connection, sends no answer, stops within its
-// answer, or stops sending events.
+// Tests that a client does not wait forever if the service does not accept connections, sends no answer, stops in the
+// middle of its answer, or stops sending events.
 #include "host/farm/service/http/http_client.h"
 
 #include <gtest/gtest.h>
@@ -22,7 +22,7 @@ using boost::asio::ip::tcp;
 
 constexpr HttpPatience kImpatient = {.connecting = 300ms, .answer = 300ms, .work = 300ms};
 
-// Answers one request with this text and keeps the connection open until it is destroyed.
+// Answers one request with this text. Keeps the connection open until this object is destroyed.
 class Answering {
  public:
   explicit Answering(std::string text) : acceptor_(io_, {boost::asio::ip::address_v4::loopback(), 0}) {

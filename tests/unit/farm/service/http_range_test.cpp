@@ -78,8 +78,8 @@ TEST(HttpRangeTest, AFileIsSentInParts) {
   const HttpResponse beyond = answer({"bytes=10-", ""});
   EXPECT_EQ(beyond.status, 416);
   EXPECT_EQ(header_of(beyond, "Content-Range"), "bytes */10");
-  // The whole file is sent if the request names another state of the file, a time or a weak tag, or asks for several
-  // parts or for the header only.
+  // The service sends the whole file if the request names another version of the file, a time or a weak tag, or if it
+  // asks for several parts or only for the header.
   for (const RangeRequest& other : std::vector<RangeRequest>{{"bytes=3-5", "\"other\""},
                                                              {"bytes=3-5", "Fri, 27 Nov 2026 10:00:00 GMT"},
                                                              {"bytes=3-5", "W/" + etag},

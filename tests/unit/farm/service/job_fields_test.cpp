@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests that the names of fields in the web interface and the ledger stay stable if the table of a job's fields
-// changes.
+// Tests that the field names in the web interface and in the ledger stay the same if the table of job fields changes.
 #include "host/farm/service/ledger/job_fields.h"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests which of the tables' parameters a job of the service accepts.
+// Tests which parameters of the tables a job of the service accepts.
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests the ledger of jobs without a daemon: the order of jobs, permission to report on a job, the results of failures,
-// and the state that a killed process leaves.
+// Tests the ledger of jobs without a daemon: the order of jobs, the permission to report on a job, the effects of
+// failures, and the state that a killed process leaves.
 #include "host/farm/service/ledger/job_queue.h"
 
 #include <gtest/gtest.h>
@@ -213,7 +213,7 @@ TEST_F(JobQueueTest, DependentsWaitAndShareTheFate) {
   testing::expect_says(queue_->find(after)->message, {"job 3", "dead"});
   expect_error(ErrorCode::kUsage, {"job 2", "dead"}, [&] { submit(of(0, {a, b})); });
   expect_error(ErrorCode::kUsage, {"job 99", "exist"}, [&] { submit(of(0, {99})); });
-  // Jobs that died because of this job return with it and wait.
+  // Jobs that died because this job failed return together with it, and wait for it.
   EXPECT_TRUE(retry(b));
   EXPECT_EQ(state(both), JobState::kWaiting);
   EXPECT_EQ(state(after), JobState::kWaiting);
@@ -222,7 +222,7 @@ TEST_F(JobQueueTest, DependentsWaitAndShareTheFate) {
   EXPECT_EQ(state(after), JobState::kWaiting);
 }
 
-// No job may wait for a job that is never retried.
+// No job may wait for a job that will never be retried.
 TEST_F(JobQueueTest, ARetryReachesTheRoots) {
   const std::int64_t root = submit(of(0)), other = submit(of(0)), middle = submit(of(0, {root})),
                      leaf = submit(of(0, {middle})), both = submit(of(0, {root, other}));
@@ -281,8 +281,8 @@ TEST_F(JobQueueTest, CancelledInAnyState) {
   EXPECT_EQ(queue_->cancel(running, "by a test", now_), CancelResult::kTooLate);
 }
 
-// If the cancel request comes between an attempt's end and its report, or before the daemon is killed, the job does not
-// run again.
+// If the cancel request arrives between the end of an attempt and its report, or before the daemon is killed, the job
+// does not run again.
 TEST_F(JobQueueTest, ACancelOutlivesTheAttemptThatItWasMeantFor) {
   const std::int64_t id = submit(of(0)), dependent = submit(of(0, {id}));
   const Job failing = *claim();
@@ -369,7 +369,7 @@ TEST_F(JobQueueTest, AClockThatIsSetBackMakesNobodyWait) {
 }
 
 TEST_F(JobQueueTest, AChainOfThousandsDiesAndIsTriedAgainAtOnce) {
-  SqliteTransaction transaction(queue_->database());  // otherwise each job would wait for the disk
+  SqliteTransaction transaction(queue_->database());  // otherwise each job would have to wait for the disk
   Ids chain = {submit(of(0))};
   for (int i = 0; i < 20000; ++i) chain.push_back(submit(of(0, {chain.back()})));
   fail(*claim(), AttemptOutcome::kRefused);
@@ -406,7 +406,7 @@ TEST_F(JobQueueTest, ListsAreOfTheirFilter) {
 
 // A page asks for the dead jobs every second.
 TEST_F(JobQueueTest, AListOfFewJobsDoesNotReadTheOthers) {
-  SqliteTransaction transaction(queue_->database());  // otherwise each job would wait for the disk
+  SqliteTransaction transaction(queue_->database());  // otherwise each job would have to wait for the disk
   for (int i = 0; i < 5000; ++i) submit(of(i == 0 ? 1 : 0));
   fail(*claim(), AttemptOutcome::kRefused);
   const auto seconds = [&](const JobFilter& filter, std::size_t expected) {
@@ -423,7 +423,7 @@ TEST_F(JobQueueTest, AListOfFewJobsDoesNotReadTheOthers) {
   EXPECT_LT(seconds({JobState::kDead, "default", std::nullopt, 50}, 1), 3.0 * newest);
 }
 
-// Changes a ledger to the state that version 3 left.
+// Changes a ledger to the state in which version 3 would leave it.
 const char* const kBackToVersion3 =
     "DROP TABLE slurm_parts; DROP TABLE meta; DROP TABLE left_overs; DROP TABLE uploads; ALTER TABLE needs RENAME TO "
     "n; DROP INDEX needs_of; "
@@ -449,7 +449,7 @@ TEST_F(JobQueueTest, AnEarlierLedgerIsTakenOver) {
   EXPECT_EQ(state(after), JobState::kQueued);
 }
 
-// The next start adds the column.
+// The next start of the daemon adds the column.
 TEST_F(JobQueueTest, ALedgerFromBeforeAFieldGetsIt) {
   const std::int64_t id = submit(of(3));
   queue_->database().execute("ALTER TABLE jobs DROP COLUMN stop_asked; ALTER TABLE jobs DROP COLUMN reused_from;");
@@ -534,7 +534,7 @@ TEST_F(JobQueueTest, PurgedJobsAreNotedWithWhatTheyLeave) {
   EXPECT_FALSE(queue_->was_purged(77)) << "this job never existed";
 }
 
-// The oldest job must stay, but this does not prevent the purge of other jobs.
+// The oldest job must stay. This does not prevent the purge of other jobs.
 TEST_F(JobQueueTest, WhatIsNeededStillKeepsNothingElseFromBeingPurged) {
   const std::int64_t needed = submit(of(0)), needing = submit(of(-1, {needed}));
   succeed(*claim());
@@ -611,7 +611,7 @@ TEST_F(JobQueueTest, KnowsTheFolderThatItBelongsTo) {
                [&] { JobQueue{settings("other.sqlite")}; });
 }
 
-// Runs random commands. After each, the invariants hold, and the state in memory equals the database.
+// Runs random commands. After each command, the invariants must hold, and the state in memory must equal the database.
 TEST_F(JobQueueTest, RandomLivesKeepTheBooks) {
   const unsigned seed = 20261122;
   SCOPED_TRACE(seed);
@@ -643,7 +643,8 @@ TEST_F(JobQueueTest, RandomLivesKeepTheBooks) {
         if (!leases.empty()) {
           const std::size_t at = random() % leases.size();
           const Job job = leases[at];
-          if (pick(4) != 0) leases.erase(leases.begin() + static_cast<std::ptrdiff_t>(at));  // otherwise ends twice
+          // Otherwise the job would end twice.
+          if (pick(4) != 0) leases.erase(leases.begin() + static_cast<std::ptrdiff_t>(at));
           const AttemptResult result = {static_cast<AttemptOutcome>(1 + pick(6)), pick(5), ""};
           const bool is_taken = queue_->ended(job.id, job.owner, job.attempt, result, now_);
           if (is_taken && result.outcome == AttemptOutcome::kSucceeded) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests the types of jobs that multum registers, and what jobs accept and refuse because of their rows.
+// Tests the types of jobs that multum registers, and which parameters jobs accept and refuse because of the rows of the
+// table.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -19,7 +20,7 @@ using Json = nlohmann::json;
 // The types are registered once for all tests of this program.
 [[maybe_unused]] const bool kHasJobTypes = (register_job_types(multum_job_types()), true);
 
-// A measured BRDF is a file, and a text must not lead to files that jobs may not read.
+// A measured BRDF is a file. A text parameter must not give access to files that jobs may not read.
 TEST(JobTypes, TakeBrdfsOfFamiliesAlone) {
   const JobType& bake = find_job_type("bake");
   const auto parameters = [](const char* brdf) { return Json{{"input", "a.png"}, {"brdf", brdf}}; };
@@ -47,7 +48,7 @@ std::string input_refusal(const JobType& type, const std::string& input) {
   return "";
 }
 
-// Commands also accept scenes and sets. The service would not have checked the files that these name.
+// Commands also accept scenes and tile sets, but the service would not have checked the files that these name.
 TEST(JobTypes, ThoseOfOneMapTakeNothingElse) {
   for (const char* name : {"bake", "export"}) {
     const JobType& type = find_job_type(name);
@@ -70,7 +71,7 @@ TEST(JobTypes, HashTheFilesThatTheirInputNames) {
   EXPECT_EQ(input_files(find_job_type("bake"), {{"input", job}}), std::vector<std::string>{job});
 }
 
-// No two views of a type may write a file of the same name or share a folder.
+// No two views of a job type may write a file with the same name or share a folder.
 TEST(JobTypes, ViewsAreTold) {
   std::set<std::string> names;
   for (const JobType& type : job_types()) {
@@ -88,7 +89,7 @@ TEST(JobTypes, ViewsAreTold) {
     EXPECT_EQ(type.views.empty(), type.no_other_view.empty()) << type.name;
     names.insert(files.begin(), files.end());
   }
-  // These are the names of all routes of the web interface (docs/reference/openapi.json).
+  // These are the names of all routes in the web interface (docs/reference/openapi.json).
   EXPECT_EQ(names, (std::set<std::string>{"error.png", "input.png", "look.html", "player.html", "render.png"}));
 }
 

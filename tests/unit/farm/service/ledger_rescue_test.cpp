@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests ledgers damaged in random pages: rescued jobs equal the original ones, and the new ledger is intact.
+// Tests ledgers with damage in random pages. Rescued jobs must equal the original jobs, and the new ledger must be
+// intact.
 #include "host/farm/service/ledger/ledger_rescue.h"
 
 #include <gtest/gtest.h>
@@ -23,7 +24,7 @@ using testing::TemporaryFolder;
 constexpr std::size_t kPageBytes = 4096;
 constexpr int kJobs = 3000;
 
-// Makes jobs in all states, as in a folder that a daemon has used.
+// Makes jobs in every state, as in a folder that a daemon has used.
 std::map<std::int64_t, Job> make_ledger(const std::string& data, int job_count = kJobs) {
   fs::create_directory(data);
   QueueThread ledger(find_ledger(data, {}, false), [](const std::function<void()>& task) { task(); });
@@ -58,14 +59,14 @@ void damage(const std::string& path, const std::vector<std::size_t>& pages, std:
   testing::write_bytes(path, bytes);
 }
 
-// Opens the rescued ledger as a daemon would and returns its jobs.
+// Opens the rescued ledger as a daemon would, and returns its jobs.
 std::map<std::int64_t, Job> open_rescued(const std::string& data, int job_count = kJobs) {
   JobQueue queue(find_ledger(data, {}, false));
   EXPECT_EQ(queue.database().damage(), "");
   std::map<std::int64_t, Job> jobs;
   for (std::int64_t id = 1; id <= job_count; ++id)
     if (const std::optional<Job> job = queue.find(id)) jobs[id] = *job;
-  const SqliteTransaction transaction(queue.database());  // otherwise each row would wait for the disk
+  const SqliteTransaction transaction(queue.database());  // otherwise each row would have to wait for the disk
   EXPECT_GT(queue.submit({}, nullptr, 4).id, job_count) << "a job number was reused";
   queue.recover(5);
   for (const auto& [queue_name, states] : queue.counts()) EXPECT_FALSE(states.contains(JobState::kRunning));
@@ -101,7 +102,7 @@ TEST(LedgerRescue, SavesAllOfAWholeOne) {
     EXPECT_EQ(after.at(id).state, job.state);
     EXPECT_EQ(after.at(id).needs, job.needs);
   }
-  // A repeated rescue overwrites nothing.
+  // A repeated rescue does not overwrite any file.
   EXPECT_NE(rescue_ledger(data).kept, report.kept);
   EXPECT_EQ(testing::read_bytes(report.kept), bytes);
 }
@@ -128,7 +129,7 @@ TEST(LedgerRescue, SavesWhatIsOnOtherPages) {
   for (int i = 0; i < kTries; ++i) {
     const std::string data = folder / std::to_string(i);
     fs::copy(folder / "whole", data, fs::copy_options::recursive);
-    std::vector<std::size_t> pages = {i < 2 ? 0 : random() % page_count};  // the first page lists the tables
+    std::vector<std::size_t> pages = {i < 2 ? 0 : random() % page_count};  // the first page contains the list of tables
     if (i % 2 == 0) pages.push_back(random() % page_count);
     damage(data + "/jobs.sqlite", pages, random);
     SCOPED_TRACE(pages.front());
@@ -142,8 +143,8 @@ TEST(LedgerRescue, SavesWhatIsOnOtherPages) {
     if (::testing::Test::HasFailure()) return;
   }
   RecordProperty("least_saved", static_cast<int>(least));
-  // A page holds about 20 jobs. Damage to the root page of all jobs would lose everything. It is one page in hundreds,
-  // and this seed avoids it.
+  // A page holds about 20 jobs. If the root page of all jobs were damaged, all jobs would be lost. It is one page in
+  // hundreds, and this seed does not damage it.
   EXPECT_GT(sum, before.size() * kTries * 9 / 10);
 }
 
@@ -215,7 +216,7 @@ TEST(LedgerRescue, AnyDamageIsRescuedOrRefusedClearly) {
   EXPECT_GT(rescued, kSeeds * 3 / 4);
 }
 
-// A value that no ledger accepts, or for which a function of SQLite fails, costs only its row.
+// If a ledger does not accept a value, or if a function of SQLite fails for it, only the row with this value is lost.
 TEST(LedgerRescue, OneBadRowCostsThatRow) {
   for (const char* damage :
        {"UPDATE jobs SET parameters = x'7b00ff7d' WHERE id = 5", "UPDATE jobs SET state = 99 WHERE id = 5",

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests which ledger a daemon continues with: a used folder has its own ledger or none.
+// Tests with which ledger a daemon continues. A folder that was in use has its own ledger or no ledger.
 #include "host/farm/service/ledger/ledger_start.h"
 
 #include <gtest/gtest.h>
@@ -21,7 +21,7 @@ class LedgerStartTest : public ::testing::Test {
   // Starts a daemon, adds a job and returns its number.
   std::int64_t start(bool begins_anew = false) {
     const LedgerSettings settings = find_ledger(folder_.path(), {}, begins_anew);
-    const DataFolder folders(folder_.path(), 0);  // makes logs, uploads and results
+    const DataFolder folders(folder_.path(), 0);  // makes folders for logs, uploads and results
     QueueThread ledger(settings, [](const std::function<void()>& task) { task(); });
     instance_ = take_up_ledger(ledger, folder_.path());
     std::int64_t id = 0;
@@ -107,7 +107,7 @@ TEST_F(LedgerStartTest, AnOldCopyGivesNoNumberTwice) {
   EXPECT_EQ(start(), 769);
 }
 
-// Otherwise a new job would show an old job's log.
+// Otherwise a new job would show the log of an old job.
 TEST_F(LedgerStartTest, NumbersGoOnAboveAllThatLiesThere) {
   start();
   const std::string before = instance_;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Tests that docs/reference/openapi.json lists every route of the service and every parameter of every type of job. The
-// tests in tests/service compare answers with it.
+// tests in tests/service compare answers with this file.
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
@@ -48,7 +48,7 @@ TEST(Openapi, HasTheParametersOfEveryType) {
   EXPECT_EQ(schemas.at("Submission").at("allOf").size(), names.size()) << "one schema of parameters per type";
 }
 
-// Tests labels, names of queues and texts: terminals obey C1 characters, U+0080 to U+009F, as they obey ESC.
+// Tests labels, queue names and texts. Terminals obey C1 characters, U+0080 to U+009F, in the same way as ESC.
 TEST(Openapi, TextsHoldNoControlCharacters) {
   for (unsigned code = 0; code < 0x120; ++code) {
     std::string text = "a";

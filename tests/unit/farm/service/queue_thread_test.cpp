@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests a ledger that is removed while in use. The daemon promises only what the file at the ledger's path holds.
+// Tests a ledger that is removed while it is in use. The daemon confirms only changes that are in the file at the
+// ledger's path.
 #include "host/farm/service/ledger/queue_thread.h"
 
 #include <gtest/gtest.h>
@@ -59,8 +60,8 @@ TEST_P(LedgerLossTest, IsNoticedBeforeAnythingIsAccepted) {
   expect_error(ErrorCode::kEnvironment, {"lost"}, [&] { ledger.run_now([](JobQueue& queue) { queue.check_kept(); }); });
 }
 
-// A limit on file sizes acts like a full disk: work that does not fit is refused with that reason, and none of it is
-// kept. The log is emptied, so the next work fits as long as the ledger itself has space.
+// A limit on file sizes acts like a full disk. Work that does not fit is refused with that reason, and no part of it is
+// kept. The write-ahead log is emptied, so the next work fits as long as the ledger itself has space.
 TEST(LedgerSpaceTest, ALimitOfFileSizesIsNoSpaceAndNoEnd) {
   const TemporaryFolder folder;
   const std::string path = folder / "jobs.sqlite";
@@ -118,7 +119,7 @@ INSTANTIATE_TEST_SUITE_P(
         Loss{"folder_removed", [](const std::string& folder) { fs::remove_all(folder + "/data"); }}),
     [](const auto& one) { return std::string(one.param.name); });
 
-// Work that was promised earlier is in the file that is left.
+// Work that was confirmed earlier is in the remaining file.
 TEST(QueueThread, ALogThatIsRemovedTakesNothingWithIt) {
   const TemporaryFolder folder;
   const std::string path = folder / "jobs.sqlite";

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests settings of the service: names that lead nowhere are refused before a job waits for them.
+// Tests the settings of the service. Names that do not exist are refused before a job can wait for them.
 #include "host/farm/service/dispatch/service_settings.h"
 
 #include <gtest/gtest.h>

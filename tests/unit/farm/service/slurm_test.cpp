@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests the batches sent to Slurm, the parsing of Slurm's lists, and what the ledger keeps of both.
+// Tests the batches that are sent to Slurm, the parsing of Slurm's lists, and what the ledger stores about both.
 // tests/service/slurm_test.py runs a real Slurm.
 #include <gtest/gtest.h>
 
@@ -22,7 +22,7 @@ using Chunks = std::vector<std::vector<std::size_t>>;
 TEST(SlurmChunks, SmallJobsShareTasksAndOthersHaveTheirOwn) {
   EXPECT_EQ(make_chunks({}, 30.0), Chunks{});
   EXPECT_EQ(make_chunks({10.0, 10.0, 10.0, 10.0}, 30.0), (Chunks{{0, 1, 2}, {3}}));
-  // A job of unknown length, and a long job, do not end the open chunk.
+  // Neither a job of unknown duration nor a long job ends the open chunk.
   EXPECT_EQ(make_chunks({10.0, -1.0, 40.0, 10.0}, 30.0), (Chunks{{0, 3}, {1}, {2}}));
   EXPECT_EQ(make_chunks({0.0, 0.0}, 0.0), (Chunks{{0}, {1}}));
   const Chunks many = make_chunks(std::vector<double>(kChunkJobsMax + 1, 0.0), 30.0);
@@ -309,7 +309,7 @@ TEST_F(SlurmLedgerTest, WhatSlurmHasOutlivesTheDaemon) {
   ASSERT_EQ(queue_->slurm().sent().size(), 1u);
   EXPECT_EQ(queue_->slurm().sent()[0].slurm_job, 12);
   EXPECT_EQ(queue_->slurm().last_batch(), 40);
-  // The end of a Slurm attempt counts like the end of any attempt.
+  // The end of an attempt in Slurm counts like the end of any other attempt.
   EXPECT_TRUE(queue_->ended(sent.id, owner_, sent.attempt, {}, 4));
   EXPECT_EQ(queue_->find(sent.id)->state, JobState::kSucceeded);
 }

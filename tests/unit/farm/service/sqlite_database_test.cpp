@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests that prepared statements are kept, and that they start from the beginning wherever their last use ended.
+// Tests that prepared statements are kept. They must start from the beginning, wherever their last use ended.
 #include "host/farm/service/ledger/sqlite_database.h"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests that results get their names and replace only files that they may replace.
+// Tests that results are renamed to their final names and replace only files that they may replace.
 #include "host/farm/service/files/staging.h"
 
 #include <gtest/gtest.h>
@@ -29,7 +29,7 @@ class StagingTest : public ::testing::Test {
  protected:
   StagingTest() { fs::create_directory(root_); }
   StagedResult staged(std::int64_t id) const { return {roots_, output_, "0123abcd", id, seal_}; }
-  // Makes a folder of results for this job; returns its identity.
+  // Makes a result folder for this job, and returns the identity of the folder.
   std::string make_folder_of(std::int64_t id, const std::vector<std::string>& names) const {
     const std::string made = make_staging(id);
     for (const std::string& name : names) {
@@ -38,7 +38,7 @@ class StagingTest : public ::testing::Test {
     }
     return staged(id).identity();
   }
-  /// Creates the result's staging folder and returns the result's path in it.
+  /// Creates the staging folder of the result, and returns the path of the result in it.
   std::string make_staging(std::int64_t id) const {
     open_staging_folder(roots_, staging_folder(output_, "0123abcd", id));
     return staged_path(output_, "0123abcd", id);
@@ -127,7 +127,8 @@ TEST_F(StagingTest, FilesAndFoldersAreNotMixedUp) {
   EXPECT_TRUE(fs::is_directory(output_));
 }
 
-// If a daemon died between the exchange and its note, the next daemon finds the earlier folder in the staging folder.
+// If a daemon died after it exchanged the folders but before it recorded this, the next daemon finds the earlier folder
+// in the staging folder.
 TEST_F(StagingTest, WhatCameInTheMeantimeIsPutAside) {
   staged(1).publish(make_folder_of(1, {"a", "b"}));
   const std::string identity = make_folder_of(2, {"a"});
@@ -186,7 +187,8 @@ TEST_F(StagingTest, AResultIsAsMadeWithAllThatItHeldAndNoMore) {
   EXPECT_FALSE(is_as_made(roots_, output_, "", seal_)) << "a missing file is not a result";
 }
 
-// While a result is removed, a separate thread repeatedly replaces one of its folders by a link to the user's folder.
+// While a result is being removed, another thread repeatedly replaces one of its folders by a link to a folder of the
+// user.
 TEST_F(StagingTest, ALinkThatComesWhileAResultIsRemovedLeadsNowhere) {
   const std::string mine = folder_ / "mine", sub = output_ + "/sub", aside = root_ + "/aside";
   std::set<std::string> all;
@@ -212,7 +214,7 @@ TEST_F(StagingTest, ALinkThatComesWhileAResultIsRemovedLeadsNowhere) {
         ++swaps;
       }
     });
-    while (swaps == 0) std::this_thread::yield();  // on a busy machine the thread may start too late
+    while (swaps == 0) std::this_thread::yield();  // on a busy machine, the thread may start too late
     EXPECT_NO_THROW(remove_listed(output_, seal_));
     is_over = true;
     swapper.join();
@@ -221,7 +223,7 @@ TEST_F(StagingTest, ALinkThatComesWhileAResultIsRemovedLeadsNowhere) {
   EXPECT_EQ(names(mine), all);
 }
 
-// The result was moved away and replaced by a link to it. Nothing may be read or written through that name.
+// The result was moved away, and a link to it has replaced it. No file may be read or written through that name.
 TEST_F(StagingTest, AResultBehindALinkIsNotAsMade) {
   const std::string identity = make_folder_of(1, {"a"});
   staged(1).publish(identity);
@@ -230,7 +232,7 @@ TEST_F(StagingTest, AResultBehindALinkIsNotAsMade) {
   EXPECT_EQ(result_identity(roots_, output_), "");
   EXPECT_FALSE(is_as_made(roots_, output_, identity, seal_));
   EXPECT_TRUE(is_as_made(roots_, root_ + "/moved", identity, seal_));
-  // The result is a file.
+  // Here, the result is a file.
   const std::string file = root_ + "/file.exr", moved = root_ + "/moved.exr";
   write_text_file(file, "pixels");
   const std::string of_file = result_identity(roots_, file);
@@ -238,7 +240,7 @@ TEST_F(StagingTest, AResultBehindALinkIsNotAsMade) {
   fs::rename(file, moved);
   fs::create_symlink(moved, file);
   EXPECT_FALSE(is_as_made(roots_, file, of_file, seal_));
-  // A folder above the result is a link.
+  // Here, a folder above the result is a link.
   fs::create_directory(root_ + "/above");
   fs::rename(moved, root_ + "/above/file.exr");
   fs::rename(root_ + "/above", root_ + "/elsewhere");
@@ -256,7 +258,7 @@ TEST_F(StagingTest, CopiesAreOfFilesAndFoldersAlone) {
   EXPECT_FALSE(fs::exists(root_ + "/to/copy/.multum-result")) << "the copy gets its own listing";
   copy_result(roots_, output_ + "/a", root_ + "/to/a");
   EXPECT_EQ(testing::read_bytes(root_ + "/to/a"), "a1");
-  // The remains of an earlier attempt are replaced, and a link in their place is not followed.
+  // The remains of an earlier attempt are replaced. If a link has replaced them, it is not followed.
   fs::remove(root_ + "/to/a");
   fs::create_symlink(mine, root_ + "/to/a");
   copy_result(roots_, output_ + "/a", root_ + "/to/a");
@@ -269,8 +271,8 @@ TEST_F(StagingTest, CopiesAreOfFilesAndFoldersAlone) {
   }
 }
 
-// Anybody who can write to a folder can forge a listing in it: with a user's files, an extra line, or another folder's
-// files.
+// Anybody who can write to a folder can forge a listing in it: with the files of a user, with an extra line, or with
+// the files of another folder.
 TEST_F(StagingTest, AForgedListingIsNone) {
   fs::create_directory(output_);
   write_text_file(output_ + "/mine.txt", "weeks of work");
@@ -294,7 +296,7 @@ TEST_F(StagingTest, AForgedListingIsNone) {
     EXPECT_FALSE(remove_listed(output_, seal_));
     EXPECT_TRUE(fs::exists(output_ + "/mine.txt"));
   }
-  // This is the listing of another folder with the same files.
+  // This listing belongs to another folder with the same files.
   fs::remove(output_ + "/mine.txt");
   testing::write_bytes(listing, whole);
   EXPECT_TRUE(is_as_published(output_, seal_));
@@ -320,7 +322,7 @@ TEST_F(StagingTest, ALinkIsNoResult) {
   EXPECT_EQ(staged(1).identity(), "");
 }
 
-// Anybody who can write to the folder of results can predict the next staging folder's name.
+// Anybody who can write to the result folder can predict the name of the next staging folder.
 TEST_F(StagingTest, WhatSomebodyPutInAStagingFoldersPlaceIsLeftAlone) {
   const std::string mine = root_ + "/mine", staging = staging_folder(output_, "0123abcd", 1);
   const auto expect_left_alone = [&](const std::string& word) {
@@ -335,7 +337,7 @@ TEST_F(StagingTest, WhatSomebodyPutInAStagingFoldersPlaceIsLeftAlone) {
   expect_left_alone("is a symbolic link");
   EXPECT_EQ(testing::read_bytes(mine + "/thesis.txt"), "weeks of work");
   fs::remove(staging);
-  fs::rename(mine, staging);  // replaces the daemon's folder by a rename
+  fs::rename(mine, staging);  // replaces the daemon's folder with a rename
   expect_left_alone("did not create it");
   fs::permissions(staging, fs::perms(0777));
   expect_left_alone("other users write");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests that a full disk refuses an upload and keeps none of it.
+// Tests that an upload is refused if the disk is full, and that no part of it is kept.
 #include "host/farm/service/files/upload_file.h"
 
 #include <gtest/gtest.h>

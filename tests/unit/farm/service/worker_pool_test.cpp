@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests that any unexpected message or failure ends only the worker that caused it: its job is reported lost, and
-// another worker replaces it. Workers here are shell scripts.
+// Tests that an unexpected message or failure ends only the worker that caused it. The job is reported as lost, and
+// another worker replaces this one. The workers here are shell scripts.
 #include "host/farm/service/workers/worker_pool.h"
 
 #include <gtest/gtest.h>
@@ -27,7 +27,7 @@ struct Ended {
 
 class WorkerPoolTest : public ::testing::Test {
  protected:
-  // Starts workers that report ready, read an order, and then run `script`.
+  // Starts workers that report that they are ready, read an order, and then run `script`.
   void open(const std::string& script) {
     WorkerPoolSettings settings;
     settings.command = {"/bin/sh", "-c", std::string(kReady) + "read order <&3; " + script};
@@ -39,7 +39,7 @@ class WorkerPoolTest : public ::testing::Test {
             [this](std::int64_t job, const std::string&, int, const WorkResult& result) { on_ended_(job, result); }});
     pool_->start();
   }
-  // Runs until is_so() is true. A handler that throws loses only its own work, as in the daemon.
+  // Runs the event loop until is_so() is true. If a handler throws, only its own work is lost, as in the daemon.
   bool runs_until(const std::function<bool()>& is_so) {
     const auto until = std::chrono::steady_clock::now() + 30s;
     while (!is_so() && std::chrono::steady_clock::now() < until) {
@@ -57,7 +57,7 @@ class WorkerPoolTest : public ::testing::Test {
     order.job = job;
     return pool_->order(pool_->idle().front(), order);
   }
-  // Expects that the order ends and that another worker starts.
+  // Expects that the order ends and another worker starts.
   void expect_lost(std::int64_t job, const std::string& why) {
     ASSERT_TRUE(runs_until([&] { return !ended_.empty(); }));
     EXPECT_EQ(ended_.front().job, job);
@@ -124,7 +124,7 @@ TEST_F(WorkerPoolTest, WhatCannotBeStartedLeavesNoFiles) {
       EXPECT_EQ(pool.live_count(), 0);
     }
     io_.restart();
-    if (i == 0) before = open_files();  // asio has opened its own files by this round
+    if (i == 0) before = open_files();  // asio has opened its own files before this round
   }
   EXPECT_EQ(open_files(), before);
 }

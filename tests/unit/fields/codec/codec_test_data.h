@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Makes shared inputs for tests of the codec: random bytes and pictures, filter matrices, damaged copies, errors.
+// Makes inputs that the tests of the codec share: random bytes and pictures, filter matrices, damaged copies, and
+// errors.
 #pragma once
 
 #include <cmath>
@@ -30,7 +31,7 @@ inline std::vector<std::uint8_t> damaged(std::vector<std::uint8_t> bytes, SplitM
   return bytes;
 }
 
-/// Makes waves and an edge, with noise of the given size; values about 0 to 255.
+/// Makes waves and an edge, with noise of the given size. The values are about 0 to 255.
 inline std::vector<float> test_plane(std::size_t width, std::size_t height, double phase, double noise,
                                      SplitMix64& random) {
   std::vector<float> plane(width * height);
@@ -42,8 +43,8 @@ inline std::vector<float> test_plane(std::size_t width, std::size_t height, doub
   return plane;
 }
 
-/// Makes pixels that average squares of `block` x `block` texels of the finest level, only in the columns from `begin`
-/// to `end`.
+/// Makes pixels that average squares of `block` x `block` texels in the finest level. Only the columns from `begin` to
+/// `end` have pixels.
 inline FilterMatrix seen_columns(int width, int height, int block, int begin, int end) {
   FilterMatrix matrix;
   matrix.width = width / block;

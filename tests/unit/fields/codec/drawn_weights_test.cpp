@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests the weights of errors against filter matrices whose effect is known.
+// Tests the weights of errors with filter matrices whose effect is known.
 #include <gtest/gtest.h>
 
 #include "host/fields/codec/decoder/wavelet_transform.h"
@@ -9,7 +9,7 @@
 namespace multum {
 namespace {
 
-/// Makes a matrix that sees only the texture's left half.
+/// Makes a matrix that reads only the left half of the texture.
 FilterMatrix half_seen(int width, int height, int block) { return seen_columns(width, height, block, 0, width / 2); }
 
 std::vector<float> energies_of(const FilterMatrix& matrix, const CoefficientLayout& layout) {
@@ -31,7 +31,7 @@ TEST(DrawnWeights, PixelsOverManyTexelsWeighHighFrequenciesLess) {
   // Frequency 4 along a row sums to zero over every 4 texels.
   EXPECT_NEAR(energies[0], 4.0f / 64.0f, 1e-4f);
   EXPECT_LT(energies[7], 0.2f * energies[0]);
-  EXPECT_NEAR(energies[4 * 64], 0.0f, 1e-6f);  // the fifth block is not seen
+  EXPECT_NEAR(energies[4 * 64], 0.0f, 1e-6f);  // no pixel sees the fifth block
 }
 
 TEST(DrawnWeights, WaveletsAreHeaviestWhereTheyAreSeen) {
@@ -78,7 +78,7 @@ TEST(DrawnWeights, DimLayersShowLess) {
   const auto both = layer_shares(matrix, {&bright, &dim});
   EXPECT_NEAR(both[0][0], std::pow(0.75, 2.0 - 2.0 / 2.2), 1e-4);
   EXPECT_NEAR(both[1][0], std::pow(0.25, 2.0 - 2.0 / 2.2), 1e-4);
-  EXPECT_NEAR(both[1][7], both[1][0], 1e-4f);  // unseen blocks get the mean of the others
+  EXPECT_NEAR(both[1][7], both[1][0], 1e-4f);  // unseen blocks get the mean of the other blocks
   EXPECT_LT(layer_shares(matrix, {&bright, &black})[1][0], 1e-4f);
 }
 
@@ -86,7 +86,7 @@ TEST(DrawnWeights, CellsFollowThePlaceOfCoefficients) {
   const auto cells = cells_of_coefficients({ImageCoder::kDct, 64, 32, 8});
   EXPECT_EQ(cells[0], 0u);
   EXPECT_EQ(cells[2 * 64], 1u);            // the third block is at x = 16
-  EXPECT_EQ(cells[(2 * 8 + 7) * 64], 7u);  // row 2 of blocks is y = 16: cells 4 to 7
+  EXPECT_EQ(cells[(2 * 8 + 7) * 64], 7u);  // row 2 of blocks is at y = 16, which is in cells 4 to 7
   const auto wavelets = cells_of_coefficients({ImageCoder::kWavelet, 64, 32, 16});
   const WaveletBand finest = wavelet_bands(64, 32).back();
   EXPECT_EQ(wavelets[finest.y * 64 + finest.x], 0u);

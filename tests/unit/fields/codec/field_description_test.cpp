@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests blocks of a field's samples, and the description of a packed field.
+// Tests the blocks of samples of a field, and the description of a packed field.
 #include "host/fields/codec/field_description.h"
 
 #include <gtest/gtest.h>
@@ -52,7 +52,7 @@ std::vector<FieldBlock> blocks_of(const std::vector<std::string>& textures, int 
                       {side, first, most});
 }
 
-// Returns one name per sample, made from its view and its light.
+// Returns one name per sample, which is made from its view and its light.
 std::vector<std::string> names(const std::function<std::string(int view, int light)>& name) {
   std::vector<std::string> textures;
   for (int view = 0; view < 5; ++view)
@@ -74,7 +74,7 @@ TEST(FieldBlocks, EndWhereMappingsChangeAndVaryWithWhatTexturesDo) {
   auto missing = names(of_lights);
   missing[4].clear();
   EXPECT_EQ(blocks_of(missing)[0].varying, (std::vector<std::size_t>{1}));
-  // Two textures each match a common neighbour, but not one another.
+  // Two textures each match a common neighbour, but they do not match each other.
   const auto diagonal = names([](int view, int light) {
     return view == 0 && light == 0 ? "a" : view == 1 && light == 1 ? "b" : "";
   });
@@ -188,7 +188,7 @@ TEST(FieldDescription, PosesThatAreSharedAreBounded) {
   ByteWriter writer;
   writer.number(text.size());
   writer.bytes(std::span(packed).first(length));
-  testing::expect_error(ErrorCode::kInput, {"moves too many objects"}, [&] { decode_description(writer.written()); });
+  testing::expect_error(ErrorCode::kInput, {"than a field can store"}, [&] { decode_description(writer.written()); });
 }
 
 }  // namespace

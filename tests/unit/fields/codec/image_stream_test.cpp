@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests the two image coders: the decoder gets exactly the image that the encoder predicts, streams may be cut
-// anywhere, and unseen texels cost almost nothing.
+// Tests the two image coders. The decoder gets exactly the image that the encoder predicts, streams may be cut
+// anywhere, and unseen texels take almost no bytes.
 #include <gtest/gtest.h>
 
 #include <numeric>
@@ -18,7 +18,7 @@ struct Picture {
   std::array<std::vector<float>, 3> planes;
 };
 
-/// Makes four pictures: two similar ones, one of noise, one with extreme values, and an empty one.
+/// Makes two similar pictures, a picture of noise, a picture with extreme values, and an empty picture.
 std::vector<Picture> pictures(SplitMix64& random) {
   std::vector<Picture> result(4);
   for (std::size_t k = 0; k < 4; ++k)
@@ -102,7 +102,7 @@ TEST(DctStream, ErrorFollowsTheStep) {
   source.resize(2);
   std::size_t bytes_before = 0;
   for (const float step : {32.0f, 8.0f, 2.0f}) {
-    const auto coded = dct_encoded(grid, source, step, 0.0f);  // without lambda, plain rounding
+    const auto coded = dct_encoded(grid, source, step, 0.0f);  // without lambda, values are simply rounded
     for (std::size_t k = 0; k < 2; ++k)
       EXPECT_LE(dct_error(grid, coded.images[k], source[k], step), static_cast<double>(step * step) / 11.0);
     EXPECT_GT(coded.bytes.size(), bytes_before);
@@ -137,7 +137,7 @@ TEST(DctStream, WhatNothingSeesCostsNothing) {
   for (auto& plane : noisy[0].planes)
     for (std::size_t i = 0; i < kTexels; ++i)
       if (i % kWidth >= 40) plane[i] = static_cast<float>(255.0 * random.uniform());
-  // Texels without weight may hold any value: no byte of the stream depends on them.
+  // Texels without weight may have any value, because no byte of the stream depends on them.
   EXPECT_EQ(dct_encoded(grid, source, 6.0f, 4.0f, half).bytes, dct_encoded(grid, noisy, 6.0f, 4.0f, half).bytes);
   EXPECT_LT(dct_encoded(grid, source, 6.0f, 4.0f, half).bytes.size(),
             dct_encoded(grid, source, 6.0f, 4.0f).bytes.size() * 6 / 10);
@@ -152,7 +152,7 @@ TEST(DctStream, CutAndDamagedStreamsDecode) {
     const auto first = decoder.next_image(nullptr, nullptr, 0);
     for (std::size_t k = 1; k < 4; ++k) decoder.next_image(&first, &first, k);
     EXPECT_TRUE(decoder.exhausted());
-    // Each block equals the encoder's block or, after the cut, zero.
+    // Each block equals the block of the encoder. After the cut, blocks are zero.
     for (std::size_t p = 0; p < 3; ++p)
       for (std::size_t b = 0; b < grid.count(); ++b) {
         const auto x = first.block(p, b), y = coded.images[0].block(p, b);
@@ -239,7 +239,8 @@ TEST(WaveletStream, EveryPrefixDecodesAndMoreBytesLeaveLessError) {
     }
     errors.push_back(error);
   }
-  // One more byte may move a coefficient away from its true value. Such rises of the error are small and do not last.
+  // One more byte may move a coefficient away from its true value. Such increases of the error are small, and the error
+  // soon falls again.
   for (std::size_t cut = 1; cut < errors.size(); ++cut)
     EXPECT_LT(errors[cut], errors[cut - 1] + 0.004 * errors[0]) << cut;
   for (std::size_t cut = 13; cut < errors.size(); ++cut) EXPECT_LT(errors[cut], errors[cut - 13]) << cut;

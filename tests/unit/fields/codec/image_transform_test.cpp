@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests the transforms of images: cosines, wavelets, radiance and mip levels.
+// Tests the transforms of images: cosines, wavelets, radiance, and mip levels.
 #include <gtest/gtest.h>
 
 #include <bit>
@@ -90,9 +90,10 @@ TEST(Wavelet, IsNearlyOrthonormalInEveryBand) {
 TEST(Wavelet, SmoothImagesHaveEmptyHighBands) {
   std::vector<float> values(64 * 64);
   for (std::size_t i = 0; i < values.size(); ++i)
-    values[i] = static_cast<float>(i % 64) * 0.5f + static_cast<float>(i / 64) * 0.25f;  // four vanishing moments
+    // The wavelet has four vanishing moments.
+    values[i] = static_cast<float>(i % 64) * 0.5f + static_cast<float>(i / 64) * 0.25f;
   forward_wavelet(64, 64, values);
-  for (std::size_t y = 36; y < 60; ++y)  // away from the mirrored borders, where a ramp is not smooth
+  for (std::size_t y = 36; y < 60; ++y)  // only away from the mirrored borders, where a ramp is not smooth
     for (std::size_t x = 36; x < 60; ++x) EXPECT_NEAR(values[y * 64 + x], 0.0f, 1e-4f);
 }
 

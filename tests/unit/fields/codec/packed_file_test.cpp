@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests packed files: sections can be read by their byte ranges, damage loses only the damaged section, and hostile
-// bytes do no harm.
+// Tests packed files. Sections can be read by their byte ranges, only a damaged section is lost, and hostile bytes do
+// no harm.
 #include <gtest/gtest.h>
 
 #include <fmt/format.h>
@@ -18,7 +18,7 @@ std::vector<SectionSource> test_sections(SplitMix64& random) {
           {1, 0, 0, random_bytes(random, 3000)},
           {1, 0, 1, random_bytes(random, 0)},
           {1, 7, 300, random_bytes(random, 77)},
-          {99, 1, 2, random_bytes(random, 10)}};  // a section of a later version
+          {99, 1, 2, random_bytes(random, 10)}};  // a section that a later version has added
 }
 
 TEST(PackedFile, SectionsAreFoundByTheirRanges) {
@@ -29,7 +29,7 @@ TEST(PackedFile, SectionsAreFoundByTheirRanges) {
   const std::span<const std::uint8_t> bytes(file);
   const auto needed = PackedIndex::bytes_needed(bytes.first(PackedIndex::kHeadBytes), problem);
   ASSERT_TRUE(needed) << problem;
-  const auto index = PackedIndex::read(bytes.first(*needed), problem);  // without reading any section
+  const auto index = PackedIndex::read(bytes.first(*needed), problem);  // opens the file without reading any section
   ASSERT_TRUE(index) << problem;
   EXPECT_EQ(index->file_bytes(), file.size());
   ASSERT_EQ(index->sections().size(), sections.size());
@@ -86,7 +86,7 @@ TEST(PackedFile, CutAndForeignFilesAreRefused) {
 }
 
 TEST(PackedFile, IndexesWithARightChecksumAreReadWithCare) {
-  // The author of a hostile file can compute the checksum too.
+  // The author of a hostile file can also compute the checksum.
   SplitMix64 random(4);
   const auto whole = packed_file(test_sections(random));
   std::string problem;

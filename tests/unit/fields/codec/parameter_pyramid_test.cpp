@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests the pyramid over parameters: its images, the samples that each image serves, the refusal of invalid lists of
-// levels, and the search for levels.
+// Tests the pyramid over parameters: its images, the samples that use each image, the refusal of invalid lists of
+// levels, and the search for the best levels.
 #include <gtest/gtest.h>
 
 #include <numeric>
@@ -90,7 +90,8 @@ TEST(ParameterPyramid, RefusesWhatIsNoPyramid) {
 }
 
 TEST(ChosenLevels, FindWhatACostPrefers) {
-  // This cost is lowest if the first dimension is split completely before the second; each level adds a tenth.
+  // This cost is lowest if the first dimension is split completely before the second dimension. Each level adds a tenth
+  // to the cost.
   const auto cost = [](const std::vector<Halvings>& levels) {
     double sum = 0.1 * static_cast<double>(levels.size());
     for (std::size_t l = 1; l < levels.size(); ++l) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests that poses which differ only in hidden parts need no measurement: measured poses give the weights of the
-// others.
+// Tests that poses which differ only in hidden parts do not need a measurement. The measured poses give the weights of
+// the other poses.
 #include <gtest/gtest.h>
 
 #include "host/fields/codec/pose_energies.h"
@@ -16,8 +16,8 @@ std::vector<float> masses_between(int begin, int end) {
 }
 
 TEST(PosesToMeasure, EveryCellIsSeenByOneOfThem) {
-  // Cells are 16 texels wide. The second pose sees most cells, and the first pose sees the rest; the others add
-  // nothing.
+  // Cells are 16 texels wide. The second pose shows most cells, and the first pose shows the rest. The other poses do
+  // not show any further cells.
   std::vector<std::vector<float>> cells;
   for (const auto& [begin, end] : {std::pair(0, 16), {16, 64}, {32, 64}, {4, 12}})
     cells.push_back(cell_sums(kTexelColumns, masses_between(begin, end)));

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Tests the range coder and its contexts. Decoding returns the encoded symbols, and streams have about the length that
-// the probabilities predict. Streams that are cut off give the certain symbols and then zeros. Random bytes do no harm.
+// the probabilities predict. A stream that is cut off gives the symbols that are certain and then zeros. Random bytes
+// do no harm.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -157,12 +158,13 @@ TEST(BitMixer, FollowsTheContextThatKnows) {
   for (int i = 0; i < 4000; ++i) {
     const bool bit = random.next() % 2 == 0;
     const std::array<int, 2> inputs = {bit ? 500 : -500,
-                                       random.next() % 2 == 0 ? 500 : -500};  // one predicts well, one guesses
+                                       // One of them predicts well, and the other one guesses.
+                                       random.next() % 2 == 0 ? 500 : -500};
     const std::uint32_t p = mixer.mix(inputs);
     if (i >= 2000) bits -= std::log2((bit ? p : 65536 - p) / 65536.0);
     mixer.update(inputs, p, bit);
   }
-  EXPECT_LT(bits / 2000.0, 0.1);  // the good predictor without mixing needs log2(1 + exp(-500 / 256)) = 0.19 bits
+  EXPECT_LT(bits / 2000.0, 0.1);  // without mixing, the good predictor needs log2(1 + exp(-500 / 256)) = 0.19 bits
 }
 
 TEST(SymbolCoder, NumbersComeBack) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests chunks: textures over a block of parameters come back within the expected error for every pyramid. Damaged, cut
-// and hostile chunks are refused or decode to some texture.
+// Tests chunks. For every pyramid, the decoded textures of a block of parameters are within the expected error.
+// Damaged, cut and hostile chunks are refused or decode to some texture.
 #include <gtest/gtest.h>
 
 #include "host/fields/codec/chunk_choice.h"
@@ -84,8 +84,8 @@ TEST(TextureChunk, ErrorStaysWithinWhatWasPaidFor) {
         bytes_before = bytes.size();
         error_before = error;
       }
-      // In a closed loop, the finest level has only the error of its own quantizer, whatever error coarser levels left.
-      // The quantizer's step is at most 3.5 sqrt(lambda), and a smaller coefficient may be dropped.
+      // In a closed loop, the finest level has only the error of its own quantizer, whatever the errors of the coarser
+      // levels are. The quantizer's step is at most 3.5 sqrt(lambda), and a smaller coefficient may be dropped.
       EXPECT_LT(error_before, 3.5 * 3.5);
     }
 }
@@ -184,7 +184,7 @@ TEST(BestChunk, TriesWhatItIsAskedTo) {
     EXPECT_GE(cost(PyramidChoice::kPlain, coder), plain);
 }
 
-// Finer images cannot repair the coding errors of coarser ones, so each level's error stays in the sum.
+// Finer images cannot repair the coding errors of coarser images, so the error of each level stays in the sum.
 TEST(TextureChunk, AnOpenLoopLeavesMoreError) {
   const ChunkSource source = test_source({4, 4}, 24);
   ChunkSettings settings;
@@ -200,7 +200,7 @@ TEST(TextureChunk, AnOpenLoopLeavesMoreError) {
 }
 
 TEST(TextureChunk, ALearntBasisFollowsWhatDimsAndBrightens) {
-  // The samples are multiples of one texture. A basis needs one image, but a pyramid also needs differences.
+  // The samples are multiples of one texture. A basis needs only one image, whereas a pyramid also needs differences.
   ChunkSource source = test_source({8}, 18);
   for (std::size_t s = 1; s < 8; ++s)
     for (std::size_t i = 0; i < source.textures[s].size(); ++i)
@@ -265,7 +265,7 @@ std::vector<std::vector<std::uint8_t>> chunks_of_all_kinds() {
     for (const int kind : {0, 1, 2}) {
       ChunkSettings settings;
       settings.coder = coder;
-      settings.lambda = 3000.0;  // some images get no coefficient
+      settings.lambda = 3000.0;  // some images do not get any coefficients
       settings.linear = kind == 1;
       if (kind < 2) settings.levels = {{2, 2}, {0, 2}, {0, 0}};
       chunks.push_back(encode_chunk(test_source({4, 3}, 17), settings).bytes);
@@ -343,7 +343,7 @@ TEST(TextureChunk, DamagedChunksAreRefusedOrDecode) {
       std::vector<std::uint8_t> other;
       if (round % 2 == 0) {
         other = damaged(bytes, random);
-      } else {  // damages only the head, which random damage of large streams rarely hits
+      } else {  // damages only the header, which random damage to large streams rarely reaches
         other = bytes;
         other[random.next() % 45] = static_cast<std::uint8_t>(random.next());
       }
@@ -361,12 +361,12 @@ TEST(TextureChunk, DamagedChunksAreRefusedOrDecode) {
 }
 
 TEST(TextureChunk, RefusesWhatWouldTakeTooMuch) {
-  // With 16384 x 16384 texels of 65536 samples, the head would make a decoder allocate petabytes.
+  // With 16384 x 16384 texels and 65536 samples, this header would make a decoder allocate petabytes.
   const std::vector<std::uint8_t> head = {0, 0x80, 0x80, 1, 0x80, 0x80, 1, 1, 1, 0x80, 0x80, 4, 0, 64, 16};
   std::string problem;
   EXPECT_EQ(TextureChunk::decode(head, problem), nullptr);
   EXPECT_EQ(problem, "the images have more than 2^28 texels together");
-  // This head claims one texel of 4^8 samples, with 2^8 images on each of 32 levels.
+  // This header claims one texel and 4^8 samples, with 2^8 images on each of 32 levels.
   std::vector<std::uint8_t> sums = {2, 1, 1, 8, 32};
   sums.insert(sums.end(), 8, 4);
   sums.insert(sums.end(), 32 * 9, 0);

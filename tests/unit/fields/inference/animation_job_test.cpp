@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests jobs of texture inference: they are equal after writing and reading, and can be made from folders. Each refusal
-// names the line, the key, the value found and the value expected.
+// Tests jobs of texture inference. A job that is written and read again is the same, and jobs can be made from folders.
+// Each error message names the line, the key, the value found and the value expected.
 #include "host/fields/inference/job/animation_job_reading.h"
 
 #include <gtest/gtest.h>
@@ -34,7 +34,8 @@ class AnimationJobTest : public ::testing::Test {
     write_bytes(job_path(), text);
     return read_animation_job(job_path());
   }
-  // Replaces the first `from` by `to`; the refusal must name the line where `from` begins and contain all of `parts`.
+  // Replaces the first `from` by `to`. The error message must name the line in which `from` begins and contain all of
+  // `parts`.
   void expect_refused(const std::string& from, const std::string& to, std::vector<std::string> parts) const {
     const std::size_t at = text_.find(from);
     ASSERT_NE(at, std::string::npos) << from << " in\n" << text_;
@@ -94,7 +95,8 @@ TEST_F(AnimationJobTest, AFolderWhoseObjectMoves) {
   EXPECT_EQ(job.samples[1].geometry, "") << "the view takes the geometry of its first sample";
   EXPECT_EQ(job.samples[1].object_index, folder_ / "id_v00_p01.png");
   EXPECT_EQ(job.samples[1].object_to_world.at("thing")[3], glm::dvec4(0.0, 0.0, 0.125, 1.0));
-  // An OBJ file is in the world space of its export; the sample's matrix is relative to the object's own space.
+  // An OBJ file is in the world space of its export, whereas the matrix of a sample is relative to the object's own
+  // space.
   edit_scene([](auto& scene) { scene["objects"]["thing"]["object_to_world"][2][3] = 0.5; });
   EXPECT_EQ(job_for_folder(folder_.path()).samples[1].object_to_world.at("thing")[3].z, 0.125);
   fs::remove(folder_ / "geometry.gltf");
@@ -110,7 +112,7 @@ TEST_F(AnimationJobTest, IsReadBackEqual) {
     make(moves);
     AnimationJob job = job_for_folder(folder_.path());
     EXPECT_EQ(read(text_), job) << text_;
-    // All values differ from their defaults; some numbers need all digits, and some letters must be escaped.
+    // All values differ from their defaults. Some numbers need all of their digits, and some letters must be escaped.
     fs::create_directories(folder_ / "a \"b\"");
     fs::rename(job.samples[3].radiance, folder_ / "a \"b\"/c.exr");
     job.samples[3].radiance = folder_ / "a \"b\"/c.exr";
@@ -410,7 +412,7 @@ TEST(AnimationJob, TheRealFieldIsUnderstood) {
   const TemporaryFolder folder;
   write_bytes(folder / "field.toml", animation_job_text(job, folder.path()));
   AnimationJob again = read_animation_job(folder / "field.toml");
-  // Seen from another folder, paths may be spelled differently.
+  // Relative to another folder, paths may be spelled differently.
   EXPECT_TRUE(fs::equivalent(again.samples[9].radiance, job.samples[9].radiance));
   EXPECT_EQ(again.cameras, job.cameras);
   EXPECT_EQ(again.objects, job.objects);

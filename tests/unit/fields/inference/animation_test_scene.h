@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Makes small scenes for tests of texture inference: glTF text, EXR files of several layers, folders of renders. Also
-// finds the real field.
+// Makes small scenes for tests of texture inference: glTF text, EXR files with several layers, and folders of renders.
+// Also finds the real field.
 #pragma once
 
 #include <array>
@@ -25,7 +25,7 @@ struct GltfScene {
 };
 
 std::string gltf_text(const GltfScene& scene);
-/// Returns a kilobyte of glTF that claims 200 million corners, all but one of them zero.
+/// Returns a kilobyte of glTF that claims to have 200 million corners, all of which except one are zero.
 std::string gltf_bomb();
 
 /// Describes one part of an EXR file: float channels and string attributes.
@@ -37,7 +37,7 @@ struct ExrPart {
   std::string type = "float";
 };
 
-/// Writes the file; fails the test if that fails.
+/// Writes the file. Fails the test if the file cannot be written.
 void write_exr(const std::string& path, int width, int height, const std::vector<ExrPart>& parts);
 
 /// Returns $MULTUM_SHARED_DATA/field_demo1, or "" if it does not exist.
@@ -47,14 +47,15 @@ std::string shared_field();
 struct DemoCamera {
   glm::dmat4 world_to_camera, projection;
   int width, height;
-  /// Returns the point at `depth` along -z of camera space behind the centre of a pixel; row 0 is at the top.
+  /// Returns the point that the centre of a pixel shows at `depth`, along -z of camera space. Row 0 is at the top.
   glm::dvec3 world_at(int x, int y, double depth) const;
 };
 
 DemoCamera demo_camera(const std::string& folder);
 
-/// Writes a folder of renders like pack_field: 4 x 3 pixels, 2 views, 2 positions of the other parameter. One triangle
-/// "thing" at a distance of 2 fills the picture. With `moves`, the object moves, and there are object-index images.
+/// Writes a folder of renders like pack_field, with 4 x 3 pixels, 2 views, and 2 positions of the other parameter. A
+/// triangle named "thing" at a distance of 2 fills the picture. With `moves`, the object moves, and there are
+/// object-index images.
 void write_demo_folder(const std::string& folder, bool moves);
 
 }  // namespace multum::testing

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests that cameras which fit their depths pass and others are refused, with counts in closed form.
+// Tests that cameras which fit their depths pass, and that other cameras are refused. The expected counts have closed
+// forms.
 #include "host/fields/inference/mapping/camera_check.h"
 
 #include <gtest/gtest.h>
@@ -114,7 +115,7 @@ TEST(CameraCheck, WhatIsNoDepthIsLeftOut) {
     EXPECT_EQ(check.off, 0) << value;
     EXPECT_EQ(check.nan_depths, 1) << value;
   }
-  scene.depth.assign(800, 9.5f);  // in front of the far plane, hence tested, and wrong
+  scene.depth.assign(800, 9.5f);  // this depth is in front of the far plane, so it is tested, and it is wrong
   scene.expect_refused({"100 % of 512"});
   std::vector<float> coverage(800, 0.5f);
   coverage[3] = 1.0f;

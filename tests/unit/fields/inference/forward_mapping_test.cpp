@@ -44,7 +44,7 @@ struct Square {
   std::vector<float> texels() const { return forward_mapped(mesh, mapping, {{object_to_clip, &items, 0, &layer}}); }
 };
 
-// Pixel centres are on texel centres, so every texel equals its pixel, with row 0 at the top.
+// The pixel centres are at texel centres, so every texel equals its pixel. Row 0 is at the top.
 TEST(ForwardMappingTest, PixelsOnTexelsAreKept) {
   const Square square(kSide, [](double u, double v) { return static_cast<float>(0.1 + 0.5 * u + 0.2 * v * v); });
   const std::vector<float> texels = square.texels();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Tests the report of `multum infer` on hand-made results. Means are weighted by pixels, held-out samples are reported
-// separately, errors of frames skip incomparable pixels, and names cannot break the page.
+// separately, errors of frames leave out pixels that cannot be compared, and names cannot break the page.
 #include "host/fields/inference/report/inference_report.h"
 
 #include <OpenImageIO/imageio.h>
@@ -30,7 +30,7 @@ using testing::part_count;
 using testing::TemporaryFolder;
 
 constexpr const char* kOddName = "<b>&\"";
-constexpr const char* kOddNameShown = "&lt;b&gt;&amp;\"";  // as a browser serialises text
+constexpr const char* kOddNameShown = "&lt;b&gt;&amp;\"";  // escaped as in the text that a browser serialises
 
 // Holds a job of two views and three lights, with a vase of two layers, and an object with an odd name that no view
 // sees.
@@ -62,7 +62,7 @@ struct ReportScene {
     result.textures = {texture({0, 3}, {10.0, 40.0}, {100.0, 50.0}, {20.0, 80.0}, {false, false}, 7),
                        texture({1, 4}, {1.0, 5.0}, {50.0, 100.0}, {2.0, 10.0}, {false, true}, 11)};
     result.textures[1].converged = false;
-    TextureResult black;  // has no figures and does not count
+    TextureResult black;  // this sample has no figures and does not count
     black.layer = 1;
     black.samples = {2};
     black.is_held_out = {false};
@@ -148,7 +148,7 @@ TEST(InferenceReport, JsonHoldsTheFigures) {
   EXPECT_TRUE(json["comparison"]["rows"][0]["mse"][kOddName].is_null());
 }
 
-// In figures per object, names of objects are keys too.
+// In the figures per object, the names of objects are also keys.
 void expect_documented(const nlohmann::json& json, const std::string& page, const std::set<std::string>& names) {
   if (json.is_object()) {
     for (const auto& [key, value] : json.items())
@@ -260,20 +260,21 @@ TEST(InferencePage, ASampleOfTheGridIsOneCell) {
   EXPECT_EQ(testing::page_data(page)["frames"]["samples"][1]["sample"], 5) << "the sample's place on the grid";
   const std::optional<std::string> shown = testing::rendered_page(page);
   if (!shown) GTEST_SKIP() << "no Chromium";
-  // Whole frames and the vase have two samples each; the odd object is unseen and has no map.
+  // The whole frames have two samples, and so has the vase. No view sees the odd object, so it does not have a map.
   EXPECT_EQ(part_count(*shown, "<rect class=\"cell\""), 4u);
   EXPECT_TRUE(contains(*shown, "<title>v1_p2: MSE 8.00</title>"));
 }
 
-// The row has five pixels: right, wrong by a step, not covered by the GL, NaN, partly covered.
+// The row has five pixels: a correct one, one that is wrong by one step, one that the GL does not cover, a NaN, and one
+// that is partly covered.
 TEST(InferenceFrames, PixelsThatCannotBeComparedAreLeftOut) {
   const float nan = std::numeric_limits<float>::quiet_NaN();
   std::vector<float> traced(15, 1.0f);
   RenderedFrame frame{5, 1, traced, {1.0f, 1.0f, 0.998f, 1.0f, 1.0f}};
   for (std::size_t c = 3; c < 6; ++c) frame.rgb[c] = 0.0f;  // 255 steps
-  for (std::size_t c = 6; c < 9; ++c) frame.rgb[c] = 0.0f;  // wrong too, but not covered
+  for (std::size_t c = 6; c < 9; ++c) frame.rgb[c] = 0.0f;  // also wrong, but not covered
   traced[10] = nan;
-  frame.rgb[12] = 0.0f;  // a third of 255^2, in a pixel of no object
+  frame.rgb[12] = 0.0f;  // a third of 255^2, in a pixel that belongs to no object
   const FrameErrors errors =
       compare_frame(traced, frame, {{1.0f, 1.0f, 1.0f, 1.0f, 0.5f}, std::vector<float>(5, 0.0f)});
   EXPECT_EQ(errors.pixel_count, 3.0);
@@ -300,7 +301,7 @@ TEST(InferencePictures, CutsOutTheBoxOfAnObjectWithAMargin) {
   coverage[5 * 20 + 9] = 1.0f;
   coverage[0] = 0.9f;  // not whole
   const PixelBox box = covered_box(coverage, 20, 12);
-  EXPECT_EQ(box.x, 0);  // 3 minus the margin of 4 is clamped to the picture's edge
+  EXPECT_EQ(box.x, 0);  // 3 minus the margin of 4 is clamped to the edge of the picture
   EXPECT_EQ(box.y, 1);
   EXPECT_EQ(box.width, 14);
   EXPECT_EQ(box.height, 11);

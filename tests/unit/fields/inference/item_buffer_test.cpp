@@ -19,7 +19,8 @@ constexpr double kNear = 0.1;
 struct Hit {
   int triangle = -1;
   double depth = std::numeric_limits<double>::infinity();
-  double margin = 0.0;  // smallest |barycentric coordinate| of all tests: how close the decision was
+  double margin = 0.0;  // the smallest absolute barycentric coordinate of all tests, which says how close the decision
+                        // was
 };
 
 // Casts a ray through the centre of pixel (x, y), in camera space (Moeller and Trumbore 1997).
@@ -45,8 +46,8 @@ Hit cast_ray(const ObjectMesh& mesh, const glm::dmat4& projection, int width, in
   return best;
 }
 
-// Every pixel must agree with its ray, except where the ray's own decision is closer than `margin`. Returns the number
-// of these exceptions.
+// Every pixel must agree with its ray, unless the decision for the ray is closer than `margin`. Returns the number of
+// these exceptions.
 int undecided_pixels(const ObjectMesh& mesh, int width, int height, double margin) {
   const glm::dmat4 projection = glm::perspective(1.0, static_cast<double>(width) / height, kNear, 100.0);
   const ItemBuffer items = draw_item_buffer({{&mesh, glm::dmat4(1.0)}}, projection, width, height);
@@ -79,7 +80,7 @@ TEST(ItemBufferTest, RandomTrianglesAgreeWithRayCasting) {
   const unsigned seed = 7;
   SCOPED_TRACE("seed " + std::to_string(seed));
   std::mt19937 random(seed);
-  std::uniform_real_distribution<float> across(-2.0f, 2.0f), along(-5.0f, 1.5f);  // some behind the eye
+  std::uniform_real_distribution<float> across(-2.0f, 2.0f), along(-5.0f, 1.5f);  // some triangles are behind the eye
   int undecided = 0;
   for (int round = 0; round < 20; ++round) {
     std::vector<glm::vec3> positions;
@@ -97,8 +98,8 @@ TEST(ItemBufferTest, ATriangleThroughTheNearPlaneIsCutThere) {
   const ItemBuffer items = draw_item_buffer({{&floor, glm::dmat4(1.0)}}, projection, 64, 48);
   EXPECT_EQ(items.triangle[47 * 64 + 32], 0);  // bottom row
   EXPECT_EQ(items.triangle[32], -1);           // top row
-  // The ray through row y falls tan(0.5) (2 (y + 0.5)/48 - 1) per unit of depth, and meets y = -1 at the depth that is
-  // the inverse of this slope.
+  // The ray through row y falls by tan(0.5) (2 (y + 0.5)/48 - 1) per unit of depth, so it meets y = -1 at a depth of 1
+  // over this number.
   EXPECT_NEAR(items.depth[47 * 64 + 32], 1.0 / (std::tan(0.5) * (47.0 / 48.0)), 1e-3);
   const ObjectMesh behind = triangles({{-1.0f, -1.0f, 1.0f}, {1.0f, -1.0f, 1.0f}, {0.0f, 1.0f, 2.0f}});
   for (const std::int32_t object : draw_item_buffer({{&behind, glm::dmat4(1.0)}}, projection, 64, 48).object)
@@ -115,7 +116,7 @@ TEST(ItemBufferTest, ACubeShowsItsNearestFaces) {
   const glm::dmat4 projection = glm::perspective(0.8, 1.0, kNear, 100.0);
   const glm::dmat4 at = glm::translate(glm::dmat4(1.0), glm::dvec3(0.0, 0.0, -6.0));
   const ItemBuffer front = draw_item_buffer({{&cube, at}}, projection, 100, 100);
-  // Seen head-on, only the face z = +1 (triangles 2 and 3) is visible, at depth 5 everywhere.
+  // From the front, only the face z = +1 (triangles 2 and 3) is visible. Its depth is 5 everywhere.
   const double half = 1.0 / (5.0 * std::tan(0.4)) * 50.0;  // pixels
   for (int y = 0; y < 100; ++y)
     for (int x = 0; x < 100; ++x) {
@@ -126,7 +127,7 @@ TEST(ItemBufferTest, ACubeShowsItsNearestFaces) {
       EXPECT_TRUE(front.triangle[pixel] == 2 || front.triangle[pixel] == 3);
       EXPECT_NEAR(front.depth[pixel], 5.0, 1e-6);
     }
-  // The nearer of two objects wins, whichever comes first. The top row shows the upper object.
+  // The nearer of two objects is visible, whichever is drawn first. The top row shows the upper object.
   const glm::dmat4 nearer = glm::translate(glm::dmat4(1.0), glm::dvec3(0.0, 1.2, -4.0));
   const ItemBuffer a = draw_item_buffer({{&cube, at}, {&cube, nearer}}, projection, 100, 100);
   const ItemBuffer b = draw_item_buffer({{&cube, nearer}, {&cube, at}}, projection, 100, 100);
@@ -139,7 +140,7 @@ TEST(ItemBufferTest, ACubeShowsItsNearestFaces) {
 
 TEST(ItemBufferTest, SharedEdgesMissNoPixelAndDrawNoneTwice) {
   // Draws triangles around a centre, with all corners on pixel centres, in an orthographic picture. If each triangle is
-  // drawn separately, each inner pixel belongs to exactly one of them.
+  // drawn separately, each inner pixel belongs to exactly one triangle.
   constexpr int kSize = 64, kSpokes = 16;
   const glm::dmat4 projection = glm::ortho(0.0, double{kSize}, double{kSize}, 0.0, -1.0, 1.0);  // y downwards
   std::mt19937 random(3);
@@ -181,7 +182,8 @@ TEST(ItemBufferTest, SharedEdgesMissNoPixelAndDrawNoneTwice) {
 }
 
 TEST(ItemBufferTest, AFineWallInPerspectiveHasNoHoles) {
-  // A tilted wall is cut into many small triangles. Their union must be the same as the wall made of two triangles.
+  // A tilted wall is cut into many small triangles. Together, they must cover the same pixels as a wall of two
+  // triangles.
   const unsigned seed = 11;
   SCOPED_TRACE("seed " + std::to_string(seed));
   std::mt19937 random(seed);
@@ -212,7 +214,7 @@ TEST(ItemBufferTest, AFineWallInPerspectiveHasNoHoles) {
     covered += b.object[i] == 0;
   }
   EXPECT_GT(covered, 4000);
-  EXPECT_LE(different, 2);  // each corner on the rim is rounded to 2^-14 pixels
+  EXPECT_LE(different, 2);  // each corner on the edge of the wall is rounded to 2^-14 pixels
 }
 
 TEST(ItemBufferTest, CoverageIsTheShareOfSubPixels) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests that pictures of known parts are separated into these parts, even with damaged values, and that the bytes do
-// not depend on the number of threads.
+// Tests that pictures which consist of known parts are separated into these parts, even if values are damaged. The
+// bytes must not depend on the number of threads.
 #include "host/fields/inference/mapping/layer_segmentation.h"
 
 #include <gtest/gtest.h>
@@ -17,7 +17,7 @@ namespace {
 
 using Colour = std::array<float, 3>;
 
-// Holds a picture with its objects' coverages; all pixels have one colour unless changed.
+// Holds a picture and the coverages of its objects. All pixels have the same colour unless a test changes them.
 struct Picture {
   Picture(int w, int h, std::size_t object_count)
       : width(w),
@@ -142,12 +142,13 @@ TEST(LayerSegmentationTest, DamagedPixelsAreRepairedFromTheirObjectAndCounted) {
   Picture picture = two_flat_objects();
   const float nan = std::numeric_limits<float>::quiet_NaN(), infinity = std::numeric_limits<float>::infinity();
   picture.set(3, 12, {nan, 0.1f, 0.0f});
-  picture.set(11, 12, {nan, 0.1f, 0.0f});  // fully covered, next to mixed pixels that must not read it
+  picture.set(11, 12, {nan, 0.1f, 0.0f});  // this pixel is fully covered, but the mixed pixels next to it must not read
+                                           // it
   picture.set(20, 10, {0.1f, infinity, 0.9f});
   picture.set(20, 11, {0.1f, -infinity, 0.9f});
   picture.set(4, 17, {0.8f, -0.5f, 0.0f});
-  picture.set(5, 17, {0.8f, -0.0005f, 0.0f});  // ringing, which is not an error
-  picture.set(11, 8, {nan, nan, nan});         // on the edge of both objects
+  picture.set(5, 17, {0.8f, -0.0005f, 0.0f});  // this value is ringing, which is not an error
+  picture.set(11, 8, {nan, nan, nan});         // this pixel is on the edge of both objects
   ASSERT_GT(picture.coverages[0][picture.at(11, 8)], 0.1f);
   ASSERT_GT(picture.coverages[1][picture.at(11, 8)], 0.1f);
   SegmentationReport report;
@@ -211,8 +212,8 @@ TEST(LayerSegmentationTest, AnObjectOfMixedPixelsOnlyIsFoundAgainstItsSurroundin
 }
 
 TEST(LayerSegmentationTest, TheKernelWidensWhereNothingWholeIsNear) {
-  // The only fully covered pixel of object 0 is ten pixels away. A sigma of 4 reaches it, but a sigma_max of 2 does
-  // not.
+  // The only fully covered pixel of object 0 is ten pixels away. A filter with sigma 4 reaches it, but a filter with a
+  // sigma_max of 2 does not.
   Picture picture(24, 3, 2);
   for (int y = 0; y < 3; ++y)
     for (int x = 0; x < 24; ++x) {
@@ -284,7 +285,7 @@ TEST(LayerSegmentationTest, AnObjectHasALayerOnlyIfSomeOfItIsLit) {
   EXPECT_FALSE(has_radiance(layer, 1.0));
 }
 
-// One bright pixel in a thousand makes a layer; traces of compression in as many pixels do not make a layer.
+// One bright pixel in a thousand is enough for a layer. Compression artefacts in as many pixels are not enough.
 TEST(LayerSegmentationTest, SmallHighlightsAreALayerAndTracesAreNot) {
   ObjectLayer layer{std::vector<float>(1000, 1.0f), std::vector<float>(3000, 0.0f)};
   layer.rgb[1500] = 1.0f;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests blocks, poses and points of grids of parameters, with samples made in memory.
+// Tests the blocks, poses and points of parameter grids, with samples that are made in memory.
 #include "host/fields/inference/mapping/parameter_grid.h"
 
 #include <gtest/gtest.h>
@@ -77,7 +77,7 @@ TEST(ParameterGrid, BlocksAreOfNeighboursAndTheLastMayBeShorter) {
   EXPECT_EQ(grid.poses().size(), 5u);
   EXPECT_EQ(grid.poses()[3].block, 1);
 
-  // A layer that does not depend on the view has one texture per block of views.
+  // A layer that does not depend on the view has only one texture for each block of views.
   const std::vector<ParameterPoint> lights = grid.points(layer_of({"light"}));
   EXPECT_EQ(names_of(lights),
             (std::vector<std::string>{"view00-01_light00", "view00-01_light01", "view02-03_light00",
@@ -102,7 +102,8 @@ TEST(ParameterGrid, APoseThatComesAgainInAnotherBlockIsAnother) {
   EXPECT_NE(grid.pose_of(3), grid.pose_of(0));
 }
 
-// Every sample is in one point. Each point of a block differs from the previous one by one step along one parameter.
+// Every sample belongs to exactly one point. Each point of a block differs from the previous one by one step along one
+// parameter.
 TEST(ParameterGrid, PointsAreWalkedByNeighboursAndMissNothing) {
   const std::vector<std::vector<AnimationParameter>> spaces = {
       {{"view", 3, true}, {"light", 2, false}, {"motion", 4, false}},

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests texture coordinates for inference on scenes with closed forms: planes head-on and in perspective, and cylinders
-// with a visible seam. Compares stretch with finite differences through ray casting, and the gradient of eq. 7 with
-// differences of eq. 7.
+// Tests texture coordinates for inference on scenes with closed forms: planes that are seen head-on and in perspective,
+// and cylinders with a visible seam. Compares the stretch with finite differences from ray casting, and the gradient of
+// eq. 7 with finite differences of eq. 7.
 #include "host/fields/inference/mapping/texture_coordinates.h"
 
 #include <gtest/gtest.h>
@@ -24,7 +24,7 @@ namespace multum {
 namespace {
 
 constexpr double kFieldOfView = 1.0;  // vertical, radians
-constexpr int kSize = 320;            // pixels, square pictures
+constexpr int kSize = 320;            // in pixels; the pictures are square
 
 // Makes cells x cells quads over [-1, 1]^2 in the plane z = 0, with u and v from 0 to uv_size.
 ObjectMesh plane(int cells, glm::dvec2 uv_size, double uv_angle = 0.0) {
@@ -59,7 +59,7 @@ ObjectMesh cylinder(int sides, double u_start) {
   return mesh;
 }
 
-// Holds views of one object and the item buffers that they point to.
+// Holds the views of one object and the item buffers to which the views point.
 class Views {
  public:
   explicit Views(const ObjectMesh& mesh) : mesh_(mesh) {}
@@ -88,8 +88,8 @@ AnimationTexture settings_for(const char* wrap = "clamp") {
   return texture;
 }
 
-// Intersects the ray through a point of the screen with a triangle's plane; returns barycentric coordinates by Cramer's
-// rule.
+// Intersects the ray through a point on the screen with the plane of a triangle. Returns the barycentric coordinates,
+// which Cramer's rule gives.
 glm::dvec3 cast(const ObjectMesh& mesh, const MappingView& view, std::size_t triangle, glm::dvec2 screen) {
   const glm::dvec3 ray((2.0 * screen.x / kSize - 1.0) / view.projection[0][0],
                        (1.0 - 2.0 * screen.y / kSize) / view.projection[1][1], -1.0);
@@ -104,7 +104,7 @@ glm::dvec3 cast(const ObjectMesh& mesh, const MappingView& view, std::size_t tri
 
 struct Seen {
   double stretch_max = 0.0;
-  glm::dvec2 low{1e30}, high{-1e30};  // in texels from the texture's corner
+  glm::dvec2 low{1e30}, high{-1e30};  // in texels from the corner of the texture
 };
 
 // Measures all visible pixels, using only mapped_corners() and finite differences.
@@ -138,8 +138,8 @@ Seen look_at_pixels(const ObjectMesh& mesh, const Views& views, const TextureMap
   return seen;
 }
 
-// Checks properties of every mapping: the stated stretch is the measured one, and no visible point is outside the
-// texture.
+// Checks two properties of every mapping: the stated stretch equals the measured stretch, and no visible point is
+// outside the texture.
 void expect_sound(const ObjectMesh& mesh, const Views& views, const TextureMapping& mapping, double stretch_max) {
   const Seen seen = look_at_pixels(mesh, views, mapping);
   EXPECT_LE(seen.stretch_max, stretch_max * (1.0 + 1e-3));
@@ -212,7 +212,7 @@ TEST(TextureMappingTest, APlaneHeadOnHasTheScreensResolutionOverTheThreshold) {
   for (const int cells : {1, 6}) {
     const ObjectMesh mesh = plane(cells, {1.0, 1.0});
     Views views(mesh);
-    views.add(at_distance(distance_for(100.0)));  // 100 pixels per unit, 200 for the plane
+    views.add(at_distance(distance_for(100.0)));  // the scale is 100 pixels per unit, and the plane spans 200 pixels
     const TextureMapping mapping = optimise_texture_mapping(mesh, views.views, settings_for());
     EXPECT_NEAR(mapping.width, 160 + 1, 1) << "plus half a texel at each end";
     EXPECT_NEAR(mapping.height, 160 + 1, 1);
@@ -299,7 +299,7 @@ TEST(TextureMappingTest, OnlyWhatIsVisibleTakesTexels) {
 }
 
 TEST(TextureMappingTest, ACutThroughTheHiddenSideOfACylinderSavesTexels) {
-  for (const double u_start : {0.0, 0.5, -3.2}) {  // the seam in front, behind, and at another place
+  for (const double u_start : {0.0, 0.5, -3.2}) {  // the seam is in front, behind, and at another place
     const ObjectMesh mesh = cylinder(48, u_start);
     Views views(mesh);
     views.add(at_distance(5.0));
@@ -312,7 +312,8 @@ TEST(TextureMappingTest, ACutThroughTheHiddenSideOfACylinderSavesTexels) {
     // With the seam in front, both ends of the period are visible, and the uncut texture spans nearly the whole period.
     EXPECT_LE(cut.width * cut.height, (u_start == 0.0 ? 0.6 : 1.02) * uncut.width * uncut.height);
     expect_sound(mesh, views, cut, 1.25);
-    // No triangle is torn: each keeps its shape, and the s range of a visible triangle is inside the texture.
+    // No triangle is torn apart. Each triangle keeps its shape, and the range of s of a visible triangle is inside the
+    // texture.
     const std::vector<glm::vec2> corners = mapped_corners(mesh.uvs, mesh.indices, cut);
     for (std::size_t i = 0; i < corners.size(); i += 3)
       for (const std::size_t k : {i + 1, i + 2}) {
@@ -391,7 +392,7 @@ TEST(TextureMappingTest, TrianglesThatAreALineInTheTextureAreCountedAndHarmless)
   EXPECT_EQ(after.width, before.width);
   EXPECT_EQ(after.height, before.height);
   EXPECT_TRUE(std::isfinite(after.stretch_max));
-  for (glm::vec2& uv : mesh.uvs) uv = glm::vec2(0.25f);  // leaves no other triangle
+  for (glm::vec2& uv : mesh.uvs) uv = glm::vec2(0.25f);  // no other triangle remains
   const TextureMapping nothing = optimise_texture_mapping(mesh, after_views.views, settings_for());
   EXPECT_EQ(nothing.degenerate_pixels, nothing.visible_pixels);
   EXPECT_GE(nothing.width, 1);

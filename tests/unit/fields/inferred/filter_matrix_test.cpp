@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests the filter matrix's file: it reads back byte for byte as docs/reference/inferred_textures.md says, and every
-// kind of damage is refused by name. The refusal of an incomplete read is not tested: it needs a disk that fails
-// between two reads.
+// Tests the file of a filter matrix. Its bytes must be as docs/reference/inferred_textures.md says, and for every kind
+// of damage a message must name the fault. The refusal of an incomplete read is not tested, because that needs a disk
+// that fails between two reads.
 #include "host/fields/inferred/filter_matrix.h"
 
 #include <gtest/gtest.h>
@@ -99,7 +99,8 @@ TEST(FilterMatrixTest, AnObjectOutOfSightHasNoRows) {
   expect_same(read_filter_matrix(folder / "a.filter"), matrix);
 }
 
-// Computes CRC-64/XZ bit by bit: x^64 + x^62 + ... of ECMA-182, reflected, all ones before and after.
+// Computes CRC-64/XZ bit by bit. The polynomial is x^64 + x^62 + ... of ECMA-182 in reflected form, and the initial
+// value and the final XOR are all ones.
 std::uint64_t crc64_xz(const std::string& bytes) {
   std::uint64_t value = ~std::uint64_t{0};
   for (const char byte : bytes) {
@@ -109,7 +110,7 @@ std::uint64_t crc64_xz(const std::string& bytes) {
   return ~value;
 }
 
-// Holds a file in three parts, which a test joins wrongly.
+// Holds the three parts of a file, which a test joins in a wrong way.
 struct Parts {
   std::string first_line = "multum filter matrix 1";
   nlohmann::json header;
@@ -235,17 +236,17 @@ TEST_F(FilterMatrixRefusalTest, FilesCutShort) {
     SCOPED_TRACE(size);
     const char* words = size < whole_.first_line.size() ? "not a filter matrix"
                         : size + 1 < lists              ? "header is damaged"
-                                                        : "cut short";
+                                                        : "incomplete";
     refuse_bytes(bytes.substr(0, size), {words});
   }
-  refuse_bytes(bytes + "x", {"cut short", "81 bytes", "80", "3 rows", "5 entries"});
+  refuse_bytes(bytes + "x", {"incomplete", "81 bytes", "80", "3 rows", "5 entries"});
   refuse_header("rows", 4, {"92", "4 rows", "5 entries"});
   refuse_header("entries", 4, {"72", "3 rows", "4 entries"});
   // These sizes would overflow or take all memory.
   for (const char* key : {"rows", "entries"})
     for (const std::uint64_t count : {std::uint64_t{1} << 31, (std::uint64_t{1} << 31) + 1, std::uint64_t{1} << 62,
                                       std::numeric_limits<std::uint64_t>::max()})
-      refuse_header(key, count, {"cut short"});
+      refuse_header(key, count, {"incomplete"});
 }
 
 TEST_F(FilterMatrixRefusalTest, AFlippedBitInAnyByteOfTheLists) {
@@ -289,7 +290,7 @@ TEST(MatrixMarketTest, TheTextHoldsTheSameEntries) {
     ASSERT_TRUE(std::getline(text, line));
     comments += line + "\n";
   }
-  // A line break in the renderer's name would end the comment.
+  // A line break in the name of the renderer would end the comment.
   for (const char* words : {"4 x 3", "'object'", "'view ü'", "5 x 3", "software \"1\"", "renderer 2\n"})
     EXPECT_NE(comments.find(words), std::string::npos) << words << " is not in\n" << comments;
   std::size_t rows = 0, columns = 0, entries = 0;
@@ -322,7 +323,7 @@ TEST(FilterMatrixTest, NothingStaysOfWhatCannotBeWritten) {
   EXPECT_EQ(folder.names(), Names{});
   write_filter_matrix(matrix, folder / "a.filter");
   const auto size = static_cast<rlim_t>(std::filesystem::file_size(folder / "a.filter"));
-  // A limit on file sizes acts like a full disk; the earlier file is kept.
+  // A limit on file sizes acts like a full disk. The earlier file is kept.
   write_bytes(folder / "a.filter", "old");
   for (const rlim_t bytes : {rlim_t{0}, rlim_t{100}, size - 1}) {
     const testing::FileLimit full(bytes);

@@ -56,7 +56,7 @@ inline glm::dmat4 unusual_matrix(double seed) {
   return m;
 }
 
-/// Calls `visit` with the place of every key below `json` and of every array element, including those in matrices,
+/// Calls `visit` with the position of every key and every array element below `json`, including those in matrices,
 /// mappings and similar objects.
 inline void for_each_place(const nlohmann::json& json, const nlohmann::json::json_pointer& place,
                            const std::function<void(const nlohmann::json::json_pointer&)>& visit) {
@@ -68,8 +68,8 @@ inline void for_each_place(const nlohmann::json& json, const nlohmann::json::jso
   }
 }
 
-/// Damages a JSON file in every place, one at a time. `read` must refuse each damaged file and name it. Values in
-/// objects called one of `names` may be missing.
+/// Damages a JSON file at every position, one position at a time. `read` must refuse each damaged file and name it.
+/// Values in objects called one of `names` may be missing.
 inline void expect_damage_is_refused(const std::string& path, const std::string& kind,
                                      const std::set<std::string>& names,
                                      const std::function<void(const std::string&)>& read) {
@@ -86,7 +86,7 @@ inline void expect_damage_is_refused(const std::string& path, const std::string&
       expect_error(ErrorCode::kInput, {path + ": " + kind, "'" + place.back() + "' not found"}, [&] { read(path); });
       ++missing_count;
     }
-    nlohmann::json wrong = whole;  // text instead of numbers, references, lists and objects; a list instead of text
+    nlohmann::json wrong = whole;  // replaces numbers, references, lists and objects by text, and text by a list
     if (whole.at(place).is_string()) wrong.at(place) = {1};
     else wrong.at(place) = "1";
     write_bytes(path, wrong.dump());

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests the probe request and the manifest of inferred textures: they read back equal, and errors are refused by name.
+// Tests the probe request and the manifest of inferred textures. Both must be the same after writing and reading, and
+// messages must name every error.
 #include <gtest/gtest.h>
 
 #include "host/fields/inferred/inference_error.h"
@@ -106,7 +107,7 @@ TEST(ProbeRequestTest, WhatIsOutOfRangeIsRefused) {
   const auto accept = [&](const std::string& place, const nlohmann::json& value) {
     with_value(path, place, value, [&] { EXPECT_NO_THROW(read_probe_request(path)); });
   };
-  refuse("/multumProbeRequest", 2, {"probe request", "version", "expected 1"});
+  refuse("/multumProbeRequest", 2, {"probe request", "version", "expected version 1"});
   for (const char* side : {"/width", "/height"})
     for (const int value : {0, -5, 16385}) refuse(side, value, {"1 to 16384"});
   for (const char* key : {"/width", "/height", "/uvSet", "/supersampling"})
@@ -192,7 +193,7 @@ TEST(InferredManifestTest, WhatIsOutOfRangeIsRefused) {
     with_value(path, place, value,
                [&] { expect_error(ErrorCode::kInput, parts, [&] { read_inferred_manifest(path); }); });
   };
-  refuse("/multumInferredTextures", 2, {"manifest", "version", "expected 1"});
+  refuse("/multumInferredTextures", 2, {"manifest", "version", "expected version 1"});
   for (const char* side : {"/width", "/height"})
     for (const int value : {0, -5, 16385}) refuse(side, value, {"1 to 16384"});
   for (const char* key : {"/width", "/height", "/uvSet", "/supersampling"})

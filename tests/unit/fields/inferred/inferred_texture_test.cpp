@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests inferred textures on disk: half floats read back exactly, at every level and size. Foreign files are refused by
-// name, and no file reveals where it comes from.
+// Tests inferred textures on disk. 16-bit floats must read back exactly, for every level and size. A message must name
+// each file of another kind, and no file may reveal where it was made.
 #include "host/fields/inferred/inferred_texture.h"
 
 #include <ImfChannelList.h>
@@ -28,7 +28,8 @@ using testing::read_bytes;
 using testing::TemporaryFolder;
 using testing::write_bytes;
 
-// Half floats of every size; the first are special: zeros of both signs, the largest, and the smallest.
+// Returns 16-bit floats of every magnitude. The first values are special: zeros of both signs, the largest values, and
+// the smallest ones.
 InferredTexture random_texture(int width, int height) {
   InferredTexture texture{width, height, {}, "{\"seed\": \"" + std::to_string(width) + "\"}"};
   SplitMix64 random(static_cast<std::uint64_t>(1000 * width + height));
@@ -64,7 +65,7 @@ TEST_P(InferredTextureSizeTest, EveryHalfOfEveryLevelComesBack) {
   EXPECT_EQ(std::memcmp(found.texels.data(), texture.texels.data(), 4 * found.texels.size()), 0) << "every bit";
 }
 
-// Reads the file like a third party, using only the library.
+// Reads the file with only the library, as a third party would.
 TEST_P(InferredTextureSizeTest, TheFileIsAsTheFormatPageSays) {
   const auto [width, height] = GetParam();
   const TemporaryFolder folder;
@@ -123,7 +124,7 @@ struct Foreign {
   int width = 9, height = 5;
 };
 
-// Writes zeros with the library itself.
+// Writes zeros with only the library.
 void write_foreign(const Foreign& foreign, const std::string& path) {
   const Imath::Box2i window({foreign.left, foreign.top},
                             {foreign.left + foreign.width - 1, foreign.top + foreign.height - 1});

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests the place of each texel in the list of a pyramid, and the place of an object's own texture coordinates in its
-// texture.
+// Tests the index of each texel in the list of a pyramid, and the position of an object's own texture coordinates in
+// its texture.
 #include "host/fields/inferred/texture_mapping.h"
 
 #include <gtest/gtest.h>
@@ -109,8 +109,8 @@ TEST(CutShiftTest, AVertexOnTheCutGoesWithItsTriangle) {
 TEST(CutShiftTest, AcrossTheCutTheMiddleOfTheExtentDecides) {
   TextureMapping mapping = cut_at(1.0, 0.0);
   mapping.has_cut = {true, false};
-  // The middle of 0.75 to 1.125 is left of the cut, and the middle of 0.875 to 1.25 is right of it. The vertices' means
-  // are on the opposite sides.
+  // The middle of 0.75 to 1.125 is left of the cut, and the middle of 0.875 to 1.25 is right of it. The means of the
+  // vertices are on the opposite sides.
   const std::vector<glm::vec2> left = {{0.75f, 0.0f}, {1.125f, 0.0f}, {1.125f, 1.0f}};
   const std::vector<glm::vec2> right = {{0.875f, 0.0f}, {0.875f, 1.0f}, {1.25f, 0.0f}};
   EXPECT_EQ(cut_shift(left, {0, 1, 2}, 0, mapping).x, 1.0);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests decoding during playback: the images of a point add up to its textures, memory stays within its limit on every
-// path, and coarse images come first. Unused images are dropped after a time, and damage loses only its own chunk.
+// Tests decoding during playback. The images of a point add up to its textures, the memory stays within its limit on
+// every path, and coarse images come first. Unused images are dropped after some time, and damage affects only the
+// damaged chunk.
 #include "host/fields/playback/field_playback.h"
 
 #include <gtest/gtest.h>
@@ -21,7 +22,7 @@ float half_value(std::uint16_t bits) {
   return bits >> 15 != 0 ? -size : size;
 }
 
-/// Keeps the "uploaded" images, as a player that draws them would.
+/// Keeps the "uploaded" images, like a player that draws them.
 class PlaybackTest : public ::testing::Test {
  protected:
   PlaybackTest() : description_(testing::small_description()), chunks_(testing::small_chunks(description_)) {
@@ -38,7 +39,7 @@ class PlaybackTest : public ::testing::Test {
     uploaded_[key] = playback.decoded(key);
     playback.uploaded(key);
   }
-  /// Decodes everything that the frame needs; returns false if memory does not suffice.
+  /// Decodes everything that the frame needs. Returns false if there is not enough memory.
   bool decode_all(FieldPlayback& playback) {
     while (true) {
       playback.request();
@@ -90,7 +91,7 @@ TEST_F(PlaybackTest, ImagesAddUpToTheTexturesOfEverySample) {
       const auto expected = chunk->texture(description_.layers[l].blocks[block].chunk_sample(at));
       const auto found = sum(need);
       ASSERT_EQ(found.size(), expected.size());
-      // Half floats of values up to 255 round by at most 1/16 each, and differences by less.
+      // 16-bit floats up to 255 have a rounding error of at most 1/16, and differences have smaller errors.
       for (std::size_t i = 0; i < found.size(); ++i) ASSERT_NEAR(found[i], expected[i], 0.1f) << l << " of " << s;
     }
   }
@@ -115,7 +116,7 @@ TEST_F(PlaybackTest, MixedSamplesOfOneSizeAreMixed) {
     for (std::size_t i = 0; i < a.size(); ++i)
       ASSERT_NEAR(found[i], 0.375f * (a[i] + b[i]) + 0.125f * (c[i] + d[i]), 0.2f) << l;
   }
-  // Between views 2 and 3 the board changes its size, so only the nearest view is used.
+  // Between views 2 and 3, the texture of the board changes its size, so only the nearest view is used.
   playback->begin_frame(sample_shares(description_.grid, {2.25, 1.0}, true), {});
   ASSERT_TRUE(decode_all(*playback));
   const std::size_t block = description_.layers[2].block_at({2, 1});
@@ -146,7 +147,7 @@ TEST_F(PlaybackTest, AfterAJumpSumsComeFirstAndThenTheirImages) {
     };
     check();
     EXPECT_EQ(playback->need(1).images.size(), 1u) << "one image represents the sum";
-    do {  // the images arrive anyway, because nearby frames will need them
+    do {  // the images are decoded anyway, because nearby frames will need them
       for (const ImageKey& key : playback->decoded_ahead()) upload(*playback, key);
       playback->request();
     } while (playback->wait());
@@ -213,7 +214,7 @@ TEST_F(PlaybackTest, ForgettingAllBeginsAnew) {
 TEST_F(PlaybackTest, MemoryIsNeverExceededHoweverOneWanders) {
   PlaybackSettings settings;
   settings.memory_max = std::size_t{4} << 20;
-  const std::size_t drawing = settings.memory_max - 1600000;  // the rest holds only some images
+  const std::size_t drawing = settings.memory_max - 1600000;  // the remaining memory holds only some images
   for (const int threads : {1, 3}) {
     settings.threads = threads;
     const auto playback = open(settings);
@@ -241,7 +242,7 @@ TEST_F(PlaybackTest, MemoryIsNeverExceededHoweverOneWanders) {
   }
 }
 
-// A chunk whose images once did not fit into memory is dropped like any other.
+// A chunk whose images once did not fit into memory is later dropped like any other chunk.
 TEST_F(PlaybackTest, WhatFoundNoRoomIsForgottenToo) {
   const auto bytes_in_the_end = [&](FieldPlayback& playback) {
     for (int frame = 0; frame < 4000; ++frame) {
@@ -285,7 +286,7 @@ TEST_F(PlaybackTest, CoarseImagesComeFirst) {
   settings.threads = 1;
   const auto playback = open(settings);
   playback->begin_frame(one(6), {one(7), one(23)});
-  std::vector<std::size_t> orders;  // in which the frame's images arrived
+  std::vector<std::size_t> orders;  // the frame in which its images arrived
   std::set<ImageKey> seen;
   while (true) {
     playback->request();
@@ -310,7 +311,8 @@ TEST_F(PlaybackTest, ImagesAreForgottenByTheirLevels) {
   settings.lifetime = 2.0;
   settings.lifetime_factor = 4.0;
   const auto playback = open(settings);
-  playback->begin_frame(one(0), {});  // block of 4 x 4 samples of the ground's second layer: levels of 1, 4 and 16
+  playback->begin_frame(one(0), {});  // a block of 4 x 4 samples of the ground's second layer, with levels of 1, 4 and
+                                      // 16 images
   ASSERT_TRUE(decode_all(*playback));
   std::vector<ImageKey> keys;
   for (const NeededImage& image : playback->need(1).images) keys.push_back(image.key);

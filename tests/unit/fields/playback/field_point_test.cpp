@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests points between samples: shares of samples, cameras that turn, and objects whose textures keep their sizes.
+// Tests points between samples: the shares of the samples, rotating cameras, and objects whose textures keep their
+// sizes.
 #include "host/fields/playback/field_point.h"
 
 #include <gtest/gtest.h>
@@ -41,7 +42,8 @@ TEST(FieldPoint, NearestAndLinearShares) {
 }
 
 TEST(FieldPoint, CamerasTurnAboutTheirEye) {
-  // Halfway, a camera that circles an object and zooms has turned by half the angle and looks from a point in between.
+  // A camera circles an object and zooms. Halfway, it has turned by half of the angle and looks from a point in
+  // between.
   const auto camera = [](double degrees, double fov) {
     const glm::dmat4 turned = glm::rotate(glm::dmat4(1.0), glm::radians(degrees), glm::dvec3(0.0, 1.0, 0.0));
     const glm::dmat4 view = glm::translate(turned, glm::dvec3(-3.0, -1.0, 2.0));
@@ -61,7 +63,7 @@ TEST(FieldPoint, CamerasTurnAboutTheirEye) {
   const glm::dvec4 eye = glm::inverse(half) * glm::dvec4(0, 0, 0, 1);
   EXPECT_NEAR(eye.x, 2.0, 1e-6);
   EXPECT_NEAR(eye.z, 4.0, 1e-6);
-  // Matrices that are not cameras are interpolated linearly.
+  // Matrices that are not camera matrices are interpolated linearly.
   expect_near(camera_between(glm::dmat4(1.0), glm::dmat4(3.0), 0.5), glm::dmat4(2.0), 1e-12);
 }
 

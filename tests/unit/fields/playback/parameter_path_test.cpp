@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests paths as text: the values of expressions, and the messages of refusals.
+// Tests paths that are given as text: the values of expressions, and the error messages.
 #include "host/fields/playback/parameter_path.h"
 
 #include <gtest/gtest.h>

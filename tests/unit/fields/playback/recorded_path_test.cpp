@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests paths that the browser's player recorded: they give the same points as in tests/player/modules_test.mjs, and
-// refusals have the expected messages.
+// Tests paths that the player in the browser recorded. They must give the same points as in
+// tests/player/modules_test.mjs, and errors must have the expected messages.
 #include "host/fields/playback/recorded_path.h"
 
 #include <gtest/gtest.h>
@@ -51,7 +51,7 @@ TEST(RecordedPath, RefusesWhatIsNone) {
                {path_text("[[0,0,\"1\"],[1,1,1]]"), {"position 0 is"}},
                {path_text("[[0,0,null],[1,1,1]]"), {"position 0 is"}},
                {path_text("[[0,0,1e999],[1,1,1]]"), {"not JSON"}},
-               {path_text("[[-1e308,0,0],[1e308,1,1]]"), {"more seconds"}},
+               {path_text("[[-1e308,0,0],[1e308,1,1]]"), {"finite number of seconds"}},
                {path_text("[[2,0,0],[1,1,1]]"), {"position 1 is at 1 s", "2 s"}}};
   for (const auto& one : cases)
     testing::expect_error(ErrorCode::kInput, one.parts, [&] { RecordedPath(one.text, kRecordedNames); });

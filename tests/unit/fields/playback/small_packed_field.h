@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Makes a packed field whose textures are waves. The field has two objects, and layers of pyramids and bases in both
-// coders. One object changes its texture's size halfway through the views.
+// Makes a packed field whose textures are waves. The field has two objects. Its layers are pyramids and bases, and both
+// coders are used. One object changes the size of its texture halfway through the views.
 #pragma once
 
 #include <array>

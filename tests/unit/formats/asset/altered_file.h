@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Makes a folder with a good baked file and damaged copies; hands rows to a writer in portions.
+// Makes a folder with a good baked file and damaged copies. Passes rows to a writer in portions.
 #pragma once
 
 #include <ImfChannelList.h>
@@ -22,7 +22,8 @@ namespace multum::testing {
 
 class AlteredFile {
  public:
-  /// Replaces every `from` in the good file's bytes by `to`, of the same length. Returns the bad file's path.
+  /// Replaces every `from` in the bytes of the good file by `to`, which has the same length. Returns the bad file's
+  /// path.
   std::string replaced(const std::string& from, const std::string& to) const {
     std::string bytes = read_bytes(good);
     EXPECT_EQ(from.size(), to.size());
@@ -34,8 +35,8 @@ class AlteredFile {
     return bad;
   }
 
-  /// Rebuilds the good file with parts chosen by `order` and changed headers; parts keep their pixels if their channels
-  /// do not change. Returns the bad file's path.
+  /// Writes the good file again with changed headers and with the parts that `order` selects. Parts keep their pixels
+  /// if their channels do not change. Returns the bad file's path.
   std::string rebuilt(const std::vector<int>& order, const std::function<void(Imf::Header&)>& change) const {
     Imf::MultiPartInputFile in(good.c_str());
     std::vector<Imf::Header> headers;
@@ -56,7 +57,7 @@ class AlteredFile {
   const std::string good = folder / "good.exr", bad = folder / "bad.exr";
 };
 
-/// Hands a mipmap to a writer in portions of 0 to 49 rows that cut across rows of tiles, with levels in turn.
+/// Passes a mipmap to a writer in portions of 0 to 49 rows, which do not match the rows of tiles. The levels alternate.
 /// `rows_of(level, row, count)` returns rows of a level.
 template <typename Writer, typename Mipmap, typename RowsOf>
 void write_in_portions(Writer& writer, const Mipmap& mipmap, const RowsOf& rows_of) {

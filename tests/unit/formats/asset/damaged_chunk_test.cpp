@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests baked files with a damaged chunk: a reader gets all of the baked data or a refusal that names the place.
+// Tests baked files with a damaged chunk. A reader gets either all of the baked data or an error that names the damaged
+// place.
 #include <ImfChannelList.h>
 #include <ImfHeader.h>
 #include <ImfStringAttribute.h>
@@ -36,7 +37,7 @@ std::string number_bytes(std::int64_t value, std::size_t bytes) {
   return text;
 }
 
-// Makes a good file of 40 x 24 with tiles of 16 x 16, and bad files from it.
+// Makes a good file of 40 x 24 texels with tiles of 16 x 16 texels, and makes bad files from it.
 class DamagedChunkTest : public ::testing::TestWithParam<const char*> {
  protected:
   DamagedChunkTest() {
@@ -117,9 +118,9 @@ TEST_P(DamagedChunkTest, OffsetsOfNoTile) {
 }
 
 TEST_P(DamagedChunkTest, ATileThatIsSaidToBeAnother) {
-  put(data_at(1, 2) - kHeadBytes, number_bytes(2, 4));  // another part's number
+  put(data_at(1, 2) - kHeadBytes, number_bytes(2, 4));  // the number of another part
   expect_refusal({kPlace, "another chunk is in its place"});
-  put(data_at(1, 2) - 8, number_bytes(3, 4));  // another level's number
+  put(data_at(1, 2) - 8, number_bytes(3, 4));  // the number of another level
   expect_refusal({kPlace, "another chunk is in its place"});
 }
 
@@ -139,7 +140,7 @@ TEST_P(DamagedChunkTest, ChunksThatOverlap) {
   expect_refusal({kPlace, "overlaps another chunk"});
 }
 
-// Damages one byte within a chunk at a time. Every reader gets an error or unchanged data.
+// Damages the bytes of a chunk, one at a time. Every reader must get an error or unchanged data.
 TEST_P(DamagedChunkTest, BytesWithinChunks) {
   const MovmfMipmap good = read_movmf_mipmap(file_.good);
   const std::string hash = movmf_content_hash(good, 1);
@@ -162,7 +163,7 @@ TEST_P(DamagedChunkTest, BytesWithinChunks) {
   }
 }
 
-// A reader of only some rows notices damage in them; undamaged rows are read.
+// A reader that reads only some rows notices damage in these rows, and reads undamaged rows.
 TEST_P(DamagedChunkTest, RowsThatAreNotReadMayBeDamaged) {
   const std::size_t at = data_at(0, 4) + static_cast<std::size_t>(place(0, 4).size) / 2;  // tile (1, 1) of level 0
   put(at, std::string(1, static_cast<char>(bytes_[at] ^ 0x41)));
@@ -172,7 +173,7 @@ TEST_P(DamagedChunkTest, RowsThatAreNotReadMayBeDamaged) {
   expect_error(ErrorCode::kInput, {file_.bad, "part finest, level 0"}, [&] { reader.read_finest(15, 2); });
 }
 
-// Every value is written, whatever the memory held before: the buffers start with a pattern that no file has.
+// The reader must write every value. The buffers first contain a pattern that no file contains.
 TEST_P(DamagedChunkTest, NothingOfABufferStaysAsItWas) {
   const MovmfMipmap header = read_movmf_header(file_.good);
   const std::vector<MovmfPart> parts = movmf_parts(header);
@@ -213,7 +214,7 @@ TEST_P(DamagedChunkTest, EveryChunkFillsPoisonedMemoryOrIsRefused) {
   }
 }
 
-// Files of earlier programs have one checksum for all rows, which is compared before the first rows are returned.
+// Files of earlier versions have one checksum for all rows. It is compared before the first rows are returned.
 TEST_P(DamagedChunkTest, FilesWithoutChecksumsOfRows) {
   const auto without = [](Imf::Header& header) { header.erase(kRowChecksumsAttribute); };
   EXPECT_NO_THROW(read_movmf_mipmap(file_.rebuilt({0, 1, 2, 3, 4}, without)));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests baked files of planar Gaussians: rounding, writing, reading, refusing, verifying.
+// Tests baked files of planar Gaussians: rounding, writing, reading, refusal, and verification.
 #include <half.h>
 
 #include <gtest/gtest.h>
@@ -126,7 +126,7 @@ TEST_P(GmmFileTest, DamagedAndTruncatedFilesAreFoundOut) {
   }
 }
 
-// Each kind of file is refused where another is expected, and so is an unknown version.
+// A file of one kind is refused where another kind is expected. A file of an unknown version is also refused.
 TEST_P(GmmFileTest, OtherFilesAreRefused) {
   write(make());
   expect_error(ErrorCode::kInput, {path(), "'gmm'", "'moments'"}, [&] { read_moment_mipmap(path()); });
@@ -151,8 +151,8 @@ INSTANTIATE_TEST_SUITE_P(Encodings, GmmQuantizeTest,
                          ::testing::Values(StorageEncoding::kSnorm16, StorageEncoding::kHalf, StorageEncoding::kFloat),
                          [](const auto& encoding) { return storage_encoding_name(encoding.param); });
 
-// At every tilt, gmm_kappa_max() promises that this variance and larger ones are kept to within a quarter. Much smaller
-// variances are not kept, so the limit is tight.
+// At every tilt, gmm_kappa_max() promises that rounding changes this variance and larger variances by at most a
+// quarter. Much smaller variances change more, so the limit is tight.
 TEST_P(GmmQuantizeTest, KeepsVariance) {
   const auto worst = [](double variance) {
     std::mt19937 random(21);
@@ -173,7 +173,7 @@ TEST_P(GmmQuantizeTest, KeepsVariance) {
   }
 }
 
-// Single directions get variance 0, even if they are filtered with others of the same direction.
+// Single directions get a variance of 0, even if they are filtered together with texels of the same direction.
 TEST_P(GmmQuantizeTest, SingleDirectionsGetNone) {
   std::mt19937 random(22);
   MovmfLevel level{2000, 1, {{}, {}}, {}};
@@ -186,8 +186,8 @@ TEST_P(GmmQuantizeTest, SingleDirectionsGetNone) {
     }
   }
   level = rounded(level);
-  // Two rounded means differ by up to one step, which adds a spread of the step's square. Floats are within 8
-  // roundings.
+  // Two rounded means differ by up to one step, which adds a spread of the square of this step. Floats differ by at
+  // most 8 roundings.
   const double zero = GetParam() == StorageEncoding::kFloat ? 5e-7 : 1e-15;  // rounding error of doubles
   for (std::size_t i = 0; i < 2000; ++i)
     for (const auto& lobes : level.lobes) EXPECT_LE(static_cast<double>(gmm_variance(lobes[i])), zero) << i;
@@ -215,7 +215,7 @@ TEST_P(GmmQuantizeTest, AmplitudesSumToOneAndRoundingTwiceChangesNothing) {
     }
 }
 
-// Tests level 0 in integers, as docs/reference/file_format.md defines it.
+// Tests level 0 with integers, as docs/reference/file_format.md defines it.
 TEST(GmmFinestTest, TheThirdIsTheSquareRoundedDown) {
   std::mt19937 random(23);
   for (int n = 0; n < 2000; ++n) {
@@ -234,7 +234,8 @@ TEST(GmmFinestTest, TheThirdIsTheSquareRoundedDown) {
   }
 }
 
-// For horizontal normals, rounding to nearest may raise x^2 + y^2 above the largest value of the third channel.
+// For horizontal normals, rounding to the nearest code may raise x^2 + y^2 above the largest value that the third
+// channel can store.
 TEST(GmmFinestTest, NormalsAtTheRimStayWithinIt) {
   MovmfFinest rows{20000, 1, {}, {}, {}};
   rows.representation = Representation::kGmm;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Compares bytes on the GPU with counts by hand.
+// Compares the stated number of bytes on the GPU with numbers that are computed by hand.
 #include "host/formats/asset/gpu_bytes.h"
 
 #include <gtest/gtest.h>
@@ -24,11 +24,11 @@ TEST(GpuBytes, OfABakedFile) {
 }
 
 TEST(GpuBytes, OfWhatRenderersUsuallyHave) {
-  // A block of 4 x 4 texels has 16 + 8 bytes, and partial blocks count as whole ones. The levels are 9 x 5, 4 x 2, 2 x
-  // 1 and 1 x 1.
+  // A block of 4 x 4 texels has 16 + 8 bytes, and partial blocks count as whole blocks. The levels have 9 x 5, 4 x 2, 2
+  // x 1 and 1 x 1 texels.
   EXPECT_EQ(default_gpu_bytes(9, 5), (3u * 2 + 1 + 1 + 1) * 24);
   EXPECT_EQ(default_gpu_bytes(1, 1), 24u);
-  // There are 1.5 bytes per texel, 4/3 of that with mips, and two more blocks for the levels of 2 x 2 and 1 x 1.
+  // There are 1.5 bytes per texel, or 4/3 of that with mips. The levels of 2 x 2 and 1 x 1 texels take two more blocks.
   EXPECT_EQ(default_gpu_bytes(1024, 1024), (1024u * 1024 * 4 - 16) / 3 / 16 * 24 + 2 * 24);
 }
 

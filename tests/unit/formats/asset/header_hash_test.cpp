@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests headers with changed bytes in every kind of file: if OpenEXR reads different values, verify must reject the
+// Tests headers with changed bytes in every kind of file. If OpenEXR reads different values, verify must reject the
 // file.
 #include "host/formats/asset/header_hash.h"
 
@@ -22,7 +22,7 @@
 namespace multum::testing {
 namespace {
 
-// Describes the place of an attribute of any part in the file's bytes.
+// Describes where in the file's bytes an attribute of a part is.
 struct AttributePlace {
   int part;
   std::string name;
@@ -59,10 +59,9 @@ AttributePlace place_of(const std::string& bytes, const std::string& name) {
   return {};
 }
 
-using Values = std::map<std::tuple<int, std::string, std::string>, std::string>;  // by part, name, type
+using Values = std::map<std::tuple<int, std::string, std::string>, std::string>;  // indexed by part, name and type
 
-// Returns the values that OpenEXR reads, in the form in which it would write them. Compression is not a value of the
-// file.
+// Returns the values that OpenEXR reads, encoded as OpenEXR would write them. Compression is not a value of the file.
 Values values_read(const std::string& path) {
   Imf::MultiPartInputFile file(path.c_str(), 1);
   Values values;
@@ -76,7 +75,7 @@ Values values_read(const std::string& path) {
   return values;
 }
 
-// Returns the failed checks of a file of `bytes`, or "refused" if it cannot be read.
+// Returns the failed checks of a file with these `bytes`, or "refused" if the file cannot be read.
 std::set<std::string> failed_checks(const std::string& path, const std::string& bytes) {
   write_bytes(path, bytes);
   std::set<std::string> failed;
@@ -150,7 +149,7 @@ TEST_F(HeaderHashTest, NoMutantWithOtherValuesIsAccepted) {
       const Values found = values_read(path());
       EXPECT_TRUE(found == values) << kind.name << ", mutant " << i << " of seed " << kSeed << " is accepted";
     }
-    // Only the checksum of headers rejects these files. Few bytes have no meaning.
+    // Only the checksum of the headers rejects these files. There are only few bytes without meaning.
     EXPECT_GT(by_header_alone, kMutants / 4) << kind.name;
     EXPECT_LT(unchanged, kMutants / 10) << kind.name;
     RecordProperty(kind.name + "_found_by_header_alone", by_header_alone);
@@ -227,7 +226,7 @@ TEST_F(HeaderHashTest, FilesOfEarlierVersionsPassAndSaySo) {
     kind.write(path());
     std::string bytes = read_bytes(path());
     const AttributePlace place = place_of(bytes, kHeaderHashAttribute);
-    // A renamed attribute is unknown to every reader and has no effect.
+    // No reader knows a renamed attribute, so the attribute has no effect.
     bytes.replace(place.begin, 6, "others");
     bytes.replace(place.value_begin, place.end - place.value_begin, place.end - place.value_begin, ' ');
     EXPECT_EQ(failed_checks(path(), bytes), std::set<std::string>()) << kind.name;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests files with weights and with roughness, in both representations: they read back equal, and damage is found.
-// Programs that do not know weights and roughness refuse such files, and other files do not change.
+// Tests files with weights and with roughness, in both representations. They must be the same after writing and
+// reading, and damage must be found. Programs that do not know weights and roughness refuse such files, and other files
+// do not change.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -84,7 +85,7 @@ const MaterialCase kCases[] = {{StorageEncoding::kSnorm16, false, true, 0},
                                {StorageEncoding::kHalf, false, true, 0, Representation::kGmm},
                                {StorageEncoding::kFloat, false, true, 3, Representation::kGmm}};
 
-// Returns only the cases that a test runs, so that none is skipped.
+// Returns only the cases that a test runs, so that no test is skipped.
 template <typename Wanted>
 std::vector<MaterialCase> cases_where(const Wanted& wanted) {
   std::vector<MaterialCase> cases;
@@ -144,7 +145,7 @@ TEST_P(RoughLobesTest, FinestNormalsKeepTheirLengths) {
   }
 }
 
-// Points of the plane keep the scatter of their facets, and give back the length of the normal.
+// Points of the plane keep the scatter of their facets, from which the length of the normal can be computed again.
 TEST_P(RoughGaussiansTest, FinestPointsKeepWhatTheyScatter) {
   std::mt19937 random(3);
   MovmfFinest rows = testing::random_finest(random, 64, 8, 2, false);
@@ -260,7 +261,7 @@ TEST_P(WeightsFileTest, VerifyNamesTheWeightThatCannotBe) {
   EXPECT_EQ(failed(path), std::set<std::string>{"finite"});
 }
 
-// With an empty list of cases there would be no tests, so none would fail.
+// If the list of cases were empty, there would be no tests, so no test could fail.
 TEST(MaterialFile, EveryTestHasCases) {
   EXPECT_EQ(cases_where(has_rough_lobes).size(), 3u);
   EXPECT_EQ(cases_where(has_rough_gaussians).size(), 3u);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests baked files of moments: rounding, writing, reading, refusing, verifying.
+// Tests baked files of moments: rounding, writing, reading, refusal, and verification.
 #include <ImfHeader.h>
 #include <ImfIntAttribute.h>
 #include <ImfMultiPartInputFile.h>
@@ -126,7 +126,7 @@ TEST_P(MomentFileTest, WhatIsWrittenIsRead) {
   for (const VerifyFinding& finding : verify_baked(path, 2)) EXPECT_TRUE(finding.passed) << finding.detail;
 }
 
-// Writes portions of rows that cut across rows of tiles, with levels in turn: the bytes do not change.
+// Writes portions of rows that do not match the rows of tiles, with alternating levels. The bytes must not change.
 TEST_P(MomentFileTest, PortionsMakeTheSameFile) {
   const MomentShape shape = GetParam();
   const TemporaryFolder folder;
@@ -150,7 +150,7 @@ TEST(MomentWriterTest, WithoutCommitNothingStays) {
   EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
 }
 
-// Tests what the format states about half floats.
+// Tests the statements of the format page about 16-bit floats.
 TEST(MomentQuantizeTest, SingleDirectionsGetNoVariance) {
   const MomentMipmap mipmap = random_moments(128, 128, false, StorageEncoding::kHalf, 7);
   for (std::size_t i = 0; i < mipmap.levels[0].slopes.size(); ++i) {
@@ -179,20 +179,20 @@ TEST(MomentQuantizeTest, VariancesAreThoseAboutTheRoundedMeans) {
   quantize_moments(rows, StorageEncoding::kHalf, 1);
   for (std::size_t i = 0; i < variances.size(); ++i) {
     const auto s = static_cast<double>(rows.slopes[i].s), ss = static_cast<double>(rows.slopes[i].ss);
-    // The bound is half a step of the moment, plus the rounding of the variance to float.
+    // The bound is half a step of the moment plus the rounding error of the variance as a float.
     EXPECT_NEAR(ss - s * s, variances[i], ss * (0x1p-11 + 0x1p-20)) << s;
   }
 }
 
-// least_slope_deviation() promises that, at a slope of 1, this variance and larger ones are kept to within a quarter.
-// Much smaller variances are not kept, so the limit is tight.
+// least_slope_deviation() promises that, at a slope of 1, rounding changes this variance and larger variances by at
+// most a quarter. Much smaller variances change more, so the limit is tight.
 TEST(MomentQuantizeTest, KeepsRoughnessDownToTheLeast) {
   std::mt19937 random(13);
   const auto worst = [&](StorageEncoding encoding, double deviation) {
     MomentLevel rows{4000, 1, {}, {}, {}};
     std::vector<double> exact;
     for (int i = 0; i < rows.width; ++i) {
-      const double b = std::pow(2.0, 8.0 * uniform(random) - 6.0);  // slopes of 1/64 to 4
+      const double b = std::pow(2.0, 8.0 * uniform(random) - 6.0);  // slopes from 1/64 to 4
       SlopeMoments m;
       m.s = static_cast<float>(b);
       const double variance = deviation * deviation * b * b;

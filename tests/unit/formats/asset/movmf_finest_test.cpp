@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests level 0 stored as x and y: no spread is added, directions turn little, and rows equal full lobes. Normals that
-// are not single directions are rejected.
+// Tests level 0 if only x and y are stored. No spread is added, directions change only a little, and rows equal full
+// lobes. Normals that are not single directions are rejected.
 #include "host/formats/asset/lobes/movmf_finest.h"
 
 #include <gtest/gtest.h>
@@ -24,7 +24,7 @@ class FinestTest : public ::testing::TestWithParam<StorageEncoding> {
 INSTANTIATE_TEST_SUITE_P(Encodings, FinestTest,
                          ::testing::Values(StorageEncoding::kSnorm16, StorageEncoding::kHalf, StorageEncoding::kFloat));
 
-// Returns the next lower value of the encoding.
+// Returns the next lower value that the encoding can store.
 float step_below(float z, StorageEncoding encoding) {
   if (encoding == StorageEncoding::kSnorm16)
     return static_cast<float>((std::round(static_cast<double>(z) * 32767.0) - 1.0) / 32767.0);
@@ -34,7 +34,7 @@ float step_below(float z, StorageEncoding encoding) {
   return static_cast<float>(below);
 }
 
-// Returns |(x, y, z)|^2 - 1 for stored values: in steps for snorm16, exact for half floats.
+// Returns |(x, y, z)|^2 - 1 for stored values. The result is in steps for snorm16 and exact for 16-bit floats.
 double excess(const glm::vec3& n, StorageEncoding encoding) {
   glm::dvec3 wide(n);
   if (encoding == StorageEncoding::kSnorm16)

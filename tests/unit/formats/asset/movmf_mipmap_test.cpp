@@ -103,7 +103,7 @@ TEST_P(FirstLevelTest, WhatIsStoredIsReadBitForBitFromWhateverLevelOn) {
     SCOPED_TRACE(first_level);
     MovmfMipmap dropped = mipmap;
     drop_finer_levels(dropped, first_level);
-    quantize_movmf(dropped, 1);  // levels without texels are skipped, the others are already rounded
+    quantize_movmf(dropped, 1);  // levels without texels are skipped, and the other levels are already rounded
     write_movmf_mipmap(folder / "a.exr", dropped, {});
     const MovmfMipmap found = read_movmf_mipmap(folder / "a.exr");
     EXPECT_EQ(found.header.first_level, first_level);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests that files which are not baked files are refused; the message gives the name, the value found and the value
+// Tests that files which are not baked files are refused. The message gives the name, the value found and the value
 // expected.
 #include <ImfChannelList.h>
 #include <ImfFrameBuffer.h>
@@ -54,7 +54,7 @@ class MovmfRefusalTest : public ::testing::Test {
     std::vector<Imf::Header> headers;
     for (int part = 0; part < in.parts(); ++part) {
       headers.push_back(in.header(part));
-      headers.back().erase("multum:rowChecksums");  // checksums would report the change first
+      headers.back().erase("multum:rowChecksums");  // otherwise the checksums would report the change first
       headers.back().insert("multum:contentHash", Imf::StringAttribute(""));
     }
     Imf::MultiPartOutputFile out(file_.bad.c_str(), headers.data(), in.parts());
@@ -134,7 +134,7 @@ TEST_F(MovmfRefusalTest, AttributesOfAnotherMeaning) {
                  {"no attribute multum:encoding"});
 }
 
-// A map of 40 x 24 has six levels.
+// A map of 40 x 24 texels has six levels.
 TEST_F(MovmfRefusalTest, FirstLevelsThatDoNotFit) {
   const auto set_int = [&](const char* name, int value) {
     return file_.rebuilt(all_, [=](Imf::Header& h) { h.insert(name, Imf::IntAttribute(value)); });
@@ -172,7 +172,8 @@ TEST_F(MovmfRefusalTest, ChannelsAndLevelsOfAnotherKind) {
                    h.channels() = channels;
                  }),
                  {"no channel lobe1.vMF.R in part lobe.1"});
-  // Pixels cannot be copied to another compression, so the channels change too. The level mode is checked first.
+  // Pixels cannot be copied to a part with another compression, so the channels change too. The level mode is checked
+  // first.
   const auto change_tiles = [&](const char* name, Imf::LevelMode mode) {
     return file_.rebuilt(all_, [=](Imf::Header& h) {
       if (h.name() != name) return;
@@ -190,7 +191,7 @@ TEST_F(MovmfRefusalTest, ChannelsAndLevelsOfAnotherKind) {
                   "expected (0, 0) to (19, 11), level 1 of a map of 40 x 24"});
 }
 
-// Values that none of our writers makes are found when they are decoded.
+// The decoder finds values that none of our writers makes.
 TEST_F(MovmfRefusalTest, FinestTexelsThatMeanNothing) {
   EXPECT_NO_THROW(read_movmf_mipmap(with_finest_texel("finest.normalX.X", -1.0f)));
   for (const float lobe : {-1.0f, 0.5f, 4.0f, 1000.0f, std::numeric_limits<float>::quiet_NaN()})

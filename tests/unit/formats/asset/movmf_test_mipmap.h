@@ -29,7 +29,7 @@ inline glm::dvec3 random_direction(std::mt19937& random, double tilt_max) {
   return {side * std::cos(azimuth), side * std::sin(azimuth), z};
 }
 
-/// Returns shares that sum to 1, often very uneven, sometimes zero.
+/// Returns shares that sum to 1. The shares are often very unequal and sometimes zero.
 inline std::vector<double> random_shares(std::mt19937& random, int count) {
   std::vector<double> shares(static_cast<std::size_t>(count));
   const double unevenness = 8.0 * uniform(random);
@@ -49,7 +49,7 @@ inline glm::vec4 stored_lobe(double amplitude, const glm::dvec3& r) {
   return {a * glm::vec3(r), a};
 }
 
-/// Makes level 0 as a bake does: each texel has a single direction, which is completely in one lobe.
+/// Makes level 0 as a bake does: each texel has a single direction, which belongs completely to one lobe.
 inline MovmfFinest random_finest(std::mt19937& random, int width, int height, int lobe_count, bool colours) {
   MovmfFinest rows{width, height, {}, {}, {}};
   for (int i = 0; i < width * height; ++i) {
@@ -60,7 +60,7 @@ inline MovmfFinest random_finest(std::mt19937& random, int width, int height, in
   return rows;
 }
 
-/// Makes random lobes of every sharpness, a fifth of them single directions; level 0 is random_finest().
+/// Makes random lobes of every sharpness. A fifth of them are single directions, and level 0 is random_finest().
 inline MovmfMipmap random_mipmap(int width, int height, int lobe_count, bool colours, StorageEncoding encoding,
                                  unsigned seed) {
   std::mt19937 random(seed);

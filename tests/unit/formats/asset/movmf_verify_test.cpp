@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests that each kind of damage fails only the check that is meant for it.
+// Tests that each kind of damage makes only the check fail that is meant for it.
 #include "host/formats/asset/lobes/movmf_verify.h"
 
 #include <gtest/gtest.h>
@@ -57,7 +57,7 @@ TEST_P(MovmfVerifyTest, LevelsThatAreNotStoredAreNotMissed) {
   EXPECT_EQ(findings.size(), 7u);
   for (const VerifyFinding& finding : findings) EXPECT_TRUE(finding.passed) << finding.check << ": " << finding.detail;
   EXPECT_NE(findings[0].detail.find("40 x 24, levels 2 to 5 of 0 to 5, 4 lobes"), std::string::npos);
-  // The message uses the map's own level: 10 x 6 texels.
+  // The message uses the level number of the map, which has 10 x 6 texels there.
   for (auto& lobe : mipmap.levels[2].lobes) lobe[10 * 4 + 7] *= 0.5f;
   for (const VerifyFinding& finding : verify_movmf(write(mipmap), 1))
     if (finding.check == "sum of a") {
@@ -69,7 +69,7 @@ TEST_P(MovmfVerifyTest, LevelsThatAreNotStoredAreNotMissed) {
 TEST_P(MovmfVerifyTest, EveryRowOfEveryTileIsSeenOnce) {
   MovmfMipmap mipmap = make();
   BakedWriteOptions options;
-  options.tile_size = 5;  // 24 rows are four rows of tiles and a partial one
+  options.tile_size = 5;  // 24 rows are four rows of tiles and a partial row of tiles
   for (const int first_level : {0, 2}) {
     drop_finer_levels(mipmap, first_level);
     write_movmf_mipmap(folder_ / "a.exr", mipmap, options);

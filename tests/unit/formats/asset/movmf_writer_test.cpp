@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests the writer of rows: pixels and checksum equal those of the whole mipmap for any portions. Header values set
-// last are in every part, and a failed write leaves no file.
+// Tests the writer of rows. For any portions, the pixels and the checksum equal those of the whole mipmap. Header
+// values that are set last are in every part, and a failed write does not leave a file.
 #include "host/formats/asset/lobes/movmf_writer.h"
 
 #include <ImfHeader.h>
@@ -33,7 +33,7 @@ MovmfMipmap without_texels(MovmfMipmap mipmap) {
   return mipmap;
 }
 
-// Hands over every stored level in odd portions, with levels in random order.
+// Passes every stored level in odd portions, with the levels in random order.
 void write_in_portions(MovmfWriter& writer, const MovmfMipmap& mipmap, std::mt19937& random) {
   std::vector<int> next(mipmap.levels.size(), 0);
   std::vector<std::size_t> open;
@@ -106,7 +106,7 @@ TEST_P(MovmfWriterTest, WhatIsKnownLastIsInEveryPart) {
   const WrittenShape c = GetParam();
   const TemporaryFolder folder;
   MovmfMipmap mipmap = rounded_mipmap(c, StorageEncoding::kSnorm16);
-  // Names and values of attributes inside a value are not attributes.
+  // If a value contains the names and values of attributes, these are not attributes.
   mipmap.header.provenance.settings = "{\"multum:contentHash\":\"string\"}";
   mipmap.header.provenance.measured_error = "[[0,\"centre\",\"lambert\",0.25]]";
   write_movmf_mipmap(folder / "a.exr", mipmap, {});
@@ -184,7 +184,7 @@ TEST(MovmfWriterEndTest, CancelledNothingStays) {
   EXPECT_EQ(folder.names(), Names{});
 }
 
-// A file that its reader would refuse replaces no other file.
+// A file that its reader would refuse does not replace another file.
 TEST(MovmfWriterEndTest, WhatWouldNotVerifyIsNotWritten) {
   const TemporaryFolder folder;
   testing::write_bytes(folder / "a.exr", "old");

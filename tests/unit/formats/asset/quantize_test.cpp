@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests the rounding of lobes: sums stay 1, single directions stay single, and spreads survive up to storage_kappa_max.
-// A glossy highlight on a tilted flat surface keeps its peak, at texels and between them.
+// Tests the rounding of lobes. Sums stay 1, single directions stay single, and spreads are kept for a kappa of up to
+// storage_kappa_max. A glossy highlight on a tilted flat surface keeps its peak, both at texels and between them.
 #include <gtest/gtest.h>
 #include <half.h>
 
@@ -19,8 +19,8 @@ using testing::random_shares;
 using testing::stored_lobe;
 using testing::uniform;
 
-// Rounds texels that have several lobes each. Treats them as one level that is not the finest. texels[i][j] is lobe j
-// of texel i.
+// Rounds texels that have several lobes each, as if they were one level that is not the finest level. texels[i][j] is
+// lobe j of texel i.
 void quantize(std::vector<std::vector<glm::vec4>>& texels, StorageEncoding encoding) {
   MovmfLevel level;
   level.width = static_cast<int>(texels.size());
@@ -55,7 +55,7 @@ TEST_P(QuantizeTest, ValuesAreOnTheGrid) {
         if (GetParam() == StorageEncoding::kHalf) {
           ASSERT_EQ(static_cast<float>(half(lobe[c])), lobe[c]);
         } else {
-          // The GPU decodes the nearest 16-bit code to the same float.
+          // The GPU decodes the nearest 16-bit code to exactly this float.
           const double steps = std::round(static_cast<double>(lobe[c]) * 32767.0);
           ASSERT_EQ(static_cast<float>(steps) / 32767.0f, lobe[c]);
         }
@@ -123,7 +123,7 @@ TEST_P(QuantizeTest, AmplitudesSumToOne) {
         steps += std::round(a * 32767.0);
         sum += a;
         ASSERT_GE(a, 0.0);
-        // No value moves by a whole step, or by more than half a unit in the last place of a half float.
+        // No value changes by a whole step, or by more than half a unit in the last place of a 16-bit float.
         const double limit = GetParam() == StorageEncoding::kSnorm16 ? 1.0 / 32767.0 : std::max(a, 6e-5) / 2048.0;
         ASSERT_LE(std::abs(a - static_cast<double>(before[i][j].w)), limit + 1e-7);
       }
@@ -200,8 +200,8 @@ TEST_P(QuantizeTest, KeepsSpreadUpToKappaMax) {
   EXPECT_GE(spread_change(4.0 * limit, GetParam(), random_, 60 * kDegree).percentile_95, 0.25);
 }
 
-// Returns the peak of a BRDF's highlight over filtered lobes, for a BRDF of mean cosine 1 - 1/kappa_f, as the runtime
-// shades. Mean cosines multiply, |r| is clamped to 1, and the result is a vMF lobe (kappa = 1/(1 - A), A near 1). The
+// Returns the peak of the highlight over filtered lobes for a BRDF with mean cosine 1 - 1/kappa_f, shaded as in the
+// runtime. Mean cosines multiply, |r| is clamped to 1, and the result is a vMF lobe (kappa = 1/(1 - A), A near 1). The
 // peak over all half vectors is found by mean shift from the mean normal.
 double highlight_peak(const std::vector<glm::dvec4>& lobes, double kappa_f) {
   struct Part {
@@ -267,7 +267,8 @@ TEST_P(QuantizeTest, AGlossyHighlightOnATiltedFlatKeepsItsPeakAtTexelsAndBetween
   EXPECT_LE(worst[1], 0.02);
 }
 
-// Counts lobes that are sharper than the storage can keep, except for single directions. Float storage loses nothing.
+// Counts lobes that are sharper than the storage format can represent, except for single directions. Storage as floats
+// does not lose any.
 TEST_P(QuantizeTest, SharpLobesAreCounted) {
   const auto limit = static_cast<double>(storage_kappa_max(GetParam()));
   MovmfLevel level;

@@ -47,7 +47,7 @@ TEST(RepresentationTest, TexturesAreThoseOfTheFormat) {
   EXPECT_EQ(textures("sh", 2), 8);
 }
 
-// Level 0 stores a normal in its family's form and returns it as other families read it.
+// Level 0 stores a normal in the form of its representation and returns it in the form that all representations share.
 TEST(RepresentationTest, FinestNormalsComeBack) {
   const glm::vec3 normal = glm::normalize(glm::vec3(0.3f, -0.5f, 0.8f));
   for (const LobeFamily* family : {&kSphericalLobes, &kPlanarLobes}) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests baked files of spherical harmonics: rounding, writing, reading, refusing, verifying.
+// Tests baked files of spherical harmonics: rounding, writing, reading, refusal, and verification.
 #include <ImfHeader.h>
 #include <ImfIntAttribute.h>
 #include <ImfMultiPartInputFile.h>
@@ -118,7 +118,7 @@ TEST_P(ShFileTest, WhatIsWrittenIsRead) {
   for (const VerifyFinding& finding : verify_baked(path, 2)) EXPECT_TRUE(finding.passed) << finding.detail;
 }
 
-// Writes portions of rows that cut across rows of tiles, with levels in turn: the pixels do not change.
+// Writes portions of rows that do not match the rows of tiles, with alternating levels. The pixels must not change.
 TEST_P(ShFileTest, PortionsMakeTheSameFile) {
   const TemporaryFolder folder;
   const ShMipmap mipmap = random_harmonics(GetParam(), 5);
@@ -140,7 +140,7 @@ TEST(ShWriterTest, WithoutCommitNothingStays) {
   EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
 }
 
-// For wide maps with many coefficients the writer uses lower tiles, but at least 16 rows.
+// For wide maps with many coefficients, the writer uses tiles with fewer rows, but at least 16.
 TEST(ShWriterTest, TilesAreLowerWhereTheyAreLong) {
   EXPECT_EQ(sh_tile_size(1024, 4, 128), 128);
   EXPECT_EQ(sh_tile_size(4096, 4, 128), 64);

@@ -17,8 +17,8 @@ namespace {
 
 using Bytes = std::vector<Bytef>;
 
-// Makes bytes with `values` different values. With 1 value they compress to almost nothing; with 256 values they do not
-// compress.
+// Makes bytes with `values` different values. With 1 value, the compressed size is almost 0. With 256 values, the bytes
+// cannot be compressed.
 Bytes random_bytes(std::size_t count, std::uint64_t values) {
   Bytes bytes(count);
   for (std::size_t i = 0; i < count; ++i) bytes[i] = static_cast<Bytef>(split_mix(i) % values);
@@ -73,7 +73,7 @@ TEST(ZlibCompressTest, SameBytesWhateverWasInMemory) {
     }
 }
 
-// Compresses `depth` times 64 KiB deeper on the stack.
+// Compresses with the stack `depth` times 64 KiB deeper.
 [[gnu::noinline]] Bytes compressed_below(const Bytes& source, int level, int depth) {
   volatile std::uint64_t page[8192];
   page[0] = static_cast<std::uint64_t>(depth);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests the table of BRDFs. The properties that a row states must hold, and its texts must be read, refused and printed
-// correctly.
+// Tests the table of BRDFs. Each row must have the properties that it states, and its texts must be read, refused and
+// printed correctly.
 #include <gtest/gtest.h>
 
 #include <fmt/format.h>
@@ -19,7 +19,8 @@ namespace {
 
 Brdf parsed(const std::string& text) { return parse_brdf("--brdf", text, 4); }
 
-// Returns texts that name the family's rows: the name, and its widths at both ends of the range and between.
+// Returns texts that name BRDFs of a family: only the name if the family has no width, otherwise the name with widths
+// at both ends of the range and between them.
 std::vector<std::string> texts_of(const BrdfFamily& family) {
   if (family.is_file) return {};
   if (!family.has_width()) return {std::string(family.name)};

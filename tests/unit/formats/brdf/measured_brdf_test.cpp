@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests measured BRDFs of all three formats, which this test makes, and environment files: reading, factoring,
-// refusing.
+// Tests reading, factoring and refusing measured BRDFs of all three formats, which this test makes. Also tests
+// environment files.
 #include <gtest/gtest.h>
 
 #include <fmt/format.h>
@@ -139,8 +139,8 @@ std::string radiance(const std::string& size, const std::string& rows) {
 }
 
 TEST_F(MeasuredFileTest, RadianceRows) {
-  // A packed row of 8 texels has 8 times 128, then 3 and 5 values, then 8 times 64, and 8 times the exponent 129, which
-  // scales a value by 2^-7.
+  // In a packed row of 8 texels, red is 128 in all texels. Green is stored as 3 and then 5 single values. Blue is 64 in
+  // all texels. All exponents are 129, which scales a value by 2^-7.
   const std::string packed = std::string("\2\2\0\x8", 4) + std::string("\x88\x80", 2) +
                              std::string("\x3\1\2\3\x5\4\5\6\7\x8", 10) + std::string("\x88\x40", 2) +
                              std::string("\x88\x81", 2);
@@ -159,7 +159,7 @@ TEST_F(MeasuredFileTest, RadianceRows) {
   refusal("-Y 4 +X 8", packed + flat + packed, {"cut"});
   refusal("-Y 4 +X 9", packed, {"9", "4", "wide"});
   refusal("+Y 4 +X 8", packed, {"+Y", "-Y", "+X"});
-  refusal("-Y 4 +X 8", std::string("\2\2\0\x8\x89\x80", 6), {"run goes beyond", "row"});
+  refusal("-Y 4 +X 8", std::string("\2\2\0\x8\x89\x80", 6), {"run extends beyond", "row"});
   refusal("-Y 999999 +X 1999998", packed, {"1999998", "999999", "wide"});
   expect_refusal(read_environment_map, write("xyz.hdr", "#?RADIANCE\nFORMAT=32-bit_rle_xyze\n\n-Y 4 +X 8\n"), {"xyze"});
   expect_refusal(read_environment_map, write("none.hdr", "#?"), {"header"});

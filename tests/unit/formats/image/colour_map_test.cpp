@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests that albedos are linear: integers are decoded as sRGB or as the file says, and floats stay unchanged.
+// Tests that albedos are linear. Integers are decoded as sRGB or as the file says, and floats are not changed.
 #include "host/formats/image/colour_map.h"
 
 #include <limits>

@@ -46,7 +46,7 @@ TEST(ExrLayers, ChannelsOfAnyPartAreReadRowZeroAtTheTop) {
   EXPECT_EQ(names, (std::vector<std::string>{"B", "G", "R", "Z", "diffuse.R"}));
 }
 
-// Reading maps limits the number of channels for the whole process; renders of many passes must still be readable.
+// Reading maps limits the number of channels for the whole process. Renders with many passes must still be readable.
 TEST(ExrLayers, MoreChannelsThanAMapMayHave) {
   const TemporaryFolder folder;
   write_test_image(folder / "map.png", normal_image(8, 8));
@@ -97,7 +97,7 @@ TEST(ExrLayers, CropsAreRefusedInEveryPart) {
   expect_refused({"crop.exr", "2 x 2 at (1, 0)", "4 x 4", "whole frame"},
                  [&] { read_exr_channels(folder / "crop.exr", {"Z"}); });
 
-  // Parts share a display window, so a part of another size is a crop too.
+  // All parts share a display window, so a part with another size is also a crop.
   OIIO::ImageSpec specs[2] = {{4, 4, 1, OIIO::TypeDesc::FLOAT}, {2, 2, 1, OIIO::TypeDesc::FLOAT}};
   specs[1].full_width = specs[1].full_height = 4;
   specs[0].attribute("oiio:subimagename", "a");
@@ -141,7 +141,7 @@ TEST(Cryptomatte, CoverageByManifestAndByHash) {
   set_rank(part, 0, 3, kParfait, 0.0625f);
   set_rank(part, 1, 0, kVase, 1.0f);
   set_rank(part, 2, 0, kVase, 0.75f);
-  set_rank(part, 2, 1, kVase, 0.75f);  // one object twice: its shares are added, up to 1
+  set_rank(part, 2, 1, kVase, 0.75f);  // the same object twice; its shares are added, up to 1
   part.attributes.emplace_back("cryptomatte/0a1b2c3/manifest", R"({"walls":"0810d53d","other":"11223344"})");
   write_exr(folder / "crypto.exr", 3, 1, {part});
   const auto coverage = read_cryptomatte_coverage(folder / "crypto.exr", "CryptoObject",
@@ -208,8 +208,8 @@ TEST(Cryptomatte, Refusals) {
   expect_part_refused(part, {"half", "Cryptomatte"});
 }
 
-// Files as other renderers and repacking programs write them: half of pixel 0 is "vase", which no manifest names, and a
-// quarter is "walls".
+// Makes files as other renderers and repacking programs write them. Half of pixel 0 is "vase", which no manifest names,
+// and a quarter is "walls".
 class ForeignCryptomatte : public ::testing::Test {
  protected:
   ForeignCryptomatte() {
@@ -288,7 +288,7 @@ TEST_F(ForeignCryptomatte, DamagedManifests) {
     ASSERT_FALSE(warnings.empty());
     expect_says(warnings[0], {"manifest", "damaged", "hash"});
   }
-  // Entries of the manifest before the damage are still used.
+  // The entries of the manifest before the damaged one are still used.
   set_rank(part_, 0, 2, 0x11223344u, 0.125f);
   part_.attributes.back().second = R"({"other":"11223344","wal)";
   write_exr(folder_ / "cut.exr", 3, 1, {part_});
@@ -306,7 +306,7 @@ TEST_F(ForeignCryptomatte, MetadataWithoutANameAreMatchedByTheirKey) {
   set_rank(part_, 0, 2, 0x11223344u, 0.125f);
   warnings = expect_read("CryptoObject");
   ASSERT_EQ(warnings.size(), 3u);
-  expect_says(warnings[0], {"have no name", "\"CryptoObject\"", "hash"});
+  expect_says(warnings[0], {"do not contain its name", "\"CryptoObject\"", "hash"});
   EXPECT_EQ(read_cryptomatte_coverage(folder_ / "crypto.exr", "CryptoObject", {"other"})[0][0], 0.125f);
   part_.attributes.clear();
   EXPECT_EQ(expect_read("CryptoObject").size(), 1u);

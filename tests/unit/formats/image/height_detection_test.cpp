@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests heights as map programs write them: with missing texels, and with their bytes spread over channels. The
-// expected slopes are those of the original heights.
+// Tests heights as mapping programs write them: with missing texels, and with bytes that are spread over several
+// channels. The expected slopes are those of the original heights.
 #include "host/formats/image/normals/normal_map.h"
 
 #include <cmath>
@@ -19,7 +19,7 @@ using Height = std::function<double(int, int)>;
 
 double hills(int x, int y) { return 420.0 + 300.0 * std::sin(0.05 * x) * std::cos(0.04 * y) + 2.0 * x; }
 
-// Inside the map, slopes are within `tolerance` of a surface's central differences.
+// Inside the map, the slopes differ by at most `tolerance` from the central differences of a surface.
 void expect_slopes(
     const NormalMap& map, const Height& height, double tolerance,
     const std::function<bool(int, int)>& is_left_out = [](int, int) { return false; }) {
@@ -77,7 +77,7 @@ bool is_near_hole(int x, int y) {
   return is_hole(x, y) || is_hole(x - 1, y) || is_hole(x + 1, y) || is_hole(x, y - 1) || is_hole(x, y + 1);
 }
 
-// Holes become flat instead of cliffs of 32 km; the range is that of the valid heights.
+// Holes become flat areas instead of cliffs of 32 km. The stated range is the range of the valid heights.
 TEST(HeightDetection, Int16WithoutDataIsNoCliff) {
   const auto metres = [](int x, int y) { return is_hole(x, y) ? -32768.0 : std::round(hills(x, y)); };
   for (const BumpFormat format : {BumpFormat::kAuto, BumpFormat::kHeight}) {
@@ -89,7 +89,7 @@ TEST(HeightDetection, Int16WithoutDataIsNoCliff) {
     EXPECT_GT(map.report.unused_texels, 500);
     EXPECT_EQ(map.report.nonfinite_repaired + map.report.below_horizon_repaired, 0);
     EXPECT_EQ(map.z[static_cast<std::size_t>(40 * 120 + 30)], 1.0f);
-    // Next to the hole differences are one-sided: they give the hill's slope, not half of it.
+    // Next to the hole, differences are one-sided, so they give the slope of the hill and not half of it.
     const auto beside = static_cast<std::size_t>(40 * 120 + 30 + 15);
     EXPECT_NEAR(-static_cast<double>(map.x[beside]) / static_cast<double>(map.z[beside]),
                 (metres(46, 40) - metres(45, 40)) / 30.0, 2e-4);
@@ -115,7 +115,7 @@ TEST(HeightDetection, PackedBytesAreDecoded) {
   struct Case {
     const char* name;
     Height number;
-    double unit;  // height that the number 1 stands for
+    double unit;  // the height that the number 1 stands for
     BumpFormat format;
     double tolerance;
   };
@@ -141,7 +141,7 @@ TEST(HeightDetection, PackedBytesAreDecoded) {
   }
 }
 
-// Normals and colours, smooth or noisy, are not mistaken for numbers spread over channels.
+// Smooth and noisy normals and colours are not mistaken for numbers that are spread over channels.
 TEST(HeightDetection, OtherPicturesAreNotPacked) {
   std::mt19937 random(7);
   std::uniform_real_distribution<float> noise(0.0f, 1.0f);

@@ -63,7 +63,7 @@ TEST(HeightField, ParaboloidIsExact) {
   }
 }
 
-// The cap's third derivative over 6 bounds the error: 0.004 where its slope is below 1.
+// The error is at most a sixth of the third derivative of the cap, which is 0.004 where the slope is below 1.
 TEST(HeightField, SphereCap) {
   const double radius = 40.0;
   const NormalMap map = read_heights(height_image(50, 50, [=](int x, int y) {
@@ -94,7 +94,7 @@ TEST(HeightField, WrapModesAtTheBorder) {
     EXPECT_NEAR(slopes(map, 3, 0).first, expected.second, 1e-5) << wrap_mode_name(mode);
     EXPECT_NEAR(slopes(map, 0, 0).second, 0.0, 1e-6) << wrap_mode_name(mode);
   }
-  // Tests the same along t, in a column, where upwards is opposite to the order of rows.
+  // Tests the same along t (in a column), where the upward direction is opposite to the order of rows.
   const TestImage column = height_image(1, 4, [](int, int y) { return 1.0 + y * y; });
   NormalMapSettings settings;
   settings.wrap_s = WrapMode::kClamp;
@@ -200,8 +200,8 @@ TEST(HeightField, DoubtsAreWarnedOf) {
   }
 }
 
-// The warning about a steep scale depends on where the scale comes from. A refusal because of steep slopes also names a
-// scale.
+// The warning about a steep scale depends on where the scale comes from. If a map is refused because its slopes are too
+// steep, the message also names a scale.
 TEST(HeightField, ASteepScaleIsDoubtedWhoeverGaveIt) {
   NormalMapSettings settings;
   settings.bump_format = BumpFormat::kHeight;
@@ -254,7 +254,7 @@ NormalMap read_codes(const TestImage& image, bool dequantize, const char* name =
   return read_map(folder / name, settings);
 }
 
-// Returns the mean and the largest angle to the normals of a surface of codes, in degrees.
+// Returns the mean and the largest angle to the normals of a surface that is given as codes, in degrees.
 std::pair<double, double> errors(const NormalMap& map, const std::function<double(int, int)>& code) {
   double sum = 0.0, largest = 0.0;
   for (int row = 0; row < map.height; ++row)
@@ -274,8 +274,8 @@ std::pair<double, double> errors(const NormalMap& map, const std::function<doubl
   return {sum / (map.width * map.height), largest};
 }
 
-// Quantized ramps of 7.13 degrees and others are flat except for texels with a slope of 45.1 degrees. Dequantizing
-// turns these surfaces into ramps again.
+// Quantized ramps of 7.13 degrees and other slopes are flat, except for texels with a slope of 45.1 degrees.
+// Dequantizing turns these surfaces into ramps again.
 TEST(HeightField, TerracesAreWarnedOfAndDequantized) {
   const std::function<double(int, int)> ramps[] = {[](int x, int) { return 0.25 * 255.0 * x / 1023.0; },
                                                    [](int x, int y) { return 3.3 + 0.031 * x + 0.043 * y; },
@@ -308,7 +308,7 @@ TEST(HeightField, TerracesAreKnownInWiderNumbers) {
   for (const double unit : {257.0 / 65535.0, 256.0 / 65535.0}) {
     const std::vector<std::string> found = read_codes(shifted(unit), false).report.warnings;
     ASSERT_EQ(found.size(), 1u);
-    testing::expect_says(found[0], {"1/255", "stored in more", "--dequantize"});
+    testing::expect_says(found[0], {"1/255", "in a wider format", "--dequantize"});
     EXPECT_LT(errors(read_codes(shifted(unit), true), ramp).second, 0.6);
   }
   for (const TypeDesc::BASETYPE type : {TypeDesc::HALF, TypeDesc::FLOAT}) {
@@ -334,8 +334,8 @@ TEST(HeightField, DequantizingWithoutEffectIsSaid) {
                        {"no effect on a normal map", "--dequantize"});
 }
 
-// A map of five heights is a shape, however many of the file's own steps separate them: smoothing would remove its
-// cliffs.
+// A map with only five heights is a shape, however many steps of the file's number type separate them. Smoothing would
+// remove its cliffs.
 TEST(HeightField, AFewLevelsAreNoTerraces) {
   TestImage image = height_image(64, 48, [](int x, int) { return 1000.0 * (x / 13) / 65535.0; });
   image.type = TypeDesc::UINT16;
@@ -358,7 +358,8 @@ TEST(HeightField, DequantizingKeepsShapesAndEdges) {
   EXPECT_NEAR(slopes(map, 75, 50).second, -0.02 * 512.0 / 255.0, 0.02);
 }
 
-// Maps of several tiles show no borders, and give equal bits with any number of threads and in scratch files.
+// Maps that are processed in several tiles have no visible borders. The bits are equal with any number of threads and
+// with scratch files.
 TEST(HeightField, DequantizingInTilesShowsNoBorders) {
   const auto ramp = [](int x, int y) { return 3.3 + 0.031 * x + 0.043 * y; };
   for (const auto& [width, height] : {std::pair{1600, 48}, {48, 1600}}) {

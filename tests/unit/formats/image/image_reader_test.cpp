@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests that every format reads back as written and that alpha multiplies nothing. Cut, hostile and foreign files are
-// refused with a message and without much memory.
+// Tests that pictures of every format read back as they were written, and that alpha does not scale other channels.
+// Truncated, hostile and unsupported files are refused with a message and without using much memory.
 #include "host/formats/image/image_reader.h"
 
 #include <algorithm>
@@ -19,7 +19,7 @@ namespace {
 
 using OIIO::TypeDesc;
 
-// Holds an image as it was read: planes of floats.
+// Holds an image as planes of floats, as it was read.
 struct RawPicture : RawImageInfo {
   std::vector<std::vector<float>> planes;
 };
@@ -122,7 +122,7 @@ TEST(ImageReaderTest, DoublesOfTiffAreRead) {
   expect_error(ErrorCode::kInput, {"a.tif", "one row of 64-bit floats"}, [&] { read_raw(folder / "a.tif"); });
 }
 
-// Builds a TIFF file from directories and numbers in the given order, for variants that OpenImageIO does not write.
+// Builds a TIFF file from directories and numbers in the given order, for variants that OpenImageIO cannot write.
 class TiffBytes {
  public:
   explicit TiffBytes(bool is_big_endian) : is_big_endian_(is_big_endian) {
@@ -191,8 +191,8 @@ std::string grey_tiff(bool is_big_endian, int bits, std::uint64_t format, std::u
   return tiff.bytes();
 }
 
-// MinIsWhite is inverted once for integers of every size, and MinIsBlack is not inverted. Types without a black value
-// are refused.
+// MinIsWhite is inverted exactly once for integers of every size, and MinIsBlack is not inverted. Types without a black
+// value are refused.
 TEST(ImageReaderTest, WhiteIsZeroOfTiff) {
   const TemporaryFolder folder;
   for (const bool is_big_endian : {false, true}) {
@@ -216,7 +216,7 @@ TEST(ImageReaderTest, WhiteIsZeroOfTiff) {
   }
 }
 
-// A colour map's words are v * 257, or v * 256 from some programs. Both give v, for every v.
+// The words of a colour map are v * 257. Some programs write v * 256. Both forms give v, for every v.
 TEST(ImageReaderTest, PalettesOfTiff) {
   const TemporaryFolder folder;
   for (const bool is_big_endian : {false, true}) {
@@ -238,7 +238,7 @@ TEST(ImageReaderTest, PalettesOfTiff) {
   }
 }
 
-// Messages name the damage, not only the file (the files x*.png of PngSuite).
+// Messages name not only the file but also the damage (for the files x*.png of PngSuite).
 TEST(ImageReaderTest, DamagedPngsAreReportedWithTheirCause) {
   const TemporaryFolder folder;
   write_test_image(folder / "good.png", gradient_image(16, 16, 3));
@@ -268,7 +268,7 @@ TEST(ImageReaderTest, DamagedPngsAreReportedWithTheirCause) {
   expect_cause(good.substr(0, rows) + good.substr(end), {"no rows (IDAT)"});
 }
 
-// Luminance-chroma files have fewer samples of chroma, which OpenImageIO reports as damage.
+// Luminance-chroma files have fewer chroma samples, which OpenImageIO reports as damage.
 TEST(ImageReaderTest, SubsampledChannelsOfExrAreNamed) {
   const TemporaryFolder folder;
   TestImage image = gradient_image(16, 16, 3);
@@ -278,11 +278,11 @@ TEST(ImageReaderTest, SubsampledChannelsOfExrAreNamed) {
   std::string bytes = file_bytes(folder / "a.exr");
   for (const int step : {8, 12}) bytes[bytes.find(std::string("BY\0", 3)) + 3 + static_cast<std::size_t>(step)] = 2;
   write_bytes(folder / "a.exr", bytes);
-  expect_error(ErrorCode::kInput, {"a.exr", "channel BY", "fewer samples", "convert it"},
+  expect_error(ErrorCode::kInput, {"a.exr", "channel BY", "fewer samples", "Convert"},
                [&] { read_raw(folder / "a.exr"); });
 }
 
-// Ignored properties, such as the picture's orientation and further pictures in the file, are noted.
+// Notes name the properties that are ignored, such as the orientation of the picture and further pictures in the file.
 TEST(ImageReaderTest, OrientationAndFurtherPagesAreNoted) {
   const TemporaryFolder folder;
   const auto notes = [&](const std::string& name) {
@@ -320,7 +320,8 @@ TEST(ImageReaderTest, OrientationAndFurtherPagesAreNoted) {
   }
 }
 
-// In a GeoTIFF, a texel size in metres gives the scale of heights in metres; degrees and feet give none.
+// In a GeoTIFF, a texel size in metres gives the scale of heights in metres. A texel size in degrees or feet does not
+// give a scale.
 TEST(ImageReaderTest, TexelsInMetresGiveTheHeightScale) {
   const TemporaryFolder folder;
   const auto with_keys = [&](bool is_big_endian, std::vector<std::uint64_t> keys) {
@@ -384,8 +385,8 @@ TEST(ImageReaderTest, AlphaMultipliesNothing) {
   }
 }
 
-// If a version of OpenImageIO keeps WebP colours unchanged, the first half of this test fails. Then remove the
-// workaround in image_reader.cpp.
+// If a future version of OpenImageIO leaves WebP colours unchanged, the first half of this test fails. In that case,
+// remove the workaround in image_reader.cpp.
 TEST(ImageReaderTest, WebpWithAlphaIsRefused) {
   const TemporaryFolder folder;
   TestImage image = gradient_image(16, 16, 4);

@@ -25,7 +25,7 @@ enum class Expected { kNormalMap, kHeightField, kNoNormalMap };
 struct ManifestRow {
   std::string file;
   Expected expected;
-  std::string green;  // "up", "down" or empty
+  std::string green;  // is "up", "down" or empty
 };
 
 std::vector<std::string> cells(const std::string& line) {
@@ -69,7 +69,7 @@ std::vector<ManifestRow> manifest_rows() {
 void expect_as_described(const ManifestRow& row, const NormalMap& map) {
   const NormalMapReport& report = map.report;
   const bool is_height_field = report.encoding.starts_with("height field");
-  // A grey colour map cannot be distinguished from a height map; the message says so.
+  // A grey colour map cannot be distinguished from a height map, and the message says so.
   const bool expect_height_field = row.expected != Expected::kNormalMap;
   EXPECT_EQ(is_height_field, expect_height_field) << report.encoding << ": " << report.encoding_reason;
   if (!row.green.empty()) {
@@ -103,7 +103,7 @@ TEST(SharedData, EveryFileOfTheManifestIsUnderstood) {
   std::cout << rows.size() << " files, " << refused_count << " refused\n";
 }
 
-// The slopes of one terrain, given as heights and as normals, must agree in size and sign.
+// The slopes of a terrain must agree in size and sign, whether the terrain is given as heights or as normals.
 TEST(SharedData, HeightsAndNormalsOfOneTerrainAgree) {
   const std::string folder = shared_data() + "/height/";
   if (shared_data().empty() || !fs::exists(folder + "jacksboro_height_u16.png"))
@@ -139,7 +139,7 @@ TEST(SharedData, HeightsAndNormalsOfOneTerrainAgree) {
 
 // Runs in a separate process, because it may crash. The process has 4 GB of address space and 20 s.
 [[noreturn]] void read_under_limits(const std::string& path) {
-#ifndef MULTUM_SHADOW_MEMORY  // the sanitizer's shadow memory needs terabytes of address space
+#ifndef MULTUM_SHADOW_MEMORY  // the shadow memory of the sanitizer needs terabytes of address space
   const rlimit limit{rlim_t{4} << 30, rlim_t{4} << 30};
   if (setrlimit(RLIMIT_AS, &limit) != 0) _exit(3);
 #endif

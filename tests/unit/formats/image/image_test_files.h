@@ -25,7 +25,7 @@ struct TestImage {
   OIIO::TypeDesc type = OIIO::TypeDesc::UINT8;
   std::vector<std::string> channel_names = {};  // if empty, OpenImageIO chooses the names
   int alpha_channel = -1;
-  int tile_size = 0;  // 0 for scan lines
+  int tile_size = 0;  // 0 means scan lines
   std::string compression = "";
   std::string colour_space = "";
 
@@ -34,17 +34,17 @@ struct TestImage {
   }
 };
 
-/// Writes the file; fails the test if OpenImageIO cannot write it.
+/// Writes the file. Fails the test if OpenImageIO cannot write it.
 void write_test_image(const std::string& path, const TestImage& image);
 
-/// Returns unit normals of a periodic surface without symmetries, +Y up; `steepness` is about the rms slope.
+/// Returns the unit normals of a periodic surface without symmetries, with +Y up. `steepness` is about the rms slope.
 std::vector<glm::dvec3> surface_normals(int width, int height, double steepness = 0.4);
 
-/// Returns normals as a file's values: three channels, 0..1 unless `is_signed`. A `green_sign` of -1 is DirectX's
-/// convention.
+/// Returns normals as the values of a file with three channels, which are 0..1 unless `is_signed`. A `green_sign` of -1
+/// is the convention of DirectX.
 TestImage normal_image(int width, int height, bool is_signed = false, double green_sign = 1.0);
 
-/// Returns the largest distance between the map and the normals.
+/// Returns the largest distance between a normal of the map and the expected normal.
 double largest_difference(const NormalMap& map, const std::vector<glm::dvec3>& normals);
 
 /// Reads a map with two threads and without progress.

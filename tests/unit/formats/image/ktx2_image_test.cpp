@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests reading KTX2 files, as multum gltf writes them into models, as images.
+// Tests reading KTX2 files as images. multum gltf writes such files into models.
 #include <gtest/gtest.h>
 #include <zstd.h>
 
@@ -27,10 +27,10 @@ std::vector<std::uint8_t> from_hex(const std::string& hex) {
 
 struct UastcCase {
   const char* block;
-  std::uint64_t texels;  // FNV-1a of the result of unpack_uastc() in Basis Universal's transcoder
+  std::uint64_t texels;  // the FNV-1a hash of the result of unpack_uastc() in Basis Universal's transcoder
 };
 
-// There is a block of random bits for each mode, 0 to 18. Two million other blocks agreed too.
+// For each mode from 0 to 18, there is a block of random bits. Two million other blocks also gave the same results.
 constexpr UastcCase kBlocks[] = {
     {"01803cd108d88d73afea79c81e4783c6", 0x7f8bb08a820a6f37}, {"3589a9b9586df6ddf4cc526a8b692470", 0xd78e21bf0b72b606},
     {"dd1d12347a1f31e2d379ddadebb3560f", 0x740e0d2d8d2098de}, {"a3197db322962177633dce87a08343df", 0x928308b68b1299c0},
@@ -117,7 +117,7 @@ class Ktx2ImageTest : public ::testing::Test {
   }
 
   const TemporaryFolder folder_;
-  const std::string path_ = folder_ / "a.png";  // recognised by content, not by name
+  const std::string path_ = folder_ / "a.png";  // the file is recognised by its content and not by its name
 };
 
 TEST_F(Ktx2ImageTest, TexelsAsTheyAre) {

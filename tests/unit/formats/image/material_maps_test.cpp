@@ -55,7 +55,8 @@ TEST(RoughnessMap, ChannelsAreChosenByLetterOrNameAndGreenIsTheUsual) {
   write_test_image(folder / "a.png", four_channels(TypeDesc::UINT16, 4));
   const std::string path = folder / "a.png";
   constexpr double kStep = 1.0 / 65535.0;
-  EXPECT_NEAR(roughness_read(path), 0.12, 10 * kStep);  // 16 bits, and a fourth root of float lengths
+  EXPECT_NEAR(roughness_read(path), 0.12, 10 * kStep);  // the precision is 16 bits, and the fourth root of a length in
+                                                        // single precision
   EXPECT_NEAR(roughness_read(path + ":R"), 0.10, 20 * kStep);
   EXPECT_NEAR(roughness_read(path + ":B"), 0.14, 10 * kStep);
   EXPECT_NEAR(roughness_read(path + ":A"), 0.16, 10 * kStep);
@@ -109,8 +110,8 @@ TEST(RoughnessMap, SaysWhatItHolds) {
   EXPECT_EQ(gloss.share_one, 0.25);
 }
 
-// Imitates the files of shared/data: specular maps are dark, and channels of pictures are correlated. Channels of
-// packed maps (occlusion, roughness, metalness) are not correlated, and grey files have three equal channels.
+// Imitates the files of shared/data. Specular maps are dark, and the channels of pictures are correlated. The channels
+// of packed maps (occlusion, roughness, metalness) are not correlated, and grey files have three equal channels.
 TEST(RoughnessMap, WhatSeemsToBeNoneIsWarnedOf) {
   const auto wave = [](int i, double by) { return static_cast<float>(0.5 + 0.3 * std::sin(by * i)); };
   const auto rough = [&](int i, int) { return wave(i, 0.7); };
@@ -130,7 +131,7 @@ TEST(RoughnessMap, WhatSeemsToBeNoneIsWarnedOf) {
   const auto black = [](int i, int) { return i % 4 == 0 ? 0.6f : 0.0f; };
   ASSERT_EQ(report_of(1, black, true).warnings.size(), 1u);
   expect_says(report_of(1, black, true).warnings[0], {"map.exr: ", "75 %", "no gloss", "specular"});
-  // Other channels may hold any number.
+  // Channels that are not read may contain any number.
   const auto broken = [&](int i, int c) { return c == 1 ? rough(i, c) : c == 0 ? NAN : -5.0f; };
   EXPECT_TRUE(report_of(3, broken).warnings.empty());
 }
@@ -171,7 +172,7 @@ TEST(RoughnessMap, ANameThatSaysAnotherMapIsWarnedOf) {
   expect_says(warning(true, "a_s.exr"), {"a_s.exr: ", "specular map", "given as --gloss"});
   expect_says(warning(false, "a_metallic.exr"), {"metalness map", "given as --roughness"});
   EXPECT_EQ(warning(true, "a_s.exr", "R"), "") << "the channel was named";
-  // For a polished surface, the name decides if the numbers do not.
+  // For a polished surface, the file name decides if the numbers are not conclusive.
   const auto polished = [](int i, int) { return i % 2 == 0 ? 0.6f : 0.95f; };
   EXPECT_TRUE(report_of(1, polished, true, "", "a_gloss.exr").warnings.empty());
   EXPECT_EQ(report_of(1, polished, true).warnings.size(), 1u);
@@ -212,7 +213,7 @@ TEST(RoughnessMap, WhatCannotBeIsRefused) {
   }
 }
 
-// Pages, orientation and similar notes are reported for every map, with its name.
+// Notes about pages, orientation and similar properties are reported for every map, with the name of the map.
 TEST(MaterialMaps, WhatIsNotHeededIsSaid) {
   const TemporaryFolder folder;
   const std::string path = folder / "two.tif";

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests reading normal maps: every encoding gives back the original normals, even if the encoding must be detected.
-// Other files are refused, every repair is counted, and no thread count changes a bit.
+// Tests reading normal maps. Every encoding gives the original normals again, even if the encoding must be detected.
+// Other files are refused, every repair is counted, and the number of threads does not change a single bit.
 #include "host/formats/image/normals/normal_map.h"
 
 #include <algorithm>
@@ -108,9 +108,9 @@ TEST(NormalMapReading, TwoChannelsRebuildZ) {
   }
 }
 
-// A constant blue is filler and not z, even if some vectors happen to have unit length. Blue 0 would point down; blue 1
-// is near the z of most texels. Covers steepness up to 62 degrees, compression noise on blue, 8 and 16 bits, and
-// floats.
+// A constant blue is a placeholder and not z, even if some vectors happen to have unit length. As z, a blue of 0 would
+// point down, and a blue of 1 is near the z of most texels. Covers steepness up to 62 degrees, compression noise on
+// blue, 8 and 16 bits, and floats.
 TEST(NormalMapReading, AConstantBlueIsFillerWhereItCompletesNoVector) {
   const TemporaryFolder folder;
   for (const double steepness : {0.15, 0.3, 0.6}) {
@@ -138,7 +138,8 @@ TEST(NormalMapReading, AConstantBlueIsFillerWhereItCompletesNoVector) {
   }
 }
 
-// The z of nearly flat normals rounds to one code. This blue stays z, and a rebuilt z would agree within half a code.
+// The z of nearly flat normals rounds to a single code. This blue is still read as z. A z that is computed from x and y
+// would differ by at most half a code.
 TEST(NormalMapReading, TheBlueOfNearlyFlatMapsStaysZ) {
   const TemporaryFolder folder;
   for (const double steepness : {0.01, 0.03}) {
@@ -159,8 +160,8 @@ TEST(NormalMapReading, TheBlueOfNearlyFlatMapsStaysZ) {
   }
 }
 
-// Normals that were multiplied by a constant are normalised again, and a warning says so. If they are so short that the
-// file's rounding destroys them, they are refused, and the message gives their length.
+// Normals that were multiplied by a constant are normalised again, and a warning says so. If they are so short that
+// rounding in the file destroys them, the map is refused, and the message gives their length.
 TEST(NormalMapReading, ScaledVectorsAreNormalisedAndSaid) {
   const TemporaryFolder folder;
   struct Case {
@@ -193,7 +194,8 @@ TEST(NormalMapReading, ScaledVectorsAreNormalisedAndSaid) {
   expect_error(ErrorCode::kInput, {"a.png", "--bumpformat"}, [&] { read_map(folder / "a.png"); });
 }
 
-// Two outliers do not change the detection of greyness or direction. They are repaired like NaN.
+// Two outliers do not change whether a map is recognised as grey or which direction of green is found. Outliers are
+// repaired like NaN.
 TEST(NormalMapReading, OutliersHideNothing) {
   const TemporaryFolder folder;
   for (const float outlier : {1e12f, 1e30f, -1e30f}) {
@@ -279,7 +281,7 @@ TEST(NormalMapReading, FlatMapsAreExactlyFlat) {
       const NormalMap map = read_map(folder / "flat.png");
       EXPECT_TRUE(contains(map.report.encoding, "undecided")) << map.report.encoding;
       EXPECT_TRUE(contains(warnings(map), "gain nothing")) << warnings(map);
-      EXPECT_FALSE(contains(warnings(map), "green")) << warnings(map);  // 0 for both signs of green
+      EXPECT_FALSE(contains(warnings(map), "green")) << warnings(map);  // 0 means both signs of green
       for (std::size_t i = 0; i < map.x.size(); ++i) {
         EXPECT_EQ(map.x[i], 0.0f);
         EXPECT_EQ(map.y[i], 0.0f);
@@ -289,7 +291,7 @@ TEST(NormalMapReading, FlatMapsAreExactlyFlat) {
   }
 }
 
-// Directions that are random from texel to texel are not the slopes of any surface, whether green is up or down.
+// If directions change randomly from texel to texel, they are not the slopes of a surface, whether green is up or down.
 TEST(NormalMapReading, UndecidedGreenIsWarnedOf) {
   const TemporaryFolder folder;
   std::mt19937 generator(11);
@@ -309,8 +311,8 @@ TEST(NormalMapReading, UndecidedGreenIsWarnedOf) {
   EXPECT_EQ(warnings(read_map(folder / "facets.png", settings)), "");
 }
 
-// A setting that contradicts the gradients is followed, with a warning. A setting that agrees with them, or that
-// nothing contradicts, causes no warning.
+// If a setting contradicts the gradients, the program follows the setting and prints a warning. If the setting agrees
+// with the gradients or nothing contradicts it, there is no warning.
 TEST(NormalMapReading, GreenAgainstTheGradientsIsWarnedOf) {
   const TemporaryFolder folder;
   for (const double file_sign : {1.0, -1.0}) {
@@ -374,8 +376,8 @@ TEST(NormalMapReading, ColoursAreRefusedWithTheReason) {
   std::mt19937 generator(seed);
   std::uniform_real_distribution<double> uniform(-1.0, 1.0);
   const RefusalCase cases[] = {{"bricks", 0.6, 0.3, 0.2, 0.2, "below the surface"},
-                               {"sky", 0.53, 0.81, 0.92, 0.03, "leans to one side"},
-                               {"white", 0.95, 0.93, 0.9, 0.05, "leans to one side"},
+                               {"sky", 0.53, 0.81, 0.92, 0.03, "tilted to one side"},
+                               {"white", 0.95, 0.93, 0.9, 0.05, "tilted to one side"},
                                {"lavender", 0.6, 0.5, 0.75, 0.05, "too few vectors"}};
   for (const RefusalCase& test : cases) {
     TestImage image;
@@ -531,7 +533,7 @@ TEST(NormalMapReading, SettingsOutOfRangeAreRefused) {
   expect_error(ErrorCode::kUsage, {"texel_count_max"}, [&] { read_map("x", settings); });
 }
 
-// Makes a signed float map with each kind of hole at known places.
+// Makes a signed float map with every kind of hole at known positions.
 class NormalRepair : public ::testing::Test {
  protected:
   void SetUp() override {
@@ -623,7 +625,7 @@ TEST_F(NormalRepair, UnitLengthWhateverTheFileHas) {
   EXPECT_LT(largest_difference(map, surface_normals(64, 64)), 1e-6);
 }
 
-// The black area between the charts of an atlas is neither evidence nor damage.
+// The black area between the charts of an atlas does not count as evidence or as damage.
 TEST(NormalMapReading, UnusedTexelsAreFlatAndNoRepairs) {
   const TemporaryFolder folder;
   TestImage image = normal_image(64, 64);

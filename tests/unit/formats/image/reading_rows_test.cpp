@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests that neither the storage of an image nor the number of rows per band changes a bit of the result, a count or a
-// refusal. Scratch files are invisible and leave nothing behind.
+// Tests that the storage of an image and the number of rows per band do not change a bit of the result, a count or an
+// error message. Scratch files are invisible, and no trace of them remains.
 #include "host/formats/image/plane_store.h"
 #include "host/foundation/base/files/spill_policy.h"
 
@@ -44,7 +44,7 @@ void expect_same_report(const NormalMapReport& found, const NormalMapReport& exp
 
 class ReadingRowsTest : public ::testing::Test {
  protected:
-  // Runs with scratch files, in memory, and (with 4096 bytes) with a mix of both for the sizes here.
+  // Runs with scratch files, in memory, and with a mix of both, which a limit of 4096 bytes gives for the sizes here.
   template <typename Body>
   void for_each_place(const Body& body) {
     for (const int band_rows : {1, 2, 7, 0}) {
@@ -55,7 +55,7 @@ class ReadingRowsTest : public ::testing::Test {
       }
     }
   }
-  // All kinds of storage give the same result as the whole map in memory with bands that are taller than the image.
+  // All kinds of storage give the same result as a map that is completely in memory and is read in one band.
   void expect_same_everywhere(const std::string& path, const NormalMapSettings& settings = {}) {
     SCOPED_TRACE(path);
     const NormalMap whole = read_map(path, settings);
@@ -187,7 +187,7 @@ TEST_F(ReadingRowsTest, AlbedoOfEveryKind) {
   }
 }
 
-// The causes of a refusal are counted over all bands.
+// The faults that cause a refusal are counted over all bands.
 TEST_F(ReadingRowsTest, RefusalsNameTheSame) {
   TestImage image = normal_image(64, 64, true);
   image.type = TypeDesc::FLOAT;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests that a map's reading settings survive as text in a baked file.
+// Tests that the settings with which a map was read are stored as text in a baked file and can be read again.
 #include "host/formats/image/normals/reading_settings.h"
 
 #include <gtest/gtest.h>

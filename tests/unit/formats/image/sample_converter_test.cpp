@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests that numbers of every type convert to the same floats as in OpenImageIO, bit for bit.
+// Tests that numbers of every type are converted to the same floats as in OpenImageIO, bit for bit.
 #include "host/formats/image/sample_converter.h"
 
 #include <OpenImageIO/imageio.h>
@@ -20,7 +20,7 @@ OIIO::TypeDesc type_desc(int code) { return OIIO::TypeDesc(static_cast<OIIO::Typ
 
 class SampleConverterTest : public ::testing::TestWithParam<int> {
  protected:
-  /// Returns random bytes, or every code for 8 and 16 bits.
+  /// Returns random bytes. For 8 and 16 bits, returns every code.
   std::vector<std::byte> samples() const {
     const std::size_t bytes = number_bytes(GetParam());
     const std::size_t count = bytes > 2 ? 20000 : std::size_t{1} << (8 * bytes);
@@ -45,7 +45,7 @@ TEST_P(SampleConverterTest, IsOpenImageIosConversion) {
                                          static_cast<int>(count)));
   std::size_t wrong = 0;
   for (std::size_t i = 0; i < count; ++i) {
-    if (std::isnan(ours[i]) && std::isnan(theirs[i])) continue;  // either NaN is right
+    if (std::isnan(ours[i]) && std::isnan(theirs[i])) continue;  // any NaN is right
     if (std::bit_cast<std::uint32_t>(ours[i]) == std::bit_cast<std::uint32_t>(theirs[i])) continue;
     if (++wrong < 5) ADD_FAILURE() << "sample " << i << ": " << ours[i] << ", expected " << theirs[i];
   }

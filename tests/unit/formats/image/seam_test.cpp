@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests maps that tile and maps that do not, separately along each direction: the messages, and the choice of --wrap
-// auto.
+// Tests the messages and the choice of --wrap auto for maps that tile and maps that do not tile, separately for each
+// direction.
 #include <cmath>
 #include <numbers>
 #include <random>
@@ -87,8 +87,8 @@ TEST(Seam, NormalMapsAreMeasuredToo) {
   EXPECT_EQ(said.find("--twrap"), std::string::npos) << said;
 }
 
-// Independent texels match at any border. Lines along the border, as between tiles, are steps inside the map too. One
-// row or a few texels do not tell whether a map tiles.
+// Independent texels match at any border. If there are lines along the border, such as between tiles, the map also has
+// such steps inside. One row or a few texels do not show whether a map tiles.
 TEST(Seam, WhatOnlyLooksLikeOneIsNone) {
   const TemporaryFolder folder;
   std::mt19937 generator(7);

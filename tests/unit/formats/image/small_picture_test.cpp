@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests that small pictures are means over areas: a pixel counts by the fraction of it that is covered.
+// Tests that the pixels of small pictures are means over areas. Each pixel of the original counts by the fraction of it
+// that is covered.
 #include "host/formats/image/small_picture.h"
 
 #include <numeric>
@@ -13,7 +14,7 @@ using OIIO::TypeDesc;
 
 TEST(SmallPicture, PixelsAreMeansOverTheirAreas) {
   const TemporaryFolder folder;
-  // Three columns become two: each gets half of the middle one.
+  // Three columns become two columns. Each of them gets half of the middle column.
   write_test_image(folder / "a.png", {.width = 3,
                                       .height = 1,
                                       .values = {0.0f, 0.0f, 0.0f, 0.6f, 0.6f, 0.6f, 0.0f, 1.0f, 0.2f},

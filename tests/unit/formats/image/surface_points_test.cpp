@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests points of the surface between texels: their means equal those of the surface that a renderer interpolates.
+// Tests points of the surface between texels. Their means must equal the means of the surface that a renderer
+// interpolates.
 #include "host/formats/image/surface_points.h"
 
 #include <gtest/gtest.h>
@@ -43,7 +44,7 @@ std::array<float, 3> unit(float x, float y, float z) {
   return {x / length, y / length, z / length};
 }
 
-// Returns a pattern of 5 x 7 values, repeated until each value has had each point once.
+// Returns a pattern of 5 x 7 values, which is repeated until each value has had each point once.
 constexpr int kPatternWidth = 5, kPatternHeight = 7, kTiledWidth = 20, kTiledHeight = 28;
 
 std::vector<double> pattern() {
@@ -102,7 +103,8 @@ TEST(SurfacePointsTest, NormalsAreUnitAndShortenedOnesKeepTheirLengths) {
   PlaneRows points = plane_rows_of(surface_normals(normals, {}, {}, 1, nullptr));
   for (std::size_t i = 0; i < points[0].size(); ++i)
     EXPECT_NEAR(std::hypot(points[0][i], points[1][i], points[2][i]), 1.0f, 1e-6f);
-  // Between normals of one direction with two lengths, the direction stays, and lengths are interpolated.
+  // Between two normals with the same direction and different lengths, the direction stays the same, and the length is
+  // interpolated.
   PlaneStore rough = filled_store(8, 8, [](int x, int) {
     const float length = x < 4 ? 0.5f : 1.0f;
     return std::array<float, 3>{0.6f * length, 0.0f, 0.8f * length};
@@ -131,7 +133,7 @@ TEST(SurfacePointsTest, BordersContinueAsTheMapDoes) {
     EXPECT_FLOAT_EQ(first_of_row_1(mode), 0.0f);
 }
 
-// A step along an axis is equally wide everywhere, so the same number of points are on its slope.
+// A step along an axis has the same width everywhere, so each column has the same number of points on its slope.
 TEST(SurfacePointsTest, StepsHaveAsManyPointsWhereverTheyLie) {
   for (int at = 1; at < 8; ++at)
     for (const bool along_x : {false, true}) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Compares tiles of a set with the picture that they were cut from: slopes at their borders, and one direction of green
-// for all tiles.
+// Compares the tiles of a set with the picture from which they were cut. Tests the slopes at the borders of tiles, and
+// that all tiles use the same direction of green.
 #include "host/formats/image/normals/tile_set.h"
 
 #include <atomic>
@@ -34,8 +34,8 @@ TestImage cut_image(int x0, int y0, int width, int height, TypeDesc type = TypeD
 
 class TileSetTest : public ::testing::Test {
  protected:
-  // Writes one tile of the set; rows of tiles are counted from the bottom. The picture is two tiles wide and two high,
-  // with tiles of kSide.
+  // Writes one tile of the set. Rows of tiles are counted from the bottom. The picture is two tiles wide and two tiles
+  // high, and the sides of a tile are kSide.
   void write_tile(const std::string& tile, int u, int v, TypeDesc type = TypeDesc::UINT16) {
     write_test_image(folder_ / ("h_" + tile + ".png"), cut_image(u * kSide, (1 - v) * kSide, kSide, kSide, type));
   }
@@ -51,7 +51,7 @@ class TileSetTest : public ::testing::Test {
     TileSets().enter(folder_ / "h_<UDIM>.png", tile, settings);
     return read_map(folder_ / ("h_" + tile + ".png"), settings);
   }
-  // Returns the largest angle between a tile's normals and those of the whole picture at the same texels.
+  // Returns the largest angle between the normals of a tile and the normals of the whole picture at the same texels.
   double largest_angle(const NormalMap& tile, int u, int v, const NormalMap& whole) {
     double largest = 0.0;
     for (int row = 0; row < kSide; ++row)
@@ -102,7 +102,7 @@ TEST_F(TileSetTest, KnowsWhatIsBesideATile) {
   expect("1011", TileSide::kRight, Kind::kOtherEnd, "1011");
 }
 
-// In every wrap mode the tiles' normals equal the whole picture's normals, at inner and at outer borders.
+// In every wrap mode, the normals of the tiles equal the normals of the whole picture, at inner and outer borders.
 TEST_F(TileSetTest, TilesAreOneSurface) {
   write_set();
   for (const WrapMode mode : {WrapMode::kPeriodic, WrapMode::kClamp, WrapMode::kMirror, WrapMode::kBlack}) {
@@ -136,7 +136,7 @@ TEST_F(TileSetTest, MissingAndUnlikeTilesEndTheSurface) {
   std::filesystem::remove(folder_ / "h_1003.png");
   TestImage broken = normal_image(kSide, kSide);
   write_test_image(folder_ / "h_1002.png", broken);
-  EXPECT_TRUE(has_warning(read_tile("1001"), {"tile 1002", "not hold heights of this kind"}));
+  EXPECT_TRUE(has_warning(read_tile("1001"), {"tile 1002", "not contain heights of this kind"}));
 }
 
 TEST_F(TileSetTest, DequantizedTilesMeet) {
@@ -160,7 +160,7 @@ TEST_F(TileSetTest, DequantizedTilesMeet) {
   EXPECT_LT(dequantized, 0.5 * border_error(read_tile("1001")));
 }
 
-// A tile's hash includes the next tile's border, but not that tile's inside.
+// The hash of a tile includes the border of the next tile, but not the inside of the next tile.
 TEST_F(TileSetTest, ARecordKnowsTheBordersOfOthers) {
   write_set();
   const std::string record = read_tile("1001").report.tiles;
@@ -201,8 +201,8 @@ TEST_F(TileSetTest, ARecordKnowsTheBordersOfOthers) {
   }
 }
 
-// A flat tile does not show the direction of green, and another tile may be painted the other way round. The first tile
-// that can decide does so for all tiles.
+// A flat tile does not show the direction of green, and another tile may be painted with the opposite direction. The
+// first tile that shows a direction decides for all tiles.
 TEST_F(TileSetTest, GreenIsThatOfTheSet) {
   settings_ = {};
   TestImage flat = normal_image(kSide, kSide);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests the meaning of a normal map's blue: z from -1 to 1, z from 0 to 1, or something else. In the last case the map
-// is refused, and the message names the option that reads it.
+// Tests the meaning of a normal map's blue: z from -1 to 1, z from 0 to 1, or something else. In the last case, the map
+// is refused, and the message names the option with which it can be read.
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -31,7 +31,7 @@ std::vector<glm::dvec3> tilted_normals(double degrees) {
   return normals;
 }
 
-/// Makes an image with x and y as 0..1 and the value of `blue` for each normal and place.
+/// Makes an image with x and y as 0..1. `blue` gives the value of blue for each normal and position.
 TestImage image_of(const std::vector<glm::dvec3>& normals,
                    const std::function<double(const glm::dvec3&, std::size_t)>& blue) {
   TestImage image{.width = kSide, .height = kSide};
@@ -110,7 +110,7 @@ TEST_F(UseOfBlue, TheSettingGoesBeforeWhatIsFound) {
   const std::vector<glm::dvec3> normals = tilted_normals(36.0);
   write_test_image(folder_ / "a.png", image_of(normals, positive_z));
   EXPECT_GT(degrees_off(read_map(folder_ / "a.png", {.z_range = ZRange::kSigned}), normals), 5.0);
-  TestImage image = image_of(tilted_normals(5.0), positive_z);  // too flat to decide
+  TestImage image = image_of(tilted_normals(5.0), positive_z);  // this map is too flat to decide
   image.type = TypeDesc::UINT8;
   write_test_image(folder_ / "flat.png", image);
   const NormalMap map = read_map(folder_ / "flat.png", {.z_range = ZRange::kPositive});
@@ -142,7 +142,8 @@ TEST_F(UseOfBlue, WhoSaysThatItIsZIsObeyed) {
   EXPECT_TRUE(contains(all_warnings(map), "blue does not depend")) << all_warnings(map);
 }
 
-// Averaged normals are short where they differ, and lossy files change lengths; blue is still z.
+// Averaged normals are short where the original normals differ, and lossy compression changes lengths. In both cases,
+// blue is still z.
 TEST_F(UseOfBlue, ShortAndLossyNormalsAreNotRefused) {
   const std::vector<glm::dvec3> fine = tilted_normals(65.0);
   std::vector<glm::dvec3> averaged(fine.size());
@@ -159,7 +160,7 @@ TEST_F(UseOfBlue, ShortAndLossyNormalsAreNotRefused) {
   }
 }
 
-// Advice uses the options of the running command, or is left out.
+// Advice names only options of the running command. Otherwise it is left out.
 TEST_F(UseOfBlue, AdviceIsOfTheCommand) {
   write_test_image(folder_ / "a.png", image_of(tilted_normals(20.0), occlusion(0.8)));
   add_key_words({"two_channel", "z_range"});
@@ -213,7 +214,7 @@ TEST_F(UseOfBlue, WhatWasNeverWrittenIsFlatAndNoEvidence) {
     }
 }
 
-// A few empty texels are a renderer's faults, which are repaired from their neighbours and counted.
+// A few empty texels are faults of a renderer. They are repaired from their neighbours and counted.
 TEST_F(UseOfBlue, SingleEmptyTexelsAreRepaired) {
   for (const float empty : {0.0f, kNan}) {
     TestImage image = normal_image(kSide, kSide, true);
@@ -233,9 +234,9 @@ TEST_F(UseOfBlue, AFlatMapHasNothingToGain) {
     for (const float value : {127.0f / 255.0f + step, 127.0f / 255.0f, 1.0f}) flat.values.push_back(value);
   }
   write_test_image(folder_ / "a.png", flat);
-  EXPECT_TRUE(contains(all_warnings(read_map(folder_ / "a.png")), "gain nothing"));
+  EXPECT_TRUE(contains(all_warnings(read_map(folder_ / "a.png")), "bring no benefit"));
   write_test_image(folder_ / "b.png", normal_image(32, 32));
-  EXPECT_FALSE(contains(all_warnings(read_map(folder_ / "b.png")), "gain nothing"));
+  EXPECT_FALSE(contains(all_warnings(read_map(folder_ / "b.png")), "bring no benefit"));
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Compares facet distributions, environments and the light that lobes reflect from them with closed forms.
+// Compares facet distributions, environments, and the light from environments that lobes reflect with closed forms.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -155,8 +155,8 @@ TEST(PrefilteredLevels, HaveTheirMeanCosines) {
   }
 }
 
-// Under light of 1 from everywhere, L' = 4 (v.h)^2 on a hemisphere has the mean 4 (2 pi / 3) Y_00. Mixing two prepared
-// environments equals preparing the mixed one, except for rounding to float.
+// With light of 1 from every direction, L' = 4 (v.h)^2 on a hemisphere has the mean 4 (2 pi / 3) Y_00. A mix of two
+// prepared environments equals the prepared mix of both, except for rounding to floats.
 TEST(EnvironmentLight, MixingIsLinear) {
   const auto sky = [](const glm::dvec3& d) { return glm::vec3(1.0 + d.y, 0.5, 0.2 * d.x * d.x); };
   const auto lamp = [](const glm::dvec3& d) { return glm::vec3(d.z > 0.9 ? 40.0f : 0.1f); };
@@ -222,7 +222,7 @@ TEST(ReflectionTable, OfAMirrorIsTheWeightOfItsDirection) {
   }
 }
 
-// White facets absorb nothing, and smooth facets cast no shadows: all light is reflected.
+// White facets do not absorb light, and smooth facets do not cast shadows. Hence all light is reflected.
 TEST(ReflectionTable, SmoothGgxReflectsEverything) {
   Brdf brdf = brdf_of(BrdfKind::kGgx);
   brdf.roughness = 0.3f;

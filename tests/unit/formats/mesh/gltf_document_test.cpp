@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests models from strangers: invalid indices, URIs that do not name a file in the model's folder, links and special
-// files, and buffers with more bytes than declared.
+// Tests models from unknown sources: invalid indices, URIs that do not name a file in the folder of the model, links
+// and special files, and buffers with more bytes than declared.
 #include "host/formats/mesh/gltf_document.h"
 
 #include <gtest/gtest.h>
@@ -21,7 +21,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-// Makes a model with one object of each kind and every possible index; all indices are 0.
+// Makes a model with one object of each kind and with every possible index. All indices are 0.
 Json whole_model() {
   return Json::parse(R"({
     "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}],
@@ -46,7 +46,7 @@ Json whole_model() {
   })");
 }
 
-// Returns the places of all numbers that are indices.
+// Returns the positions of all numbers that are indices.
 std::vector<std::string> index_places(const Json& model) {
   std::vector<std::string> places;
   const Json flat = model.flatten();
@@ -148,7 +148,8 @@ TEST_F(ModelFolderTest, NulInTextsIsRefused) {
   expect_error(ErrorCode::kInput, {model_, "NUL"}, [&] { read_gltf_asset(model_); });
 }
 
-// Files named in an OBJ file are read only below its folder. No material library from elsewhere is read here.
+// Files that an OBJ file names are read only if they are in its folder or below it. No material library from elsewhere
+// is read here.
 TEST_F(ModelFolderTest, ObjFilesReadNoMaterialsFromElsewhere) {
   const std::string shape = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\no thing\nusemtl m\nf 1/1 2/2 3/3\n";
   std::filesystem::create_symlink("/dev/zero", folder_ / "model/zero.mtl");

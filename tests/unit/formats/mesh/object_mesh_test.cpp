@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests objects of a scene file: by name, in their own space, with the requested texture coordinate set. Each refusal
-// names file and object.
+// Tests objects of a scene file, which are found by name and read in their own space with the requested set of texture
+// coordinates. Each error message names the file and the object.
 #include "host/formats/mesh/object_mesh.h"
 
 #include <gtest/gtest.h>
@@ -31,7 +31,8 @@ TEST(ObjectMesh, NodesOfGltfAreObjectsInTheirOwnSpace) {
   EXPECT_EQ(objects[0].name, "left");
   EXPECT_EQ(objects[1].name, "right");
   const std::vector<glm::vec3> corners = {{0.0f, 0.0f, 0.0f}, {1.0f, 0.0f, 0.0f}, {0.0f, 1.0f, 0.0f}};
-  for (const ObjectMesh& object : objects) EXPECT_EQ(object.positions, corners);  // neither moved nor joined
+  // Vertices are neither moved nor merged.
+  for (const ObjectMesh& object : objects) EXPECT_EQ(object.positions, corners);
   EXPECT_EQ(objects[0].indices, (std::vector<std::uint32_t>{0, 1, 2}));
   EXPECT_EQ(glm::dvec3(objects[0].object_to_world * glm::dvec4(0.0, 0.0, 0.0, 1.0)), glm::dvec3(-1.0, 0.0, 5.0));
   EXPECT_EQ(glm::dvec3(objects[1].object_to_world * glm::dvec4(1.0, 0.0, 0.0, 1.0)), glm::dvec3(2.0, 0.0, 5.0));
@@ -51,7 +52,7 @@ TEST(ObjectMesh, VGrowsUpwardsAndSetsAreTold) {
 
 TEST(ObjectMesh, ObjectsOfObjAreNamedAndPartsJoined) {
   const TemporaryFolder folder;
-  // Normals differ at shared corners; positions closer than 1e-5 must stay separate.
+  // Normals differ at shared corners. Positions that are closer than 1e-5 must stay separate.
   write_bytes(folder / "parts.obj",
               "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 0.000001\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n"
               "vn 0 0 1\nvn 0 1 0\n"
@@ -105,7 +106,8 @@ struct Hit {
   glm::dvec2 uv{0.0};
 };
 
-// Returns the texture coordinates at a point in object space, from the triangle around it whose plane is nearest.
+// Returns the texture coordinates at a point in object space. They come from the triangle around the point whose plane
+// is nearest.
 Hit uv_at(const ObjectMesh& object, const glm::dvec3& point) {
   Hit hit;
   double nearest = 1e-3;
@@ -126,8 +128,8 @@ Hit uv_at(const ObjectMesh& object, const glm::dvec3& point) {
 }
 
 // Compares with the renderer's own texture coordinates and depths, at pixels that an object covers completely. The pass
-// is a mean over the pixel: at self-occlusions and at the chart's seam it mixes different places. All pixels except for
-// a share of `elsewhere` must be within `tolerance`.
+// is a mean over the pixel, so it mixes different places at self-occlusions and at the seam of the chart. The fraction
+// of pixels with a difference above `tolerance` must be at most `elsewhere`.
 void expect_uv_pass(const std::string& geometry, const std::string& mesh, const std::string& name, double tolerance,
                     double elsewhere) {
   const std::string folder = shared_field();

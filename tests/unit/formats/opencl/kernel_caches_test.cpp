@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests that a private folder replaces unwritable folders of compiled kernels. tests/cli/limits_test.cpp tests that the
-// program removes it.
+// Tests that a private folder is used if the folders for compiled kernels are not writable. tests/cli/limits_test.cpp
+// tests that the program removes it.
 #include "host/formats/opencl/kernel_caches.h"
 
 #include <gtest/gtest.h>
@@ -18,7 +18,7 @@ namespace {
 
 using testing::TemporaryFolder;
 
-/// Restores the environment variables at its end.
+/// Restores the environment variables when it is destroyed.
 class KernelCachesTest : public ::testing::Test {
  protected:
   ~KernelCachesTest() override {
@@ -31,7 +31,7 @@ class KernelCachesTest : public ::testing::Test {
     set_kernel_caches(folders);
     ::testing::internal::CaptureStderr();
     prepare_kernel_caches();
-    prepare_kernel_caches();  // prints nothing more
+    prepare_kernel_caches();  // does not print another message
     return ::testing::internal::GetCapturedStderr();
   }
 

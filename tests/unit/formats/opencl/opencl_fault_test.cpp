@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests the choice of devices and failing OpenCL calls: every object is released once, and no failure is ignored. The
-// functions below replace the library's functions and call them until one is told to fail.
+// Tests the choice of devices and failing OpenCL calls: every object is released exactly once, and no failure is
+// ignored. The functions below replace the functions of the library. They call the original functions until one of them
+// is told to fail.
 #include <dlfcn.h>
 #include <gtest/gtest.h>
 
@@ -146,7 +147,7 @@ std::vector<DeviceInfo> devices_called(const std::vector<std::string>& names) {
   return devices;
 }
 
-// A number is a device's index if the list has this index, otherwise a part of a name.
+// A number is the index of a device if the list has this index. Otherwise it is a part of a name.
 TEST(ChooseDeviceTest, NumbersAreOfTheListOrOfNames) {
   const std::vector<DeviceInfo> devices =
       devices_called({"cpu-haswell-i7-4770", "NVIDIA GeForce RTX 4090", "NVIDIA GeForce GTX 1080", "NVIDIA 1"});

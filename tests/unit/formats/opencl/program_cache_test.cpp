@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests that cached program binaries save a build and never cause a failure.
+// Tests that cached program binaries avoid a build and never cause a failure.
 #include "host/formats/opencl/program_cache.h"
 
 #include <gtest/gtest.h>
@@ -46,7 +46,7 @@ class ProgramCacheTest : public ::testing::Test {
     DeviceBuffer parent = device.make_buffer(64, "lobes"), nearest = device.make_buffer(1, "numbers of lobes");
     unsigned char lobe = 255;
     device.write(nearest, &lobe, 1);
-    // In the one texel, which has no parent, lobe 0 gets all normals.
+    // In the only texel, which has no parent, lobe 0 gets all normals.
     MultumMovmfFit fit{};
     fit.map_width = fit.map_height = fit.width = fit.height = fit.window_rows = 1;
     kernel.launch({1}, x, y, z, parent, nearest, fit, 0, 0, 0, 1);
@@ -134,7 +134,7 @@ TEST_F(ProgramCacheTest, WhatIsPreparedAndNeverAskedForHoldsNobodyUp) {
   {
     Device device = Device::open("");
     device.prepare(many);
-  }  // waits only for running builds
+  }  // waits only for builds that are running
   EXPECT_LT(folder.names().size(), many.size());
 }
 
@@ -154,7 +154,7 @@ TEST_F(ProgramCacheTest, AProgramThatDoesNotBuildIsToldToWhoAsksForIt) {
   EXPECT_EQ(folder.names().size(), 0u);
 }
 
-// The first bake on a machine builds, in parallel, exactly the kernels that it launches.
+// The first bake on a machine builds exactly the kernels that it launches, and builds them in parallel.
 TEST_F(ProgramCacheTest, ABakePreparesWhatItLaunches) {
   constexpr int kWidth = 256, kHeight = 192;  // large enough for binned and weighted levels
   NormalMap map;

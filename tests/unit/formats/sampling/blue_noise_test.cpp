@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests blue noise by Ulichney's criteria: all values are equally frequent, and low frequencies have almost no power.
+// Tests blue noise by Ulichney's criteria: all values occur equally often, and low frequencies have almost no power.
 #include "host/formats/sampling/blue_noise.h"
 
 #include <gtest/gtest.h>
@@ -23,8 +23,8 @@ std::vector<double> channel(std::size_t c) {
   return values;
 }
 
-/// Returns the mean power of 1 to `limit` periods across the mask, relative to the mean power of all frequencies. White
-/// noise gives 1.
+/// Returns the mean power of frequencies with 1 to `limit` periods across the mask, divided by the mean power of all
+/// frequencies. White noise gives 1.
 double low_power(const std::vector<double>& values, int limit) {
   double sum = 0.0, square = 0.0;
   int count = 0;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests that the test map matches its description: reproducible, of unit length, with each quarter's statistics.
+// Tests that the test map matches its description. The map is reproducible, normals have unit length, and each quarter
+// has the stated statistics.
 #include "host/formats/testmap/four_quarter_map.h"
 
 #include <array>
@@ -91,7 +92,7 @@ TEST(FourQuarterMap, QuartersAreAsDescribed) {
   EXPECT_NEAR(statistics(map, size - half / 8, half, half / 8, half).slope_x_rms, 0.45 * 1.525, 0.05);
 }
 
-// In this map green points down. At the right of a dome, normals lean to the right, and y grows downwards.
+// In this map green points down. On the right side of a dome, normals lean to the right. y increases downwards.
 TEST(FourQuarterMap, ArmourIsOfDomes) {
   const int side = 48, period = 24;
   const NormalMap map = make_four_quarter_map(side, 3, Quarter::kArmour).normals;

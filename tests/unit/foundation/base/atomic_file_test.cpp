@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests that a file appears complete or not at all, and that nothing else stays in its folder.
+// Tests that a file is either complete or absent, and that no other file remains in its folder.
 #include "host/foundation/base/files/atomic_file.h"
 
 #include <gtest/gtest.h>
@@ -75,7 +75,8 @@ TEST(AtomicFileTest, SweepsWhatDeadProcessesLeftAndNothingElse) {
   const std::string longer_name = ".multum-tmp-" + std::to_string(dead_pid()) + "-0-b-a.txt";
   for (const std::string& name : {dead, living, other_name, longer_name, no_pid, std::string("a.txt")})
     write_bytes(folder / name, "x");
-  // Adds a name of this version, with random digits instead of a counter, and names of other programs' files.
+  // Adds a name as this version makes it, but with random digits instead of a counter, and names of files of other
+  // programs.
   const std::string random = ".multum-tmp-" + std::to_string(dead_pid()) + "-0123456789abcdef-a.txt";
   const std::string link = ".multum-tmp-" + std::to_string(dead_pid()) + "-1-a.txt";
   const std::string below = ".multum-tmp-" + std::to_string(dead_pid()) + "-2-a.txt";
@@ -86,7 +87,7 @@ TEST(AtomicFileTest, SweepsWhatDeadProcessesLeftAndNothingElse) {
   EXPECT_EQ(folder.names(), (Names{living, other_name, longer_name, no_pid, link, below, "a.txt"}));
 }
 
-// In a folder that machines share, process ids of other machines mean nothing here.
+// In a folder that several machines share, the process ids of other machines have no meaning on this machine.
 TEST(AtomicFileTest, LeavesOtherMachinesFilesForADay) {
   const TemporaryFolder folder;
   const std::string young = ".multum-tmp-" + std::to_string(dead_pid()) + "-0-01234567-a.txt";
@@ -119,7 +120,8 @@ TEST(AtomicFileTest, RefusesFoldersThatCannotTakeIt) {
 
 TEST(AtomicFileTest, RefusesAnUnwritableFolder) {
   if (geteuid() == 0) {
-    // Permissions do not bind the superuser; a child without superuser rights sees what a user sees.
+    // Permissions do not apply to the superuser. A child process without superuser rights has the same access as a
+    // user.
     EXPECT_EXIT(
         {
           const TemporaryFolder folder;
@@ -179,7 +181,7 @@ TEST(AtomicFileTest, ANameOfAnyLengthIsWrittenOrRefusedAtOnce) {
   expect_error(ErrorCode::kUsage, {"too long"}, [&] { AtomicFile file(folder / (std::string(300, 'f') + "/a.txt")); });
 }
 
-// A new link replaces a link, never the file that it leads to.
+// A new link replaces an existing link and never the file to which that link leads.
 TEST(AtomicFileTest, LinksAtTheFinalNameAreReplaced) {
   const TemporaryFolder folder;
   for (const bool is_hard : {false, true}) {
@@ -193,7 +195,7 @@ TEST(AtomicFileTest, LinksAtTheFinalNameAreReplaced) {
   }
 }
 
-// Somebody replaces the temporary file while it is being written.
+// Another program replaces the temporary file while it is being written.
 TEST(AtomicFileTest, ATemporaryFileThatWasReplacedIsNotPublished) {
   const TemporaryFolder folder;
   write_bytes(folder / "precious", "kept");

@@ -13,7 +13,7 @@ namespace {
 
 TEST(BackgroundTaskTest, TasksRunOneAfterAnother) {
   for (const int threads : {1, 2}) {
-    std::vector<int> done;  // written by one thread at a time, or the sanitizers complain
+    std::vector<int> done;  // only one thread at a time may write this, otherwise the sanitizers report an error
     BackgroundTask task;
     for (int i = 0; i < 100; ++i) task.run(threads, [&done, i] { done.push_back(i); });
     task.wait();

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests the checksum of scratch files: a known value, equality for pieces and the whole, and detection of damage.
+// Tests the checksum of scratch files: a known value, the same result for pieces as for the whole, and the detection of
+// damage.
 #include "host/foundation/base/files/checksum.h"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests that a child's end is reported correctly: exit code, signal, or never started.
+// Tests that the end of a child process is reported correctly: its exit code, a signal, or that it never started.
 #include "host/foundation/base/processes/child_process.h"
 #include "host/foundation/base/processes/sanitizers.h"
 
@@ -39,7 +39,7 @@ TEST(ChildProcessTest, ASignalIsNotAnExitCode) {
   EXPECT_EQ(result.signal, SIGSEGV);
 }
 
-// This program ignores the signal and checks the results of its writes. Other programs may not do so.
+// This program ignores the signal and checks the results of its writes, but other programs may not do so.
 TEST(ChildProcessTest, AChildHasTheSignalOfFileSizesAsAtAProgramsStart) {
   const auto before = std::signal(SIGXFSZ, SIG_IGN);
   const std::string line = run_child({"grep", "SigIgn", "/proc/self/status"}).output;
@@ -84,7 +84,7 @@ TEST(ChildProcessTest, LimitedChildrenAreNicerAndHaveLessMemory) {
 #endif
 }
 
-// A child whose parent was killed (-9) ends too, even after an exec.
+// If the parent of a child is killed (-9), the child also ends, even after an exec.
 TEST(ChildProcessTest, AChildEndsWithWhoStartedIt) {
   for (const bool is_limited : {false, true}) {
     int pipe_ends[2];
@@ -106,7 +106,7 @@ TEST(ChildProcessTest, AChildEndsWithWhoStartedIt) {
     ::waitpid(starter, nullptr, 0);
     ::close(pipe_ends[0]);
     ::close(pipe_ends[1]);
-    // The process is gone, or a zombie of the process that adopted it.
+    // The process has ended, or it is a zombie of the process that adopted it.
     const auto is_there = [&] {
       std::ifstream in("/proc/" + std::to_string(child) + "/stat");
       std::string pid, name, state;

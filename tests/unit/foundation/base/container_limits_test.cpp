@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests limits of containers, with file trees as kernels and container engines make them, and with a control group on
-// this machine.
+// Tests the limits of containers. Uses file trees like those that kernels and container engines make, and a control
+// group on this machine.
 #include "host/foundation/base/processes/container_limits.h"
 
 #include <gtest/gtest.h>
@@ -67,7 +67,7 @@ TEST_F(ContainerLimitsTest, Version2HasTheLeastOfAllGroupsAbove) {
   expect(300 * kMiB, 1.5);
 }
 
-// In a namespace of groups the container's own group is "/", and its limits are at the top.
+// In a cgroup namespace, the container's own group is "/", and its limits are at the top.
 TEST_F(ContainerLimitsTest, Version2OfANamespace) {
   write("proc/self/cgroup", "0::/\n");
   write("proc/self/mountinfo", "30 24 0:26 / /sys/fs/cgroup ro,nosuid - cgroup2 cgroup rw\n");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests SHA-256 with NIST's examples for FIPS 180-4. Also passes texts in pieces of different sizes.
+// Tests SHA-256 with the examples of NIST for FIPS 180-4. Also passes texts in pieces of different sizes.
 #include "host/foundation/base/files/content_hash.h"
 
 #include <gtest/gtest.h>

@@ -82,7 +82,7 @@ TEST(ErrorTest, ALimitOfFileSizesIsAnErrorAndNoSignal) {
             "tool: " + path + ": cannot be written: File too large; files may have 4096 bytes (ulimit -f)\n");
 }
 
-// Tests which errors a loop over files survives and which stop it.
+// Tests after which errors a loop over files continues, and after which errors it stops.
 TEST(ErrorTest, WhatTheSystemRefusesIsAnErrorOfItsFile) {
   const auto caught = [](auto thrown) {
     try {
@@ -113,8 +113,8 @@ TEST(ErrorTest, LimitsOfTheProcessAreNamed) {
   EXPECT_NE(errno_text(EMFILE).find("(ulimit -n)"), std::string::npos);
   EXPECT_EQ(errno_text(ENOENT), "No such file or directory");
   errno = ENAMETOOLONG;
-  testing::expect_error(ErrorCode::kUsage, {"a: cannot be made: File name too long"},
-                        [] { fail_by_errno("a", "cannot be made"); });
+  testing::expect_error(ErrorCode::kUsage, {"a: cannot be created: File name too long"},
+                        [] { fail_by_errno("a", "cannot be created"); });
   EXPECT_EQ(
       guarded([](int, char**) -> int { throw std::system_error(EAGAIN, std::generic_category(), "thread"); }).code, 4);
 }

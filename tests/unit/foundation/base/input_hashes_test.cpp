@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests that a file is hashed once, and never under the hash of other bytes.
+// Tests that each file is hashed only once, and that a file never gets the hash of other bytes.
 #include "host/foundation/base/files/input_hashes.h"
 
 #include <gtest/gtest.h>
@@ -17,7 +17,7 @@ class InputHashesTest : public ::testing::Test {
     return folder_ / "a";
   }
   void expect_changed(const std::function<void()>& call) const {
-    testing::expect_error(ErrorCode::kInput, {folder_ / "a", "changed while it was read"}, call);
+    testing::expect_error(ErrorCode::kInput, {folder_ / "a", "changed while it was being read"}, call);
   }
 
   const testing::TemporaryFolder folder_;
@@ -50,7 +50,7 @@ TEST_F(InputHashesTest, AFileThatChangesAfterItsHashIsRefusedToReaders) {
   expect_changed([&] { hashes_.check_unchanged(path); });
 }
 
-// A time that was set back by hand does not prove that nothing was written.
+// If somebody has set back the modification time, an unchanged time does not prove that the file is unchanged.
 TEST_F(InputHashesTest, TheTimeOfAWriteCannotBeHidden) {
   const std::string path = file("abc");
   const auto before = std::filesystem::last_write_time(path);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests files of records: a torn end is cut before a record is appended, a full disk leaves complete records, and files
-// of an earlier format are refused by name.
+// Tests files of records. An incomplete last record is removed before another record is appended, only complete records
+// remain after the disk is full, and files of an earlier format are refused with a message that names them.
 #include "host/foundation/base/files/record_file.h"
 
 #include <gtest/gtest.h>
@@ -53,7 +53,7 @@ TEST_F(RecordFileTest, WhatFollowsATornEndIsReadAgain) {
   const auto one = record(100, 1), two = record(50, 2), three = record(30, 3);
   stopped_after({one, two});
   const std::string whole = read_bytes(rows_);
-  // Tries every length of the torn last record.
+  // Tries every length of the incomplete last record.
   for (std::size_t size = kBegin.size() + 8 + 100 + 16 + 4; size < whole.size(); size += 7) {
     write_bytes(rows_, whole.substr(0, size));
     {
@@ -83,7 +83,7 @@ TEST_F(RecordFileTest, AnotherKeyRemovesAll) {
 // break.
 TEST_F(RecordFileTest, AKeyOfAnyLengthIsReadUpToTheKeysOwn) {
   stopped_after({});
-  fs::resize_file(rows_, std::uint64_t{1} << 40);  // sparse: a terabyte of zeros
+  fs::resize_file(rows_, std::uint64_t{1} << 40);  // a sparse file with a terabyte of zeros
   const auto journal = open(true);
   EXPECT_TRUE(found_.empty());
   EXPECT_EQ(read_bytes(rows_), kBegin);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests JSON from strangers: NUL in texts, and numbers that are not in the expected range of integers. Also tests JSON
-// for other programs: texts that are not UTF-8.
+// Tests JSON from unknown sources: NUL characters in texts, and numbers outside the expected range of integers. Also
+// tests JSON for other programs, with texts that are not valid UTF-8.
 #include "host/foundation/base/files/json_file.h"
 
 #include <gtest/gtest.h>

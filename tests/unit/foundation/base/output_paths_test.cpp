@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests that files to write differ from files to read, and from each other, under any name.
+// Tests that an output file must differ from all input files and other output files, whatever name is used for it.
 #include "host/foundation/base/files/output_paths.h"
 
 #include <gtest/gtest.h>
@@ -50,7 +50,7 @@ TEST(OutputPathsTest, WritableLeavesNothing) {
   expect_error(ErrorCode::kUsage, {"is a folder"}, [&] { check_writable(folder.path()); });
 }
 
-// A refused command removes the empty folders that it made, and no others.
+// A refused command removes only the empty folders that it made itself.
 TEST(OutputPathsTest, NewFoldersThatStayEmptyGoAway) {
   const TemporaryFolder folder;
   std::filesystem::create_directory(folder / "old");
@@ -70,7 +70,7 @@ TEST(OutputPathsTest, NewFoldersThatStayEmptyGoAway) {
   EXPECT_TRUE(std::filesystem::is_empty(folder / "old"));
   EXPECT_FALSE(std::filesystem::exists(folder / "full/inside/empty"));
   EXPECT_TRUE(std::filesystem::exists(folder / "full/inside/file"));
-  make_folder(folder / "kept");  // made without a guard that removes it
+  make_folder(folder / "kept");  // this folder is made without a guard that removes it
   EXPECT_TRUE(std::filesystem::exists(folder / "kept"));
 }
 
@@ -84,7 +84,7 @@ TEST(OutputPathsTest, NamesWithControlCharactersAreRefused) {
     expect_error(ErrorCode::kUsage, parts, [&] { make_folder(folder / name + "/below"); });
   }
   EXPECT_TRUE(folder.names().empty());
-  // An existing folder belongs to the user; bytes that are not UTF-8 do not count as control characters.
+  // An existing folder belongs to the user. Bytes that are not valid UTF-8 do not count as control characters.
   std::filesystem::create_directory(folder / "a\nb");
   EXPECT_NO_THROW(check_writable(folder / "a\nb/c.exr"));
   EXPECT_NO_THROW(make_folder(folder / "a\nb/c"));

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests that every file name survives JSON byte by byte, and that no two names share a text.
+// Tests that every file name can be written to JSON and read again byte by byte, and that no two names have the same
+// text.
 #include "host/foundation/base/path_text.h"
 
 #include <gtest/gtest.h>
@@ -37,7 +38,7 @@ TEST(PathTextTest, OtherNamesAreReversible) {
 }
 
 TEST(PathTextTest, CharactersOfTheEscapeItselfCollideWithNothing) {
-  const std::string own = "\uefe9.png";  // a valid name that looks like the escape of another
+  const std::string own = "\uefe9.png";  // a valid name that looks like the escaped form of another name
   EXPECT_NE(text_of_path(own), text_of_path("\xe9.png"));
   EXPECT_EQ(through_json(own), own);
 }

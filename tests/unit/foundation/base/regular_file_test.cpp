@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests that every function that opens a name refuses anything but a regular file at once, without waiting for a writer
-// and without reading a device. If a reader waits instead, the test does not end.
+// Tests that every function that opens a file by name immediately refuses everything except regular files, without
+// waiting for a writer and without reading a device. If a reader waited, the test would not end.
 #include "host/foundation/base/files/regular_file.h"
 
 #include <fcntl.h>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests that times come from the fastest round, and that every run has a turn before any run has a second turn.
+// Tests that times come from the fastest round. Every run must be executed once before any run is executed a second
+// time.
 #include "host/foundation/base/run_times.h"
 
 #include <gtest/gtest.h>
@@ -18,7 +19,7 @@ double processor_now() {
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
-// Uses that much processor time, however busy the machine is.
+// Uses this much processor time, however busy the machine is.
 void work(double seconds) {
   const double end = processor_now() + seconds;
   while (processor_now() < end) {

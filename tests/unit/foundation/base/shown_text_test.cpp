@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests that control sequences for terminals are made visible, and that nothing else changes.
+// Tests that control sequences for terminals are made visible, and that all other text stays unchanged.
 #include "host/foundation/base/shown_text.h"
 
 #include <gtest/gtest.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests stdout and stderr in one file: no line of either is split, whichever threads write. Warnings name their
-// subject.
+// Tests stdout and stderr that go to the same file. No line of either stream is split, whichever threads write.
+// Warnings name their subject.
 #include "host/foundation/base/messages/stream_turn.h"
 
 #include <fcntl.h>
@@ -22,7 +22,7 @@ namespace {
 using testing::read_bytes;
 using testing::TemporaryFolder;
 
-// Sends both streams to one file, as 2>&1 does; returns the file's text.
+// Sends both streams to one file, as 2>&1 does. Returns the text of the file.
 template <typename Writing>
 std::string written_by(const Writing& writing) {
   const TemporaryFolder folder;

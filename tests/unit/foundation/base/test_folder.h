@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Makes a folder that the test removes at its end; checks that a refusal contains the expected parts.
+// Makes a folder that is removed when the test ends. Checks that an error message contains the expected parts.
 #pragma once
 
 #include <cstdlib>
@@ -63,7 +63,7 @@ inline void write_bytes(const std::string& path, const std::string& bytes) {
 inline bool says(const std::string& text, const std::string& part) {
   const auto is_digit = [](char c) { return c >= '0' && c <= '9'; };
   const auto is_word = [&](char c) { return is_digit(c) || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); };
-  const auto at = [&](std::size_t i) { return i < text.size() ? text[i] : ' '; };  // also before the first
+  const auto at = [&](std::size_t i) { return i < text.size() ? text[i] : ' '; };  // also before the first line
   for (std::size_t i = text.find(part); i != std::string::npos; i = text.find(part, i + 1)) {
     const std::size_t end = i + part.size();
     if (part.empty()) return true;

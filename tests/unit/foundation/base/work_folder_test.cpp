@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests work folders next to outputs, where others may write: files that others put there are refused, named, and not
-// touched.
+// Tests work folders next to outputs, where other users may write. Files that others put there are refused and not
+// touched, and the message names them.
 #include "host/foundation/base/files/work_folder.h"
 
 #include <gtest/gtest.h>
@@ -30,7 +30,8 @@ class WorkFolderTest : public ::testing::Test {
     fs::create_directory(precious_);
     write_bytes(precious_ + "/thesis.txt", "weeks of work");
   }
-  /// Every way to take or remove the folder refuses or ignores the existing file, and nothing changes.
+  /// Every function that takes or removes the folder refuses or ignores the existing file, and the file does not
+  /// change.
   void expect_left_alone(const std::string& word) const {
     const auto status = fs::symlink_status(partial_);
     expect_error(ErrorCode::kEnvironment, {partial_, word, "left unchanged"}, [&] { WorkFolder::take(partial_); });
@@ -96,8 +97,8 @@ TEST_F(WorkFolderTest, AFileAndAPipeAreNoFolders) {
   expect_left_alone("is neither a file nor a folder");
 }
 
-// Anybody who can rename in a shared folder can move another folder of ours there, with the right owner and
-// permissions.
+// Anybody who can rename files in a shared folder can move another folder of ours there. That folder has the right
+// owner and permissions.
 TEST_F(WorkFolderTest, AnotherFolderOfThisUserIsNotEmptied) {
   fs::permissions(precious_, fs::perms::owner_all);
   fs::rename(precious_, partial_);
@@ -192,7 +193,7 @@ TEST_F(WorkFolderTest, OneOfNoGivenNameRemovesWhatKilledRunsLeft) {
   if (child == 0) {
     const auto work = WorkFolder::make(folder_.path());
     write_bytes(work->path() + "/frames", "x");
-    _exit(0);  // like a kill: nothing is cleaned up
+    _exit(0);  // like a kill, after which no cleanup happens
   }
   waitpid(child, nullptr, 0);
   EXPECT_EQ(folder_.names().size(), 2u);

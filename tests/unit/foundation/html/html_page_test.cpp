@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests pages made from templates and data: text from strangers stays data and is shown as text.
+// Tests pages that are made from templates and data. Text from unknown sources stays data and is shown as text.
 #include "host/foundation/html/html_page.h"
 
 #include <gtest/gtest.h>

@@ -28,7 +28,7 @@ nlohmann::json page_data(const std::string& page) {
 std::optional<std::string> rendered_page(const std::string& page) {
   const TemporaryFolder folder;
   write_bytes(folder / "page.html", page);
-  // Chromium's profile and its messages, of which it always has some, go into the folder.
+  // Chromium's profile and the messages that it always prints go into the folder.
   const ChildResult result = run_child(
       {"sh", "-c",
        "browser=$(command -v chromium-headless-shell || command -v chromium) || exit 127; HOME=\"$1\" exec "

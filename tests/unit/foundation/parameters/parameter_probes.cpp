@@ -29,7 +29,8 @@ Probe number_probe(const Parameter& row, double value, bool is_legal) {
 
 Probe text_probe(const std::string& text, bool is_legal) { return {text, text, "\"" + text + "\"", is_legal}; }
 
-// Tries values at, just below and just above each bound, each choice and an unknown choice, and values of another type.
+// Tries values at, just below and just above each bound. Also tries each choice, an unknown choice, and values of
+// another type.
 std::vector<Probe> probes_of(const Parameter& row) {
   std::vector<Probe> probes;
   switch (row.kind) {

@@ -14,7 +14,7 @@ namespace multum::testing {
 
 std::vector<const ParameterTable*> all_tables();
 
-/// A value as each surface writes it, and whether it must be accepted.
+/// Holds a value as each surface writes it, and whether the value must be accepted.
 struct Probe {
   std::string command_line;
   nlohmann::json json;

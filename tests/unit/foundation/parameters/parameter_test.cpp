@@ -155,7 +155,8 @@ TEST(ParameterTable, DefaultsAreThoseOfTheJob) {
     const bool is_value = row.kind == ParameterKind::kInteger || row.kind == ParameterKind::kNumber ||
                           (row.kind == ParameterKind::kChoice && row.default_text != "detected");
     if (!is_value || row.default_text.empty() || row.surfaces == 0) continue;
-    if (row.name == "iterations" || row.name == "wrap") continue;  // set two fields, or note that the user set them
+    // These set two fields, or note that the user has set them.
+    if (row.name == "iterations" || row.name == "wrap") continue;
     defaults.set(row.name, *parse_value(row, row.default_text));
   }
   apply(defaults, all);
@@ -164,7 +165,8 @@ TEST(ParameterTable, DefaultsAreThoseOfTheJob) {
   EXPECT_EQ(bake_parameters().at("iterations").default_text, "12");
 }
 
-// The settings hashes of files must not change, so the texts, except for kernels, equal those of earlier programs.
+// The settings hashes of files must not change. Hence the texts must equal the texts of earlier versions, except for
+// kernels.
 TEST(ParameterTable, HashedTextsKeepTheirBytes) {
   const auto text = [](std::initializer_list<std::pair<const char*, ParameterValue>> values) {
     BakeJob job;

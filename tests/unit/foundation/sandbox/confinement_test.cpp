@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests which files a confined process can open; it runs in a child, since a process cannot leave its confinement.
+// Tests which files a confined process can open. The test runs in a child process, because a process cannot leave its
+// confinement.
 #include "host/foundation/sandbox/confinement.h"
 
 #include <fcntl.h>
@@ -30,7 +31,8 @@ bool opens(const std::string& path, int flags) {
   return file >= 0;
 }
 
-// Runs `work` in a confined child; returns its exit code, the number of the fault that it found.
+// Runs `work` in a confined child process. Returns the exit code, which is the number of the fault that the child
+// found.
 template <typename Work>
 int in_child(const Work& work) {
   const pid_t child = ::fork();
@@ -68,7 +70,7 @@ TEST(ConfinementTest, NothingElseIsOpenedByAnyName) {
     if (std::rename((write + "/newer").c_str(), (outside + "/stolen").c_str()) == 0) return 12;
     if (::link((write + "/file").c_str(), (outside + "/linked").c_str()) == 0) return 13;
     if (opens("/etc/passwd", O_RDONLY)) return 14;
-    // A process that it starts has the same limits.
+    // A process that a confined process starts has the same limits.
     return in_child([&] { return opens(outside + "/file", O_RDONLY) ? 15 : 0; });
   });
   EXPECT_EQ(wrong, 0);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A child process that fails as its requests say. If it replaces multum-decode, it fails as the name of the file to
-// open says.
+// A child process that fails in the way that its requests specify. If it replaces multum-decode, the name of the file
+// to open specifies how it fails.
 #include <sys/resource.h>
 #include <sys/socket.h>
 #include <unistd.h>
@@ -32,7 +32,7 @@ std::string fail_as_told(std::string_view told) {
   if (is("segfault")) std::raise(SIGSEGV);
   if (is("exit")) std::_Exit(7);
   if (is("unloaded")) std::_Exit(127);  // like ld.so
-  if (is("kill")) std::raise(SIGKILL);  // like the system if memory runs out
+  if (is("kill")) std::raise(SIGKILL);  // like the system when memory runs out
   if (is("hungry")) return answer_or_refusal([]() -> std::string { throw NotEnoughMemory("a.png"); });
   if (is("words"))
     return answer_or_refusal(

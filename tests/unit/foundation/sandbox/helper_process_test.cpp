@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests that every way in which a child can fail is recognised, and that no process or file descriptor stays.
+// Tests that every kind of failure of a child process is recognised, and that no process or file descriptor remains.
 #include "host/foundation/sandbox/helper_process.h"
 #include "host/foundation/base/processes/sanitizers.h"
 
@@ -31,7 +31,7 @@ int open_files() {
   return count;
 }
 
-/// Restores this process's limits, which children inherit, at its end.
+/// When it is destroyed, restores the limits of this process, which child processes inherit.
 class KeptLimit {
  public:
   explicit KeptLimit(__rlimit_resource which) : which_(which) { ::getrlimit(which, &before_); }
@@ -59,7 +59,7 @@ bool lacked_memory(const std::string& request, const HelperLimits& limits = kLim
   return false;
 }
 
-/// Returns the error code that a decoder's answer becomes.
+/// Returns the error code to which the answer of a decoder is converted.
 ErrorCode code_of_answer(HelperProcess& helper, const std::string& request) {
   const std::string answer = helper.ask(request, kLimits, {});
   try {
@@ -69,7 +69,7 @@ ErrorCode code_of_answer(HelperProcess& helper, const std::string& request) {
   }
 }
 
-/// Returns the description of a child's end after one request.
+/// Returns a description of how a child process ended after one request.
 std::string end_of(const std::string& request, const HelperLimits& limits = kLimits) {
   HelperProcess helper(kFailingHelper);
   const pid_t pid = helper.pid();
@@ -248,7 +248,7 @@ TEST(HelperProcessTest, AChildEndsWithWhoAsked) {
   ::kill(asker, SIGKILL);
   ::waitpid(asker, nullptr, 0);
   const std::string status = "/proc/" + std::to_string(helper) + "/stat";
-  // The process is gone, or a zombie of the process that adopted it.
+  // The process has ended, or it is a zombie of the process that adopted it.
   const auto is_there = [&] {
     std::ifstream in(status);
     std::string pid, name, state;

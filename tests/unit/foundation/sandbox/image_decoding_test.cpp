@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests image files decoded in a child: numbers and refusals equal those of this process. However the child ends, the
-// result is a refusal that names the file.
+// Tests image files that a child process decodes. The numbers and error messages equal those of decoding in this
+// process. However the child ends, the result is an error message that names the file.
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -124,7 +124,7 @@ TEST_F(ImageDecodingTest, RefusalsSayTheSame) {
   }
 }
 
-// Truncated files, flipped bits and absurd numbers each give a picture or a refusal, and the next file is read.
+// Truncated files, flipped bits and absurd numbers give either a picture or an error, and the next file is read.
 TEST_F(ImageDecodingTest, BrokenFilesEndInARefusal) {
   std::mt19937 random(20260101);
   const TestImage image = normal_image(40, 30);
@@ -148,7 +148,7 @@ TEST_F(ImageDecodingTest, BrokenFilesEndInARefusal) {
   EXPECT_GT(refused, 10);
 }
 
-// The system kills processes if memory runs out, so the same file may succeed on another machine.
+// The system kills processes when memory runs out, so the same file may succeed on another machine.
 TEST_F(ImageDecodingTest, AChildThatIsKilledMidWayIsAnErrorOfTheMachine) {
   const std::string path = write("long.tif", normal_image(64, 9000));
   ImageReader reader(path, {});

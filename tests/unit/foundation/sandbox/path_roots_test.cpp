@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests names below roots, and opening files by these names after the folders have changed.
+// Tests names of files below the root folders, and opening files by these names after the folders have changed.
 #include "host/foundation/sandbox/path_roots.h"
 
 #include <gtest/gtest.h>
@@ -60,7 +60,7 @@ TEST_F(PathRootsTest, WhatHasBecomeALinkIsNotOpened) {
     fs::create_symlink(path == file_ ? outside_ + "/map.png" : outside_, path);
     refused(ErrorCode::kUsage, [&] { roots.open_input(file_); });
     if (path != file_) refused(ErrorCode::kUsage, [&] { roots.open_folder_of(file_); });
-    // A link to the right place is refused too, because the meaning of a name was fixed when it was checked.
+    // A link to the right place is also refused, because the name was resolved when it was checked.
     fs::remove(path);
     fs::create_symlink(path + ".real", path);
     refused(ErrorCode::kUsage, [&] { roots.open_input(file_); });
@@ -119,7 +119,7 @@ TEST_F(PathRootsTest, NothingIsToldOfWhatIsOutside) {
   EXPECT_NE(message(root_ + "/link", false).find("no such file"), std::string::npos);
 }
 
-// Usually the root was unmounted, and an empty folder is in its place.
+// The usual cause is that the root was unmounted, which leaves an empty folder.
 TEST_F(PathRootsTest, ARootThatIsAnotherFolderIsNotUsed) {
   const PathRoots roots({root_});
   fs::rename(root_, root_ + ".old");

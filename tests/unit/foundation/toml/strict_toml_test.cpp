@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests values of strangers' TOML files: NUL, numbers that are not integers, paths that are not UTF-8, and names
-// without a file.
+// Tests values in TOML files from unknown sources: NUL characters, numbers that are not integers, paths that are not
+// valid UTF-8, and names of files that do not exist.
 #include "host/foundation/toml/strict_toml.h"
 
 #include <gtest/gtest.h>
@@ -13,7 +13,7 @@ namespace {
 
 class StrictTomlTest : public ::testing::Test {
  protected:
-  // Calls use(table) with the file's only table.
+  // Calls use(table) with the only table of the file.
   template <typename Use>
   void with(const std::string& text, const Use& use) {
     write_bytes(path_, text);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests documents just within and just beyond every limit, and strings and comments that look like structure. Also
-// tests random documents. Every document that the scan accepts is parsed, walked and destroyed on a small stack. Such a
+// Tests documents that are just within or just beyond every limit, strings and comments that look like structure, and
+// random documents. Every document that the scan accepts is parsed, walked and destroyed on a small stack. Such a
 // document is no deeper and no larger than the limits allow.
 #include "host/foundation/toml/toml_limits.h"
 
@@ -84,7 +84,7 @@ class TomlLimitsTest : public ::testing::Test {
 struct LimitCase {
   std::string name;
   std::size_t most;                              // largest allowed `count`
-  std::function<std::string(std::size_t)> text;  // its last line exceeds the limit
+  std::function<std::string(std::size_t)> text;  // the last line of the document exceeds the limit
   std::string number;                            // in the message
 };
 
@@ -181,8 +181,8 @@ TEST_F(TomlLimitsTest, BytesAreCountedBeforeTheyAreRead) {
 std::string structure() { return repeated("a.b.[{[[x]]=,1,}]#", 20'000); }
 
 struct HidingCase {
-  std::string name, text;  // sets a key a; its lines are complete
-  std::string value;       // value of a; not checked if empty
+  std::string name, text;  // a document with complete lines that set a key a
+  std::string value;       // the expected value of a; it is not checked if empty
 };
 
 std::vector<HidingCase> hiding_cases() {
@@ -389,7 +389,7 @@ TEST_F(TomlLimitsTest, WhatIsAcceptedIsNoDeeperAndNoLarger) {
       }
     }
   });
-  // Enough documents were accepted to test both outcomes.
+  // The number of accepted documents must be large enough to test both outcomes.
   EXPECT_GT(read, 3'000u);
   EXPECT_GT(limited, 100u);
   EXPECT_GT(deep, 10u);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Makes the search work on pages that are opened from a disk. Browsers do not let such pages read JSON or start
-// workers, but the theme's search does both. Therefore the index is loaded as a script, and the worker's script runs in
-// a hidden frame.
+// Makes the search work on pages that are opened from a disk. The theme's search reads JSON and starts a worker, which
+// browsers do not allow on such pages. Therefore the index is loaded as a script, and the worker's script runs in a
+// hidden frame.
 if (location.protocol === "file:") {
   const base = new URL("..", document.currentScript.src);
 
@@ -15,7 +15,7 @@ if (location.protocol === "file:") {
       this.#frame.hidden = true;
       document.body.append(this.#frame);
       const inside = this.#frame.contentWindow;
-      // The script answers by postMessage(), which would post to the frame itself.
+      // The script answers with postMessage(), which would send the message to the frame itself.
       inside.postMessage = (data) => this.dispatchEvent(new MessageEvent("message", { data }));
       const script = inside.document.createElement("script");
       script.src = new URL(url, location.href);

@@ -47,7 +47,7 @@ class Errors {
     const auto value = at(level, point, brdf);
     return value ? fmt::format("{:.2f}", *value) : "-";
   }
-  // Returns the higher of two errors: the error midway in x, and the error midway in y.
+  // Returns the error midway between texels in x or the error midway in y, whichever is higher.
   std::string midway(int level, const std::string& brdf) const {
     const auto x = at(level, AccuracyPoint::kMidX, brdf), y = at(level, AccuracyPoint::kMidY, brdf);
     return text(level, x.value_or(0.0) >= y.value_or(0.0) ? AccuracyPoint::kMidX : AccuracyPoint::kMidY, brdf);
@@ -94,7 +94,7 @@ Errors measure(Device& device, const NormalMap& map, const ColourMap* albedo, co
   return Errors(measure_accuracy(device, mipmap, map, albedo, every_texel(threads), nullptr));
 }
 
-// Times fits of all variants after their kernels were compiled.
+// Measures the times of fits of all variants, after their kernels were compiled.
 std::vector<RunTime> fit_times(Device& device, const NormalMap& map, const std::vector<Variant>& variants) {
   std::printf("times, %d rounds\n", kTimedRounds);
   std::vector<std::function<void()>> runs;
@@ -208,7 +208,8 @@ std::string quarters_section(Device& device, const AccuracyDocumentOptions& opti
     colours += "\n";
   }
   return fmt::format(
-             "The table lists the errors of levels 3 / 5 / 7 over all texels of a white map. Each time is the shortest "
+             "The table lists the errors of levels 3, 5 and 7 over all texels of a white map. Each time is the "
+             "shortest "
              "of {} fits on {} cores, and includes the time to compute the starting lobes. Before the timed fits, one "
              "fit per row "
              "compiled the kernels. The timed fits of the rows ran alternately. *Processor s* is processor time in "
@@ -216,11 +217,12 @@ std::string quarters_section(Device& device, const AccuracyDocumentOptions& opti
              kTimedRounds, core_count()) +
          summary +
          fmt::format(
-             "\nThe next table repeats the errors for other random seeds of the noise quarter, to show how much the "
-             "errors depend on chance. Level 7 has only {0} x {0} texels.\n\n",
+             "\nThe next table lists the errors for other random seeds of the noise quarter, to show how much "
+             "the errors depend on chance. Level 7 has only {0} x {0} texels.\n\n",
              std::max(options.size >> 7, 1)) +
          seeds +
-         "\nThe next table lists errors with lobe colours at texel centres of levels 3 / 5 / 7. The reference uses the "
+         "\nThe next table lists errors with lobe colours at texel centres of levels 3, 5 and 7. The reference uses "
+         "the "
          "colour of each normal.\n\n" +
          colours + tables;
 }
@@ -236,7 +238,8 @@ std::uintmax_t file_bytes(const MovmfMipmap& mipmap, const AccuracyDocumentOptio
   return bytes;
 }
 
-// Errors and sizes if the finest levels come from the normal map. Stored levels are the same in all rows.
+// Returns errors and sizes for bakes whose finest levels come from the normal map. The stored levels are the same in
+// all rows.
 std::string first_level_section(Device& device, const AccuracyDocumentOptions& options) {
   const FourQuarterMap map = make_four_quarter_map(options.size, 7);
   FitReport report;
@@ -265,8 +268,8 @@ std::string first_level_section(Device& device, const AccuracyDocumentOptions& o
              "\n### Finest levels from the normal map\n\nThe bakes have 4 lobes and store only level L and coarser "
              "levels (`multum bake --first-level L`). Each texel of a finer level has one lobe, which is the mean "
              "vector of the normal map's mip level. Between levels L - 1 and L, both levels are shaded, and the "
-             "results are mixed. *Midway* lists the higher of two errors: the error midway between texels in x, and "
-             "the error midway in y. All errors are errors of the mixed results. In addition, renderers narrow the "
+             "results are mixed. *Midway* lists the error midway between texels in x or the error midway in y, "
+             "whichever is higher. All errors are errors of the mixed results. In addition, renderers narrow the "
              "normal map's lobe to the part that a pixel sees ([ALGORITHMS](../contributing/ALGORITHMS.md), \"The "
              "finest levels from the normal map\"). Sizes of the file and of the GPU textures are in MB. BC5 normals "
              "and BC4 roughness of this map take {:.1f} MB on the GPU.\n\n",
@@ -276,19 +279,20 @@ std::string first_level_section(Device& device, const AccuracyDocumentOptions& o
          rows;
 }
 
-// Makes a table of "multum's error / error of the best baseline" at every level. multum's error is bold if it is higher
-// by more than 0.05 points.
+// Makes a table with "multum's error / error of the best baseline" for every level. multum's error is bold if it is
+// more than 0.05 points higher.
 struct MapTable {
   std::string rows;
   int cells = 0, worse = 0;
   std::string losses;
 };
 
-// Errors of all maps at levels from 1 on, by method and exponent. Level 0 is left out, because its texels are single
-// normals, so methods that store single normals have no error.
+// Contains the errors of all maps at levels from 1 on, by method and exponent. Level 0 is omitted, because its texels
+// are single normals, so methods that store single normals have no error there.
 using MapErrors = std::map<std::pair<std::string, double>, std::vector<double>>;
 
-// A row of the table by number of channels. Methods with the same number of channels are next to each other.
+// A row of the table that is sorted by number of channels. Methods with the same number of channels are next to each
+// other.
 struct Rival {
   const char* name;   // key of MapErrors
   const char* title;  // name in the table
@@ -385,9 +389,9 @@ std::string maps_section(Device& device, const AccuracyDocumentOptions& options)
       "bits, and moments as floats. Level 0 is not counted, because a texel of level 0 covers only one normal.\n\n"
       "### By channels\n\n"
       "The table lists medians over all maps and their levels from 1 on. Brackets contain the first and third "
-      "quartile. Each combination of map and level counts once. A lobe needs four channels, and LEAN needs five "
-      "channels. Averaged normals and Toksvig need three channels, because the length of an averaged normal shows how "
-      "much the normals vary.\n\n" +
+      "quartile. Each combination of map and level counts once. A lobe needs four channels, and LEAN needs "
+      "five. Averaged normals and Toksvig's rule need three channels, because the length of an averaged normal "
+      "shows how much the normals vary.\n\n" +
       equal_channels_table(errors);
   const int lobe_counts[2] = {4, 6};
   for (int t = 0; t < 2; ++t) {
@@ -401,7 +405,7 @@ std::string maps_section(Device& device, const AccuracyDocumentOptions& options)
   return text;
 }
 
-// Makes a table with one row per setting and one error per BRDF.
+// Makes a table with one row per setting and one column of errors per BRDF.
 std::string errors_table(const TradeoffResult& result) {
   MarkdownTable table({"settings", "shaded as", "s = 20", "s = 100", "s = 500", "Lambert", "bake, processor ms",
                        "elapsed, ms", "GPU, MB"});
@@ -421,7 +425,7 @@ std::string errors_table(const TradeoffResult& result) {
   return table.text();
 }
 
-// Bakes and measures every representation with the code of `multum tradeoff`.
+// Bakes every representation and measures its errors with the code of `multum tradeoff`.
 std::string representations_section(Device& device, const AccuracyDocumentOptions& options) {
   const ScratchFolder scratch("");
   TradeoffJob job;
@@ -444,8 +448,8 @@ std::string representations_section(Device& device, const AccuracyDocumentOption
           "L1 error in %) and half of the width of its 95 % interval ([ALGORITHMS](../contributing/ALGORITHMS.md), "
           "\"Measured error\"). Pixels are drawn with the default filter of that commit: ") +
       default_filter_text() +
-      ".\n\nTimes include fitting or averaging, rounding and writing. Each time is the shortest of three bakes. The "
-      "settings ran alternately, and all kernels were compiled before the timed runs.\n" +
+      ".\n\nTimes include fitting or averaging, rounding and writing. Each time is the shortest time of three "
+      "bakes. The bakes of the settings ran alternately, and all kernels were compiled before the timed bakes.\n" +
       sweep("four-quarter map", scratch / "quarters_normal.png");
   job.bake.reading.green.reset();
   job.length = SweepLength::kQuick;
@@ -456,8 +460,8 @@ std::string representations_section(Device& device, const AccuracyDocumentOption
   return text;
 }
 
-// Returns the sections of an existing document by their second-level headings. The text before the first heading has
-// the key "".
+// Returns the sections of an existing document, with their second-level headings as keys. The key of the text before
+// the first heading is "".
 std::map<std::string, std::string> sections_of(const std::string& path) {
   std::map<std::string, std::string> sections;
   std::ifstream file(path);
@@ -478,15 +482,16 @@ int write_accuracy_document(const AccuracyDocumentOptions& options) {
   const std::string made_by = fmt::format("Measured at {} on {}, {}, with the OpenCL device {}.\n\n", commit,
                                           processor_name(), system_name(), device.info().name);
   std::string text =
-      "# Accuracy\n\nThis page lists the errors of single texels for lobes, for other methods and for the shading "
-      "formulas.\n\nGenerated by `multum-bench accuracy -o docs/evidence/ACCURACY.md`. The option `--section` "
+      "# Accuracy\n\nThis page lists the errors of lobes, of other methods and of the shading formulas for "
+      "single texels.\n\nGenerated by `multum-bench accuracy -o docs/evidence/ACCURACY.md`. The option `--section` "
       "regenerates one section. Do not edit.\n\nErrors are relative L1 errors in %: `sum |model - reference| / sum "
       "reference`. The sums run over all texels of a level and over 12 half vectors. The half vectors combine the "
       "lights (.3,.2,.93) (-.7,.1,.7) (.1,-.9,.45) (.5,.6,.6) with the views (0,0,1) (.6,0,.8) (-.3,.7,.6). For "
       "Lambert, the sums run over the four lights.\n\n- The BRDF is `(s+1)/(2 pi) t^s`, where t is the cosine between "
       "the normal and the half vector. Only the convolution is measured, without the factor `n . l`.\n- The reference "
-      "is the average over all finest normals that a texel covers, computed in double precision.\n- The model consists "
-      "of the stored lobes, which are filtered as by a GPU and shaded as by the runtime. Lobes are stored as snorm16 "
+      "is the average over all finest normals that a texel covers, computed in double precision.\n- The model "
+      "consists of the stored lobes, which are filtered like a GPU filters textures, and shaded with the "
+      "formulas of the runtime. Lobes are stored as snorm16 "
       "unless a row names another format.\n\n";
   const auto add = [&](const std::string& name, const std::string& heading, const auto& make) {
     const bool is_asked = options.sections.empty() ||

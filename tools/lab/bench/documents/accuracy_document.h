@@ -11,11 +11,11 @@ struct AccuracyDocumentOptions {
   std::string output;  // Markdown file
   std::string maps;    // folder of real maps; no maps if empty
   std::string brdfs;   // folder of measured BRDFs; no BRDFs if empty
-  // Sections to make, from kSections. If empty, all sections are made. Other sections of an existing document do not
-  // change.
+  // Sections to make, from kSections. If the list is empty, all sections are made. Other sections of an existing
+  // document do not change.
   std::vector<std::string> sections;
   std::string commit;        // commit that the document names
-  bool is_quick = false;     // measure few settings, only to test that the page can be made
+  bool is_quick = false;     // measure only a few settings, to test that the page can be made
   bool allow_dirty = false;  // accept a `commit` with uncommitted changes
   int size = 1024;           // side of the four-quarter map
   int threads = 2;

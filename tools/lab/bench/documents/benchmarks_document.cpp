@@ -19,7 +19,7 @@ using Json = nlohmann::ordered_json;
 
 std::string file_name(const std::string& path) { return std::filesystem::path(path).filename().string(); }
 
-// Tests whether all results have the same conditions. The page then states them once, at the top.
+// Tests whether all results have the same conditions. In that case, the page states the conditions once, at the top.
 bool same_conditions(const std::vector<Json>& results) {
   return std::all_of(results.begin(), results.end(),
                      [&](const Json& result) { return conditions_text(result) == conditions_text(results[0]); });
@@ -32,10 +32,12 @@ std::string heading(const BenchmarksDocumentOptions& options, const std::string&
 }
 
 constexpr const char* kOpening =
-    "This page lists the time and memory that multum's programs and kernels need, compared with other programs.";
+    "This page compares the time and memory that multum's programs and kernels need with the time and memory of other "
+    "programs.";
 
 constexpr const char* kHowToRead =
-    "\nTimes depend on the machine and on other programs that run on it. Compared programs therefore run alternately, "
+    "\nTimes depend on the machine and on the other programs that run on the machine. Compared programs therefore run "
+    "alternately, "
     "and each ratio compares two consecutive runs. Figures are medians, and brackets contain the first and third "
     "quartile. One MB is 10^6 bytes, and one MiB is 2^20 bytes. To repeat a section, run the command of the section "
     "with `build/release/bin/multum-bench`.\n";
@@ -49,9 +51,9 @@ std::string section(const Json& result, const ResultView& view, const std::strin
 std::string page_of(const BenchmarksDocumentOptions& options, const Json& result) {
   const ResultView view = view_of(result);
   const std::string name = result.at("benchmark").get<std::string>();
-  const std::string opening = name == "filters"
-                                  ? "This page compares texture filters for lobes, LEAN, Toksvig and averaged normals."
-                                  : fmt::format("This page shows the results of `multum-bench {}`.", name);
+  const std::string opening =
+      name == "filters" ? "This page compares texture filters for lobes, LEAN, Toksvig's rule and averaged normals."
+                        : fmt::format("This page shows the results of `multum-bench {}`.", name);
   return heading(options, view.title, opening) + section(result, view, " " + conditions_text(result));
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writes docs/evidence/BENCHMARKS.md from results: one section per result, with its command and conditions.
+// Writes docs/evidence/BENCHMARKS.md from results. Each section contains one result, with its command and conditions.
 #pragma once
 
 #include <string>
@@ -13,8 +13,8 @@ struct BenchmarksDocumentOptions {
   bool allow_dirty = false;          // accept results of uncommitted sources
 };
 
-/// Throws Error(kInput) that names the file if a file contains no result, and Error(kUsage) for results of uncommitted
-/// sources.
+/// If a file contains no result, throws an Error(kInput) that names the file. Throws Error(kUsage) for results of
+/// uncommitted sources.
 int write_benchmarks_document(const BenchmarksDocumentOptions& options);
 
 }  // namespace multum::bench

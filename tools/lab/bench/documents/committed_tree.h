@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Refuses figures that were measured with uncommitted sources, because nobody could repeat the measurement
+// Rejects figures that were measured with uncommitted sources, because nobody could repeat the measurement
 // (tools/lab/committed_tree.py does the same for Python).
 #pragma once
 
@@ -7,9 +7,9 @@
 
 namespace multum::bench {
 
-/// Describes the commit of figures for a document. Throws Error(kUsage) that begins with `what` if `commit`
-/// (build_info.h) is unknown or ends in "-dirty". With `allow_dirty`, does not throw, and the text states that the
-/// sources are uncommitted.
+/// Describes the commit at which the figures of a document were measured. If `commit` (build_info.h) is unknown or ends
+/// in "-dirty", throws an Error(kUsage) that begins with `what`. With `allow_dirty`, does not throw, and the text
+/// states that the sources are uncommitted.
 std::string stated_commit(const std::string& what, const std::string& commit, bool allow_dirty);
 
 }  // namespace multum::bench

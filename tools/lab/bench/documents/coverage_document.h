@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writes a page about the 95 % intervals of stated errors (host/bakes/accuracy/footprint_error.h). It states how often
-// such an interval contains the error of all footprints, for every normal map of a folder and many settings.
+// Writes a page about the 95 % intervals of reported errors (host/bakes/accuracy/footprint_error.h). For every normal
+// map in a folder and for many settings, the page states how often such an interval contains the error of all
+// footprints.
 #pragma once
 
 #include <string>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writes the text of a result of `multum-bench filters`: medians over the maps, for every filter and method.
+// Writes the text of a result of `multum-bench filters`. The tables list medians over the maps, for every filter and
+// method.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -37,7 +38,7 @@ FilterKey key_of(const Json& row) {
           row.value("evaluations", 0)};
 }
 
-// One figure per map, for each filter and method.
+// Contains one figure per map, for each filter and method.
 using Figures = std::map<FilterKey, std::map<std::string, std::vector<double>>>;
 
 Figures figures_of(const Json& result, const char* list, const std::function<double(const Json&)>& value) {
@@ -52,7 +53,7 @@ Figures figures_of(const Json& result, const char* list, const char* field) {
   return figures_of(result, list, [field](const Json& row) { return row.at(field).get<double>(); });
 }
 
-// Keeps either the filters with a budget of evaluations or the filters without a budget.
+// Keeps either the filters with a fixed number of evaluations or the filters without one.
 Figures with_budget(Figures figures, bool has_budget) {
   std::erase_if(figures, [&](const auto& entry) { return (entry.first.evaluations > 0) != has_budget; });
   return figures;
@@ -79,8 +80,8 @@ std::vector<std::string> head_of(std::vector<std::string> first, const std::vect
 
 std::string percent_text(double value) { return fmt::format("{:.1f}", 100.0 * value); }
 
-// Returns filters in the order of their number of taps, and then from the plain level to the sharpest level. Filters
-// that shade each tap come last.
+// Sorts filters by their number of taps, and then from the plain level to the sharpest level. Filters that shade each
+// tap come last.
 std::vector<FilterKey> keys_of(const Figures& figures) {
   std::vector<FilterKey> keys;
   for (const auto& [key, unused] : figures) keys.push_back(key);
@@ -184,7 +185,7 @@ std::string sample_range(const Json& result) {
   return fmt::format("{} to {}", low, high);
 }
 
-// Compares the default filter with a filter of half as many taps, which are shaded separately, for four lobes. Both
+// For four lobes, compares the default filter with a filter that has half as many taps and shades them separately. Both
 // filters take about the same time.
 std::string default_text(const Json& result, const Figures& errors) {
   const Figures flicker = figures_of(result, "motions", "flicker"), times = time_ratios(result);
@@ -197,18 +198,20 @@ std::string default_text(const Json& result, const Figures& errors) {
         median_of(times, timed, method));
   };
   return fmt::format(
-      "The **default** is {} taps at a bias of {:g}, averaged and shaded once, as by an anisotropic sampler. With 4 "
+      "The **default** is {} taps at a bias of {:g}, which are averaged and shaded once, as with an anisotropic "
+      "sampler. With 4 "
       "lobes, {}. If two taps at the same bias are shaded separately, {}.\n\n",
       kTapCountDefault, kLevelBiasDefault, describe(kTapCountDefault, kShadesTapsDefault), describe(2, true));
 }
 
-// Compares all methods with an equal number of evaluations: one per lobe, or one per point.
+// Compares all methods with an equal number of evaluations. There is one evaluation per lobe, or one per point.
 std::string evaluations_text(const Json& result, const std::vector<std::string>& methods,
                              const std::vector<std::string>& moving) {
   const Figures errors = with_budget(figures_of(result, "pictures", "error"), true);
   if (errors.empty()) return "";
   std::string text = fmt::format(
-      "**With an equal number of evaluations** of light per pixel, each evaluation uses {} taps (`multum-view "
+      "The next tables compare methods **with an equal number of evaluations** of light per pixel. Each evaluation "
+      "uses {} taps (`multum-view "
       "--evaluations`). For lobes, multum's rule divides the evaluations between lobes and points. Other methods are "
       "shaded at as many points per pixel as there are evaluations. The table lists the errors in % of each method at "
       "its best bias:\n\n",
@@ -247,16 +250,18 @@ ResultView view_filters(const Json& result) {
                      [](double ratio) { return fmt::format("{:.2f}", ratio); });
   tables +=
       "\nThe next table lists errors in % against a reference that blends the light of the four finest texels around a "
-      "point. With this reference, magnification does not count as an error of the bake:\n\n";
+      "point. With this reference, blur by magnification does not count as an error of the bake:\n\n";
   tables += table_of(with_budget(figures_of(result, "pictures", "error_blended"), false), methods, percent_text);
   return {
       "Texture filters",
       fmt::format(
-          "The scene is the oblique plane of `tools/lab/reproduce maps`, drawn at {} x {} pixels with Blinn-Phong (s = "
+          "The scene is the same oblique plane as in `tools/lab/reproduce maps`, drawn at {} x {} pixels with "
+          "Blinn-Phong (s = "
           "100). "
-          "The {} maps are {}. Flicker is measured on pictures of half the width and height. Every method uses the "
-          "same filter (`multum-view --taps --level-bias`). The reference has {} samples per pixel of the finest "
-          "level, averaged with a box filter. The noise of the reference is at most {}. The noise of the blended "
+          "The {} maps are {}. Flicker is measured on pictures with half of this width and height. Every method uses "
+          "the "
+          "same filter (`multum-view --taps --level-bias`). The reference averages {} samples of the finest "
+          "level per pixel with a box filter. The noise of the reference is at most {}. The noise of the blended "
           "reference is at most {}. *Flicker* is `sum |(f' - f) - (t' - t)| / sum t` for neighbouring frames `f`, `f'` "
           "and their references `t`, `t'`. LEAN is drawn with its Jacobian.",
           result.at("width").get<int>(), result.at("height").get<int>(), result.at("maps").size(), map_names(result),

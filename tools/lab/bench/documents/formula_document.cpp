@@ -79,8 +79,8 @@ std::string relative_l1(const std::vector<Direction>& directions, const Values& 
   return fmt::format("{:.2f}", 100.0 * off / total);
 }
 
-// Runs the shading kernels with which a bake measures its own error, on one lobe or moment. The runtime's GLSL code
-// computes the same values (tests/agreement).
+// Runs the shading kernels with which a bake measures its own error, for one lobe or one set of moments. The runtime's
+// GLSL code computes the same values (tests/agreement).
 class ShadingKernels {
  public:
   explicit ShadingKernels(Device& device) : device_(device) {}
@@ -102,7 +102,7 @@ class ShadingKernels {
              More... more) {
     std::vector<glm::vec4> vectors;
     for (const Direction& d : directions) vectors.emplace_back(glm::vec3(d.w), 0.0f);
-    const MultumHighlight highlight = shaded_highlight(exponent);  // moments use only the exponent, so it comes first
+    const MultumHighlight highlight = shaded_highlight(exponent);  // moments use only the exponent
     const int count = static_cast<int>(directions.size());
     std::vector<float> values(directions.size());
     const DeviceBuffer around = device_.wrap_buffer(vectors.data(), vectors.size() * sizeof(glm::vec4), "directions");
@@ -122,7 +122,8 @@ glm::vec4 upright_lobe(double kappa) {
   return {0.0f, 0.0f, static_cast<float>(1.0 - reference::vmf_spread(kappa)), 1.0f};
 }
 
-// Convolves each term of a BRDF with a lobe, by a product of mean cosines: A = |r| A(lambda).
+// Convolves each term of a BRDF with a lobe. The mean cosine of the result is the product of the mean cosines, A = |r|
+// A(lambda).
 Values product_of_terms(const std::vector<VmfTerm>& terms, double kappa, const std::vector<Direction>& directions) {
   const double spread = reference::vmf_spread(kappa);
   std::vector<double> kappas;
@@ -294,7 +295,8 @@ std::string harmonics_table(const std::vector<Direction>& directions) {
   return table.text();
 }
 
-// Normals with weights that sum to 1: a Gaussian over two coordinates, cut at the limit of valid normals.
+// Normals whose weights sum to 1. The weights are a Gaussian over two coordinates, cut off at the limit of valid
+// normals.
 struct Normals {
   std::vector<glm::dvec3> n;
   std::vector<double> weights;
@@ -391,15 +393,16 @@ std::string formula_section(Device& device, const std::string& brdfs) {
   add_blinn_phong(lobes, kernels, round);
   add_lambert(lobes, kernels, round);
   add_facets(lobes, round, brdfs);
-  return "Each formula is applied to a distribution of exactly the shape that the formula assumes. The whole error "
-         "therefore comes from the formula. Errors are relative L1 errors in % over the hemisphere. The reference is a "
+  return "Each formula is applied to a distribution that has exactly the shape that the formula assumes, so the "
+         "whole error comes from the formula. Errors are relative L1 errors in % over the hemisphere. The reference is "
+         "a "
          "numerical integral in double precision. The comparison covers only the shape of the convolution, and omits "
          "the factors `n . l`, Fresnel and visibility. The rows for Blinn-Phong, Lambert, Gaussians and moments are "
          "computed by the kernels that measure a bake. tests/agreement shows that the runtime's GLSL code agrees with "
          "these kernels. The other rows are computed in double precision.\n\n" +
          lobes.text() +
-         "\nHarmonics are exact up to their order. The next table lists the errors of harmonics of a lobe, clamped at "
-         "0 as in the runtime.\n\n" +
+         "\nHarmonics are exact up to their order. The next table lists the errors of the harmonics of one "
+         "lobe. Negative values are clamped to 0 as in the runtime.\n\n" +
          harmonics_table(round) +
          "\nThe next table lists the errors of planar Gaussians (sigma 0.1 in n_x and n_y) and of slope Gaussians "
          "(sigma 0.1 per slope), tilted towards the rim. The spread of the BRDF is added to the spread of the "

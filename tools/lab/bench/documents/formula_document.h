@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Writes the section of docs/evidence/ACCURACY.md about the shading formulas. Each formula is compared with quadrature
-// in
-// double precision, on a distribution of exactly the shape that it assumes.
+// in double precision, for a distribution that has exactly the shape that the formula assumes.
 #pragma once
 
 #include <string>

@@ -94,28 +94,32 @@ ResultView view_inference(const Json& result) {
           "Both programs therefore compute the same steps of the preconditioned conjugate gradient method. *Eigen* is "
           "the fastest variant of Eigen's `LeastSquaresConjugateGradient`, with one solve per colour. (Eigen solves "
           "three columns in the same way.) Eigen was compiled for this machine. Its fastest variants were {3}. "
-          "*Iteration* is the time per iteration: the time of {4} iterations minus the time of {5} iterations, divided "
-          "by the difference in iterations. *Whole solve* is the time of {4} iterations and of all preparation. *Three "
-          "columns at once* is the time of the same iteration for all colours together. The program for this column "
-          "uses Eigen's matrix products, because Eigen itself offers no such solver. *Regularised* is the time of "
+          "*Iteration* is the time per iteration. It is the time of {4} iterations minus the time of {5} iterations, "
+          "divided "
+          "by the difference in the number of iterations. *Whole solve* is the time of {4} iterations, including all "
+          "preparation. *Three "
+          "columns at once* is the time of an iteration that solves for all colours together. This column uses "
+          "a solver written with Eigen's matrix products, because Eigen has no such solver. *Regularised* is the time "
+          "of "
           "multum's iteration with the default pyramid_weight, which Eigen does not support. The programs ran "
           "alternately in {6} pairs on {7} threads, and each ratio compares the two runs of a pair. *Largest "
           "difference* is the largest difference between multum's and Eigen's texels (0 to 1) after {4} iterations.",
           size * 5 / 4, size * 15 / 16, size, yardsticks, iterations, iterations / 4,
           result.at("repetitions").get<int>(), result.at("threads").get<int>()),
       solver_table(systems) +
-          "\nThe next table lists the times of matrix products for three colours. The column *GB/s* counts each vector "
-          "once, and counts the matrix as it is stored, in blocks of 8 entries.\n\n" +
+          "\nThe next table lists the times of matrix products for three colours. For the column *GB/s*, each "
+          "vector counts once, and the matrix counts with its stored size, in blocks of 8 entries.\n\n" +
           product_table(systems) +
           "\n"
           "The next table lists the number of iterations until the gradient falls to 1e-3 of the gradient of a black "
           "texture. The textures have full contrast, and the solver chooses its steps as usual.\n\n" +
           convergence_table(systems) +
           "\n"
-          "For stacked pictures, the next table compares two methods: products with A and then A^T, and products with "
-          "the matrix A^T A. The solver uses A^T A if this matrix has fewer than twice as many entries as A "
-          "(`kNormalEntriesMax`, `host/fields/inference/solver/texture_system.cpp`). With somewhat more entries, "
-          "products with A^T A would still be faster, but computing A^T A takes time.\n\n" +
+          "For stacked pictures, the next table compares two methods. One method multiplies by A and then by "
+          "A^T, and the other method multiplies by the matrix A^T A. The solver uses A^T A if this matrix has fewer "
+          "than twice as many entries as A "
+          "(`kNormalEntriesMax`, `host/fields/inference/solver/texture_system.cpp`). Products with A^T A are "
+          "still faster if A^T A has somewhat more entries than this, but computing A^T A takes time.\n\n" +
           form_table(result.at("forms"))};
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writes Markdown tables with padded columns, which are also readable on a terminal.
+// Writes Markdown tables with padded columns, so that they are also readable on a terminal.
 #pragma once
 
 #include <string>
@@ -19,7 +19,7 @@ class MarkdownTable {
   std::vector<std::vector<std::string>> rows_;  // all rows, starting with the head
 };
 
-/// Describes the default filter, with which pixel errors are measured: "4 taps, which are averaged and shaded once, at
+/// Describes the default filter, which is used to measure pixel errors: "4 taps, which are averaged and shaded once, at
 /// a level bias of -0.5".
 std::string default_filter_text();
 

@@ -121,7 +121,7 @@ std::string first_bake_text(const Json& result) {
   return text;
 }
 
-// Describes the steps of whole bakes, on every device that ran them.
+// Describes the steps of whole bakes for every device that ran them.
 std::string bakes_text(const Json& result) {
   MarkdownTable table({"map", "device", "read, s", "search for starting lobes, s", "binning, s", "levels, s",
                        "write, s", "whole process, s", "processor time, s", "device memory, MiB",

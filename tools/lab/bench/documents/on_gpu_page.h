@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Makes the page of a run of `multum-bench on-gpu`, with devices, results of the steps, and failures.
+// Makes the page of a run of `multum-bench on-gpu`. The page lists the devices, the results of the steps, and the
+// failures.
 #pragma once
 
 #include <nlohmann/json.hpp>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Makes the commands for benchmarks of whole bakes. multum comes from this program's folder, and maketx comes from
-// PATH.
+// Makes the commands for benchmarks of whole bakes. The multum program is in the folder of this program, and maketx is
+// found through PATH.
 #pragma once
 
 #include <string>
@@ -17,8 +17,8 @@ struct BakeCommandOptions {
   std::vector<std::string> appended;  // additional options of `multum bake`
 };
 
-/// Finds a program in the folder of this program, or a test in the archive's folder below it (tools/bundle). Throws
-/// Error(kEnvironment) that names the folder.
+/// Finds a program in the folder of this program, or a test in a folder of the archive below it (tools/bundle). If
+/// there is none, throws an Error(kEnvironment) that names the folder.
 std::string neighbouring_program(const std::string& name);
 
 /// Returns the command that bakes the four-quarter map to a file, with --quiet.
@@ -37,8 +37,8 @@ std::vector<std::string> maketx_command(const std::string& map, const std::strin
 /// is missing.
 std::string maketx_version();
 
-/// Makes the four-quarter map as a 16-bit PNG in `folder` and returns its name. A process of `multum testmap` makes it,
-/// so that its memory does not count for this process.
+/// Makes the four-quarter map as a 16-bit PNG in `folder` and returns its name. The map is made by a process of `multum
+/// testmap`, so that its memory does not count for this process.
 std::string make_map_file(const std::string& folder, int size, Progress* progress);
 
 }  // namespace multum::bench

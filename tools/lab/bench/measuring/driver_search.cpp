@@ -44,7 +44,7 @@ std::vector<fs::path> files_of(const fs::path& folder, const std::string& extens
   return files;
 }
 
-// Returns one line such as "libEGL.so.1 (libc6,x86-64) => /usr/lib/..." per library. Without ldconfig, the text is
+// Returns one line per library, such as "libEGL.so.1 (libc6,x86-64) => /usr/lib/...". Without ldconfig, the text is
 // empty.
 std::string loader_list() {
   for (const char* program : {"/sbin/ldconfig", "/usr/sbin/ldconfig"}) {

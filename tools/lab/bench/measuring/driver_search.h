@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Finds drivers that are installed but unknown to the loaders. Containers with a GPU often have the maker's libraries
-// without the files that name them. Names these drivers to the loaders of child processes, by means of files in a
+// without the files that name them. Makes these drivers known to the loaders of child processes, by means of files in a
 // folder of this process.
 //
 //   OpenCL   /etc/OpenCL/vendors/*.icd, each the name of a library      OCL_ICD_VENDORS
@@ -21,7 +21,7 @@ struct DriverSearch {
   std::vector<FoundDriver> opencl, egl;
 };
 
-/// Searches ld.so's list and the usual folders of makers and containers. Changes nothing.
+/// Searches the list of ld.so, and the usual folders of driver makers and containers. Changes nothing.
 DriverSearch find_drivers();
 
 /// Registers the drivers that no file names, with files in `folder` and environment variables. Call it before any

@@ -10,7 +10,7 @@
 namespace multum::bench {
 namespace {
 
-// Tests for the x86-64 levels of GCC for which the yardstick is compiled.
+// Tests whether the processor supports the x86-64 levels of GCC for which the yardstick is compiled.
 bool processor_has(Instructions instructions) {
   return instructions == Instructions::kAvx512 ? __builtin_cpu_supports("x86-64-v4") > 0
                                                : __builtin_cpu_supports("x86-64-v3") > 0;
@@ -32,7 +32,7 @@ Instructions choose_instructions(std::optional<Instructions> asked) {
   return chosen;
 }
 
-// PoCL caches kernels by processor.
+// PoCL keeps a separate kernel cache for each type of processor.
 void limit_opencl(Instructions instructions) {
   const bool wide = instructions == Instructions::kAvx512;
   setenv("POCL_KERNELLIB_NAME", wide ? "avx512" : "avx2", 1);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Describes the machine that made a table of figures.
+// Describes the machine on which a table of figures was measured.
 #pragma once
 
 #include <cstdint>

@@ -46,7 +46,7 @@ ProgramCost run_to_disk(const std::vector<std::string>& command, const std::stri
   std::filesystem::remove(output);
   const Stopwatch stopwatch;
   const ChildResult result = run_child(command);
-  progress_advance(progress, 0);  // Ctrl-C also ends the child, which is not a failure of the child
+  progress_advance(progress, 0);  // Ctrl-C also terminates the child, which does not count as a failure of the child
   check_result(command[0], result, output);
   sync_file(output);
   const double wall = stopwatch.seconds();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Runs a whole program as a child process until its output is synced, and measures its costs.
+// Runs a whole program as a child process, waits until its output is synced, and measures its costs.
 #pragma once
 
 #include <cstdint>

@@ -13,8 +13,8 @@ namespace {
 
 // Distance of the horizon above the picture, in picture heights. Visible points are 0.87 to 6.7 camera heights away.
 constexpr double kHorizon = 0.15;
-constexpr double kScaleS = 1.6, kScaleT = 0.4;  // repetitions of the texture that give one texel per pixel in the
-                                                // foreground
+constexpr double kScaleS = 1.6, kScaleT = 0.4;  // number of repetitions of the texture that gives one texel per pixel
+                                                // in the foreground
 // Interpolation between texels and between levels uses weights of at least this value. Every visible texel then has
 // enough weight to be determined in single precision without regularisers, so no texel reaches a bound.
 constexpr double kFractionMin = 1.0 / 8;
@@ -36,8 +36,8 @@ void add_bilinear(const MipLevelPlace& level, double s, double t, double share, 
     }
 }
 
-// Adds one sub-pixel at (x, y) of the picture, each from 0 to 1. Computes its point on the plane, and its level from
-// the larger side of its footprint.
+// Adds one sub-pixel at (x, y) of the picture, where x and y are from 0 to 1. Computes the sub-pixel's point on the
+// plane, and computes its level from the longer side of its footprint.
 void add_sample(const PlaneView& view, const MipLayout& layout, double x, double y, int width, int height,
                 std::vector<Entry>& entries) {
   const double distance = 1.0 / (kHorizon + y), angle = kTurn * view.camera;
@@ -53,7 +53,7 @@ void add_sample(const PlaneView& view, const MipLayout& layout, double x, double
   if (fraction > 0.0) add_bilinear(layout.levels[fine + 1], s, t, fraction, entries);
 }
 
-// Sorts entries by column, and adds up entries of the same texel.
+// Sorts entries by column, and adds the entries of the same texel.
 void merge(std::vector<Entry>& entries) {
   std::stable_sort(entries.begin(), entries.end(), [](const Entry& a, const Entry& b) { return a.first < b.first; });
   std::size_t kept = 0;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Makes filter matrices as in texture inference, but without GL. The pictures show a plane with a repeated texture in
-// perspective, seen by cameras around it, with trilinear sampling as in GL (OpenGL 4.5, section 8.14).
+// Makes filter matrices like the matrices of texture inference, but without GL. The pictures show a plane with a
+// repeated texture in perspective. The cameras are around the plane, and sampling is trilinear as in GL (OpenGL 4.5,
+// section 8.14).
 #pragma once
 
 #include <vector>

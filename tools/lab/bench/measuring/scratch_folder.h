@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A folder for a benchmark's maps and results, removed when the benchmark ends or is cancelled.
+// Manages a folder for a benchmark's maps and results. The folder is removed when the benchmark ends or is cancelled.
 #pragma once
 
 #include <string>
@@ -22,7 +22,7 @@ class ScratchFolder {
   std::string path_;
 };
 
-/// Writes a file and its folder's entry from the system's cache to the disk. Throws Error(kEnvironment).
+/// Writes a file and its directory entry from the system's cache to the disk. Throws Error(kEnvironment) if this fails.
 void sync_file(const std::string& path);
 
 }  // namespace multum::bench

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Computes the median and the quartiles of repeated measurements, as numbers, JSON and text.
+// Computes the median and the quartiles of repeated measurements, and formats them as numbers, JSON and text.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -21,8 +21,8 @@ Spread spread_of(std::vector<double> values);
 nlohmann::ordered_json spread_json(const Spread& spread);
 Spread parse_spread(const nlohmann::ordered_json& json);
 
-/// Writes "1.00 (0.90 .. 1.20)", with the decimals of rounded_text() for the median, or only "1.00" if the quartiles
-/// round to the same number.
+/// Writes text such as "1.00 (0.90 .. 1.20)", with the number of decimals that rounded_text() uses for the median. If
+/// the quartiles round to the same number, writes only "1.00".
 std::string spread_text(const Spread& spread);
 
 /// Writes `value` with three significant digits, or as a whole number if it has more digits: "0.00123", "1.23", "1235".

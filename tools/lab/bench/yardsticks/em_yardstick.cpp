@@ -14,8 +14,8 @@
 namespace multum::bench {
 namespace {
 
-// Lanes per register. GCC splits wider vectors into registers for arithmetic, but compares and selects lane by lane.
-// With 16 lanes on AVX2, the code of this file therefore took 5.7 times as long as with AVX-512.
+// Number of lanes per register. For arithmetic, GCC splits wider vectors into registers, but it compares and selects
+// lane by lane. With 16 lanes on AVX2, the code in this file therefore took 5.7 times as long as with AVX-512.
 #ifdef __AVX512F__
 constexpr int kLanes = 16;
 #else
@@ -235,7 +235,7 @@ void fit_lanes(const YardstickLevel& level, int group, int first_lane, float* ou
   }
 }
 
-// Fits coarse levels with one sample per lane. Chunks of rows are summed in parallel. One M-step follows, with the
+// Fits coarse levels with one sample per lane. Chunks of rows are summed in parallel, and one M-step follows, with the
 // lobes in lane 0.
 template <int kLobes>
 void fit_texel(const YardstickLevel& level, int texel, float* out) {
@@ -243,7 +243,7 @@ void fit_texel(const YardstickLevel& level, int texel, float* out) {
   const int chunks = (side + rows_per_chunk - 1) / rows_per_chunk;
   const int x0 = texel % level.level_width * side, y0 = texel / level.level_width * side;
   const float inverse_count = 1.0f / (static_cast<float>(side) * static_cast<float>(side));
-  // The start of this texel is copied to all lanes.
+  // The starting lobes of this texel are copied to all lanes.
   std::vector<float> start(static_cast<std::size_t>(kLobes * MULTUM_START_PLANES * MULTUM_GROUP));
   const float* from =
       level.start + static_cast<std::size_t>(texel / MULTUM_GROUP) * start.size() + texel % MULTUM_GROUP;

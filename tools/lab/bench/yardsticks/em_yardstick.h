@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The yardstick of the EM kernels. It computes the same sums in plain, readable C++ with OpenMP and vectors as wide as
-// a register (GCC's vector extensions, compiled for AVX-512 and for AVX2).
+// The yardstick for the EM kernels. It computes the same sums in plain, readable C++ with OpenMP, and uses vectors that
+// are as wide as a register (GCC's vector extensions, compiled for AVX-512 and for AVX2).
 #pragma once
 
 #include <cstddef>
@@ -10,18 +10,19 @@
 
 namespace multum::bench {
 
-/// Samples and starts in the kernels' layouts (kernels/shared/movmf_fit.h). Contains only whole texels, so there are no
-/// weights.
+/// Contains samples and starting lobes in the layouts of the kernels (kernels/shared/movmf_fit.h). There are only whole
+/// texels, so there are no weights.
 struct YardstickLevel {
   int lobe_count;
   int iteration_count;
   int group_count;       // number of groups, of 16 texels each
   int sample_count;      // samples per texel
-  const float* samples;  // [group][sample][3][16]; if null, the planes are used, one texel after another
+  const float* samples;  // [group][sample][3][16]; if null, the planes are used, and texels are fitted one after
+                         // another
   const float* start;    // [group][lobe][MULTUM_START_PLANES][16]
   float kappa_cap;
   float kappa_cap_slope;
-  // Planes for coarse levels, where a texel is a rectangle of the planes.
+  // Planes for coarse levels, in which each texel is a rectangle of the planes.
   const float* plane_x = nullptr;
   const float* plane_y = nullptr;
   const float* plane_z = nullptr;

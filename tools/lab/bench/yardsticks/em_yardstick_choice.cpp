@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Chooses the build of the yardstick.
+// Chooses the build of the yardstick that fits the processor.
 #include "tools/lab/bench/yardsticks/em_yardstick.h"
 
 namespace multum::bench {

@@ -43,7 +43,7 @@ class LeastSquaresYardstick : public InferenceYardstick {
     Eigen::setNbThreads(threads_);
     solver_.setMaxIterations(iteration_count);
     const Columns b = mapped(colours), from = mapped(start);
-    const Columns x = solver_.solveWithGuess(b, from);  // solves one column after the other
+    const Columns x = solver_.solveWithGuess(b, from);  // this solves one column after the other
     MULTUM_CHECK(solver_.iterations() == iteration_count);
     return interleaved(x);
   }

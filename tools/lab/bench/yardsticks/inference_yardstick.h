@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The yardstick of texture inference. It uses Eigen's conjugate gradient for least squares in single precision, with
-// its diagonal preconditioner, and is compiled for this machine and with OpenMP.
+// The yardstick for texture inference. It uses Eigen's conjugate gradient method for least squares in single precision,
+// with its diagonal preconditioner. It is compiled for this machine and with OpenMP.
 #pragma once
 
 #include <memory>
@@ -13,7 +13,7 @@ namespace multum::bench {
 
 enum class YardstickForm {
   kRowMajor,      // LeastSquaresConjugateGradient with one solve per colour; A gathers, and A^T scatters
-  kColumnMajor,   // as kRowMajor, but A scatters, and A^T gathers
+  kColumnMajor,   // like kRowMajor, but A scatters, and A^T gathers
   kThreeColumns,  // the same iteration, written with Eigen's products for three columns; A and A^T both gather
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Fills the page of `multum export --page`: tables, pictures and moving pictures of every filtering method.
+// Fills the page of `multum export --page` with tables, pictures and moving pictures of every filtering method.
 
 const { names, distances, motions, report } = data;
 const ids = Object.keys(names);

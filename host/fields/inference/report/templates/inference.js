@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// Fills the page of `multum infer`: errors, pictures, times and counts of report.json. The C++ code adds `samples` with
-// their places on the parameter grid, `pictures`, and the `texels` of layers.
+// Fills the page of `multum infer` with the errors, pictures, times and counts of report.json. The C++ code adds
+// `samples` with their places on the parameter grid, `pictures`, and the `texels` of layers.
 
-// Seconds per point of the parameter space in the paper's table "System Performance": texture coordinate optimisation
-// .93 s, obtaining matrix A 2.15 min, solving for textures 2.68 min.
+// The seconds per point of the parameter space in the paper's table "System Performance". The table lists texture
+// coordinate optimisation (.93 s), obtaining matrix A (2.15 min) and solving for textures (2.68 min).
 const PAPER_SECONDS = { mapping: 0.93, probing: 2.15 * 60, solving: 2.68 * 60 };
 const NONE = "\u2013";
 
 const { objects, layers, frames, comparison, parameters, samples, pictures, seconds } = data;
-// Formats a number with three digits; null means that there is no value.
+// Formats a number with three digits. The value null means that there is no number.
 const mse = (value) => (value === null ? NONE : value.toFixed(value < 9.995 ? 2 : value < 99.95 ? 1 : 0));
 const secondsText = (value) => value.toFixed(value < 9.95 ? 2 : 1);
 const counted = (count, what) => `${count} ${what}${count === 1 ? "" : "s"}`;
@@ -125,7 +125,8 @@ const LEFT = 44, TOP = 4; // position of a heat map's cells
 const label = (x, y, anchor, text, kind = null) =>
   svgNode("text", { class: kind, x: general(x), y: general(y), "text-anchor": anchor }, text);
 
-// Columns are the last parameter, which changes fastest between samples. Rows are all other parameters together.
+// The columns are the last parameter, which changes fastest between samples. The rows are all other parameters
+// together.
 const columnCount = parameters.length > 0 ? parameters.at(-1).count : 1;
 const rowCount = Math.floor(samples.length / columnCount);
 const cellWidth = Math.min(42, Math.max(4, 336 / columnCount)), cellHeight = cellWidth < 30 ? cellWidth : 24;
@@ -260,7 +261,7 @@ for (const { object, layer, picture: one } of pictures.textures) {
 byId("times").append(timeTable());
 byId("mappings").append(mappingTable());
 byId("counts").append(countTable());
-// Loads the player only on request. If the file is missing, the object's content is shown.
+// The player is loaded only on request. If the file is missing, the object's content is shown.
 byId("player").addEventListener("toggle", ({ target }) => {
   target.replaceWith(node("object", { id: "player", type: "text/html", data: "player.html", "aria-label": "player" },
     "This page's folder has no player.html yet. The command above writes it if FOLDER is this page's folder."));
