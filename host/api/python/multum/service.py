@@ -139,8 +139,10 @@ class Job:
                 with self._service._open("GET", self._path("/events"), timeout_s=30.0) as stream:
                     failures = 0
                     for event in _parse_events(stream):
-                        yield event
-                        if limit is not None and time.monotonic() > limit:
+                        if event is not None:
+                            yield event
+                        # The service keeps the stream open after the end, and sends pulses.
+                        if event is None or event.get("state") in _ENDED or (limit and time.monotonic() > limit):
                             break
             except (OSError, ServiceError):
                 failures += 1
@@ -196,7 +198,8 @@ class Job:
         return path
 
 
-def _parse_events(stream: Any) -> "Iterator[Dict[str, Any]]":
+def _parse_events(stream: Any) -> "Iterator[Optional[Dict[str, Any]]]":
+    """Yields the events of a stream, and None for each pulse, with which the service shows that it is alive."""
     data: List[str] = []
     kind = ""
     for raw in stream:
@@ -205,6 +208,8 @@ def _parse_events(stream: Any) -> "Iterator[Dict[str, Any]]":
             data.append(line[5:].strip())
         elif line.startswith("event:"):
             kind = line[6:].strip()
+        elif line == ": pulse":
+            yield None
         elif not line and data:
             event = json.loads("\n".join(data))
             if isinstance(event, dict):
