@@ -185,7 +185,7 @@ multum_status multum_bake(multum_device* device, const multum_maps* maps, const 
     job.output = output == nullptr ? folder->path() + "/baked.ndf.exr" : output;
     const multum::NewFolders new_folders;
     multum::make_folder_of(job.output);
-    const std::lock_guard lock(device->mutex);
+    const multum::DeviceUse use(*device, call.progress());
     const multum::BakeReport report = multum::run_bake(job, parameters, device->device, call.progress());
     if (map == nullptr) return;
     auto made = std::make_unique<multum_map>(job.output, std::move(folder));
@@ -219,7 +219,7 @@ multum_status multum_export(multum_device* device, const multum_maps* maps, cons
     job.output = output;
     const multum::NewFolders new_folders;
     multum::make_folder_of(job.output);
-    const std::lock_guard lock(device->mutex);
+    const multum::DeviceUse use(*device, call.progress());
     const multum::ExportReport made = multum::export_file(job, device->device, call.progress());
     if (report != nullptr) *report = new multum_text{made.to_json(job)};
   });
@@ -242,7 +242,7 @@ multum_status multum_convert_model(multum_device* device, const char* input, con
     job.output = output;
     const multum::NewFolders new_folders;
     multum::make_folder_of(job.output);
-    const std::lock_guard lock(device->mutex);
+    const multum::DeviceUse use(*device, call.progress());
     const multum::GltfReport made = multum::convert_gltf(job, device->device, call.progress());
     if (report != nullptr) *report = new multum_text{made.to_json(job)};
   });
@@ -260,7 +260,7 @@ multum_status multum_measure(multum_device* device, const char* baked, const mul
     const multum::ParameterValues parameters = multum::values_of(values, multum::bake_parameters());
     multum::BakeJob job = multum::bake_job(names, parameters, values);
     job.output = baked;
-    const std::lock_guard lock(device->mutex);
+    const multum::DeviceUse use(*device, call.progress());
     const multum::BakedCheck check = multum::check_baked_file(job, device->device, call.progress());
     if (!check.damage.empty()) throw Error(ErrorCode::kVerification, std::string(baked) + ": " + check.damage);
     *errors = new multum_text{multum::measured_error_json(check.measured.rows, check.measured.footprint_errors)};

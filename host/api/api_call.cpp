@@ -2,7 +2,9 @@
 #include "host/api/api_call.h"
 
 #include <algorithm>
+#include <cstddef>
 #include <cstring>
+#include <iterator>
 #include <string>
 
 #include "host/api/api_error.h"
@@ -11,7 +13,11 @@ namespace multum {
 
 ApiCall::ApiCall(const multum_callbacks* callbacks) : scope_({this, nullptr}) {
   if (callbacks == nullptr) return;
-  if (callbacks->size < sizeof(size_t) + sizeof(void*))
+  constexpr std::size_t kSizes[] = {offsetof(multum_callbacks, progress), offsetof(multum_callbacks, log),
+                                    sizeof(multum_callbacks)};
+  const bool is_known = callbacks->size >= sizeof(multum_callbacks) ||
+                        std::find(std::begin(kSizes), std::end(kSizes), callbacks->size) != std::end(kSizes);
+  if (!is_known)
     throw Error(ErrorCode::kUsage, "multum_callbacks: size is " + std::to_string(callbacks->size) +
                                        ", expected callbacks that MULTUM_CALLBACKS_INIT initialised");
   std::memcpy(&callbacks_, callbacks, std::min(callbacks->size, sizeof(callbacks_)));

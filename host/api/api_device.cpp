@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/api/api_device.h"
 
+#include <chrono>
 #include <cstdlib>
 #include <memory>
 #include <mutex>
@@ -21,6 +22,20 @@ void use_kernel_caches() {
 }
 
 }  // namespace
+
+DeviceUse::DeviceUse(multum_device& device, Progress* progress) : device_(device) {
+  constexpr std::chrono::milliseconds kBetweenReports{100};
+  if (device.user == std::this_thread::get_id())
+    throw Error(ErrorCode::kUsage, "a callback has used the device of the running call, expected another device");
+  while (!device.mutex.try_lock_for(kBetweenReports)) progress_stage(progress, "wait for the device");
+  device.user = std::this_thread::get_id();
+}
+
+DeviceUse::~DeviceUse() {
+  device_.user = std::thread::id();
+  device_.mutex.unlock();
+}
+
 }  // namespace multum
 
 multum_status multum_device_open(const char* selector, multum_device** device, multum_error** error) {

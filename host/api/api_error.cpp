@@ -27,7 +27,7 @@ std::string with_setting_names(const std::string& message) {
   std::string text;
   for (std::size_t i = 0; i < message.size(); ++i) {
     const bool begins = message.compare(i, 2, "--") == 0 && i + 2 < message.size() && is_letter(message[i + 2]) &&
-                        (i == 0 || !is_letter(message[i - 1]));
+                        (i == 0 || message[i - 1] == ' ' || message[i - 1] == '(');
     if (!begins) {
       text += message[i];
       continue;
@@ -52,7 +52,12 @@ multum_status status_of(ErrorCode code) {
 // Messages have the form "FILE: found X, expected Y. Advice" or "NAME is X, expected Y".
 void take_parts(multum_error& error) {
   const std::string& text = error.message;
-  const std::size_t expected = text.find("expected ");
+  std::size_t expected = text.find("expected ");
+  while (expected != std::string::npos && expected > 0 && is_letter(text[expected - 1]))  // "unexpected "
+    expected = text.find("expected ", expected + 1);
+  const std::size_t colon = text.find(": ");
+  const bool has_file = error.status != MULTUM_BAD_SETTING && colon != std::string::npos && colon < expected;
+  if (has_file) error.file = text.substr(0, colon);
   if (expected != std::string::npos) {
     const std::size_t begin = expected + 9;
     std::size_t end = begin;
@@ -63,15 +68,12 @@ void take_parts(multum_error& error) {
   }
   const std::size_t limit = expected == std::string::npos ? text.size() : expected;
   for (const std::string word : {"found ", " is "}) {
-    const std::size_t at = text.find(word);
+    const std::size_t at = text.find(word, has_file ? colon : 0);
     if (at == std::string::npos || at >= limit) continue;
     const std::size_t begin = at + word.size();
     error.found = text.substr(begin, text.find_first_of(",;:", begin) - begin);
     break;
   }
-  const std::size_t colon = text.find(": ");
-  if (error.status != MULTUM_BAD_SETTING && colon != std::string::npos && text.find(' ') > colon)
-    error.file = text.substr(0, colon);
 }
 
 multum_status store(multum_error** error, multum_status status, const std::string& message) noexcept {

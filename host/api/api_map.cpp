@@ -53,6 +53,8 @@ class LobeRows : public MapRows {
     append_layers(rows.weights, values[MULTUM_WEIGHTS]);
     return values;
   }
+  const BakedHeader& header() const override { return reader_.header().header; }
+  int lobe_count() const override { return reader_.header().lobe_count(); }
 
  private:
   MovmfReader reader_;
@@ -71,6 +73,8 @@ class MomentRows : public MapRows {
     return values;
   }
 
+  const BakedHeader& header() const override { return reader_.header(); }
+
  private:
   MomentReader reader_;
 };
@@ -86,6 +90,9 @@ class HarmonicRows : public MapRows {
     append(rows.weights, values[MULTUM_WEIGHTS]);
     return values;
   }
+
+  const BakedHeader& header() const override { return reader_.header(); }
+  int sh_order() const override { return reader_.order(); }
 
  private:
   ShReader reader_;
@@ -108,9 +115,8 @@ void check_part(multum_part part) {
 }
 
 // Appends the bytes of a file to an open file. `shown` is the name of the open file in messages.
-void copy_bytes(const std::string& from, int to, const std::string& shown) {
+void copy_bytes(const ByteFile& file, int to, const std::string& shown) {
   constexpr std::int64_t kBlock = std::int64_t{1} << 20;
-  const ByteFile file(from);
   std::vector<char> block(static_cast<std::size_t>(std::min(kBlock, file.size())));
   for (std::int64_t position = 0; position < file.size();) {
     const std::int64_t count = std::min(kBlock, file.size() - position);
@@ -163,12 +169,14 @@ using multum::mip_level_size;
 using multum::PartValues;
 
 multum_map::multum_map(std::string path, std::unique_ptr<multum::WorkFolder> folder)
-    : folder_(std::move(folder)), path_(std::move(path)), header_(multum::read_baked_header(path_)) {
-  if (multum::holds_lobes(header_.representation)) lobe_count_ = multum::read_movmf_header(path_).lobe_count();
-  if (header_.representation == multum::Representation::kSh) {
-    sh_order_ = multum::read_sh_header(path_).order;
-    sh_layers_ = (sh_order_ * (sh_order_ + 2) + 3) / 4;  // without the constant Y_00
-  }
+    : folder_(std::move(folder)),
+      path_(std::filesystem::absolute(path).string()),
+      file_(path_),
+      rows_(multum::open_rows(path_, multum::read_baked_header(path_).representation)),
+      header_(rows_->header()),
+      lobe_count_(rows_->lobe_count()),
+      sh_order_(rows_->sh_order()),
+      sh_layers_((sh_order_ * (sh_order_ + 2) + 3) / 4) {  // without the constant Y_00
   made_.resize(static_cast<std::size_t>(header_.level_count()));
   levels_ = std::vector<std::atomic<const PartValues*>>(made_.size());
   const multum::BakedProvenance& from = header_.provenance;
@@ -218,9 +226,15 @@ void multum_map::check_level(int level) const {
                                                header_.first_level, header_.level_count() - 1, path_));
 }
 
-multum::MapRows& multum_map::rows() {
-  if (rows_ == nullptr) rows_ = multum::open_rows(path_, header_.representation);
-  return *rows_;
+PartValues multum_map::checked(PartValues values, int level, int row_count) const {
+  for (std::size_t part = 0; part < values.size(); ++part) {
+    const multum::PartShape expected = shape(static_cast<multum_part>(part));
+    const std::size_t texels =
+        static_cast<std::size_t>(mip_level_size(header_.width, level)) * static_cast<std::size_t>(row_count);
+    MULTUM_CHECK(values[part].size() ==
+                 texels * static_cast<std::size_t>(expected.layers) * static_cast<std::size_t>(expected.channels));
+  }
+  return values;
 }
 
 const PartValues& multum_map::level(int level) {
@@ -229,7 +243,8 @@ const PartValues& multum_map::level(int level) {
   if (const PartValues* made = levels_[index].load(std::memory_order_acquire)) return *made;
   const std::lock_guard lock(mutex_);
   if (made_[index] == nullptr) {
-    made_[index] = std::make_unique<PartValues>(rows().read(level, 0, mip_level_size(header_.height, level)));
+    const int rows = mip_level_size(header_.height, level);
+    made_[index] = std::make_unique<PartValues>(checked(rows_->read(level, 0, rows), level, rows));
     levels_[index].store(made_[index].get(), std::memory_order_release);
   }
   return *made_[index];
@@ -237,7 +252,7 @@ const PartValues& multum_map::level(int level) {
 
 PartValues multum_map::read(int level, int first_row, int row_count) {
   const std::lock_guard lock(mutex_);
-  return rows().read(level, first_row, row_count);
+  return checked(rows_->read(level, first_row, row_count), level, row_count);
 }
 
 void multum_map::forget() {
@@ -283,7 +298,7 @@ multum_status multum_map_save(multum_map* map, const char* path, multum_error** 
     const multum::NewFolders new_folders;
     if (!folder.empty()) multum::make_folder(folder.string());
     multum::AtomicFile file(path);
-    multum::copy_bytes(map->path(), file.descriptor(), path);
+    multum::copy_bytes(map->file(), file.descriptor(), path);
     file.commit();
   });
 }

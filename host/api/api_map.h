@@ -13,6 +13,7 @@
 
 #include "host/api/multum.h"
 #include "host/formats/asset/baked_file.h"
+#include "host/foundation/base/files/byte_file.h"
 #include "host/foundation/base/files/work_folder.h"
 
 namespace multum {
@@ -28,6 +29,9 @@ class MapRows {
  public:
   virtual ~MapRows() = default;
   virtual PartValues read(int level, int first_row, int row_count) = 0;
+  virtual const BakedHeader& header() const = 0;
+  virtual int lobe_count() const { return 0; }
+  virtual int sh_order() const { return 0; }
 };
 
 /// The numbers of layers and channels of a part. Both are 0 if the file lacks the part.
@@ -42,6 +46,7 @@ struct multum_map {
   multum_map(std::string path, std::unique_ptr<multum::WorkFolder> folder);
 
   const std::string& path() const { return path_; }
+  const multum::ByteFile& file() const { return file_; }
   const multum::BakedHeader& header() const { return header_; }
   multum_info info() const;
   multum::PartShape shape(multum_part part) const;
@@ -57,15 +62,16 @@ struct multum_map {
 
  private:
   void add_text(const char* key, const std::string& text) { texts_[key] = text; }
-  multum::MapRows& rows();
+  multum::PartValues checked(multum::PartValues values, int level, int row_count) const;
 
   std::unique_ptr<multum::WorkFolder> folder_;
   std::string path_;
+  multum::ByteFile file_;  // the file that is open, even if another file takes its name
+  std::unique_ptr<multum::MapRows> rows_;
   multum::BakedHeader header_;
   int lobe_count_ = 0, sh_order_ = 0, sh_layers_ = 0;
   std::map<std::string, std::string> texts_;
   std::mutex mutex_;  // guards the reader and the making of levels
-  std::unique_ptr<multum::MapRows> rows_;
   std::vector<std::unique_ptr<multum::PartValues>> made_;
   std::vector<std::atomic<const multum::PartValues*>> levels_;
 };

@@ -75,6 +75,10 @@ void look_up(multum_map& map, double u, double v, double level, multum_lobes& re
   if (map.header().representation != Representation::kMovmf)
     throw Error(ErrorCode::kUsage,
                 fmt::format("{} has representation {}, expected lobes (vmf)", map.path(), map.text("representation")));
+  if (map.header().has_roughness)
+    throw Error(ErrorCode::kUsage, fmt::format("{} was baked with roughness, whose width its lobes contain; expected a "
+                                               "file without roughness for shading",
+                                               map.path()));
   if (!std::isfinite(u) || !std::isfinite(v) || std::isnan(level))
     throw Error(ErrorCode::kUsage,
                 fmt::format("multum_map_lookup: (u, v, level) is ({}, {}, {}), expected finite numbers", u, v, level));

@@ -2,6 +2,7 @@
 #include "host/api/api_values.h"
 
 #include <array>
+#include <charconv>
 #include <cmath>
 #include <cstring>
 #include <map>
@@ -48,6 +49,14 @@ const Parameter& row_of(const multum_values& values, const char* name) {
   throw Error(ErrorCode::kUsage, row.name + " is " + found + ", expected " + expected_text(row));
 }
 
+// Returns the number, or 0 for any other text.
+double number_of(const char* text) {
+  double number = 0.0;
+  const char* const end = text + std::strlen(text);
+  const auto [rest, error] = std::from_chars(text, end, number);
+  return error == std::errc() && rest == end ? number : 0.0;
+}
+
 void set_threads(multum_values& values, double count, const std::string& found) {
   if (!(count >= 1 && count <= kThreadsMax) || count != std::floor(count))
     throw Error(ErrorCode::kUsage,
@@ -65,7 +74,7 @@ void set_number(multum_values& values, const char* name, double number) {
 }
 
 void set_text(multum_values& values, const char* name, const char* text) {
-  if (std::strcmp(name, kThreads) == 0) return set_threads(values, std::atof(text), text);
+  if (std::strcmp(name, kThreads) == 0) return set_threads(values, number_of(text), text);
   const Parameter& row = row_of(values, name);
   if (row.kind == ParameterKind::kFlag) {
     if (std::strcmp(text, "true") != 0 && std::strcmp(text, "false") != 0) refuse(row, text);
@@ -145,12 +154,12 @@ const std::vector<ParameterTexts>& parameter_texts(const ParameterTable& table) 
   static std::mutex mutex;
   static std::map<const ParameterTable*, std::vector<ParameterTexts>> all;
   const std::lock_guard lock(mutex);
-  std::vector<ParameterTexts>& texts = all[&table];
-  if (!texts.empty()) return texts;
+  if (const auto found = all.find(&table); found != all.end()) return found->second;
+  std::vector<ParameterTexts> texts;
   for (const Parameter& row : table.rows())
     if (!is_argument(row.name)) texts.push_back({row.name, row.help, values_text(row)});
   texts.push_back({kThreads, "work with this many threads", "an integer from 1 to 1024, default: all cores"});
-  return texts;
+  return all.emplace(&table, std::move(texts)).first->second;
 }
 
 }  // namespace

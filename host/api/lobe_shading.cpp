@@ -78,6 +78,18 @@ double highlight_cosine(const Lobe& lobe, const glm::dvec3& h, const glm::dvec3&
 // The spread of a term of f that is convolved with the lobe.
 double convolved(const Lobe& lobe, const VmfTerm& term) { return lobe.spread + (1.0 - lobe.spread) * term.spread; }
 
+// Returns the normalised Blinn-Phong of exponent s convolved with the lobe, at e = 1 - mu . h: a blend of a vMF and a
+// cosine power (blinn_phong_lobe() of kernels/device/vmf_shading.clh).
+double blinn_phong(const Lobe& lobe, double s, double e) {
+  constexpr double kShapeBlend = 1.4;
+  const double d = lobe.spread, r = 1.0 - d, q = d + r / (s + 2.0);
+  const double power = std::max((1.0 - 2.0 * q) / q, 0.0);
+  const double weight = r * r / (kShapeBlend * d * (s + 2.0) + r * r);
+  const double wide = vmf(kappa_of(q), e);
+  const double narrow = e < 1.0 ? (power + 1.0) / (2.0 * kPi) * std::exp(power * std::log1p(-e)) : 0.0;
+  return wide + weight * (narrow - wide);
+}
+
 struct Facets {
   glm::dvec3 density{0.0}, with_light{0.0}, with_view{0.0};  // without a cosine, and multiplied by the cosine to l or v
 };
@@ -86,8 +98,11 @@ Facets facets_of(const Lobe& lobe, const multum_brdf& brdf, const glm::dvec3& h,
                  const glm::dvec3& v, bool needs_view) {
   Facets sum;
   const double e = one_minus_cosine(lobe.mean, h);
+  const bool is_blinn_phong = brdf.brdf.kind == BrdfKind::kBlinnPhong;
   for (const VmfTerm& term : brdf.terms) {
-    const glm::dvec3 density = term.weight * vmf(kappa_of(convolved(lobe, term)), e);
+    const double shape = is_blinn_phong ? blinn_phong(lobe, static_cast<double>(brdf.brdf.exponent), e)
+                                        : vmf(kappa_of(convolved(lobe, term)), e);
+    const glm::dvec3 density = term.weight * shape;
     const double facets = kappa_of(term.spread);
     sum.density += density;
     sum.with_light += density * highlight_cosine(lobe, h, l, facets);

@@ -27,10 +27,11 @@
  *
  * THREADS. Functions can be called from any thread. Two threads may use different objects at the same time. Two threads
  * may also use the same map, BRDF or device, because calls that would disturb each other wait. The exceptions are
- * ..._free() and multum_values_set_...(). Call them only when no other thread uses the object.
+ * ..._free(), multum_map_forget() and multum_values_set_...(). Call them only when no other thread uses the object. A
+ * callback must not use the device of the running call; such a call returns an error.
  *
- * STRUCTS. A struct that callers fill in begins with its own size, which the ..._INIT macro sets. Later versions of the
- * library accept the structs of earlier headers.
+ * STRUCTS. multum_callbacks, multum_image and multum_maps begin with their own size, which the ..._INIT macros set.
+ * Later versions of the library accept the structs of earlier headers.
  *
  * DEVICES. Bakes, exports and measurements need OpenCL. Reading, filtering, shading and sampling do not need it,
  * because libOpenCL.so.1 is loaded only by the first call of multum_device_open() or multum_list_devices(). With PoCL
@@ -302,9 +303,9 @@ MULTUM_API void multum_brdf_free(multum_brdf* brdf);
 
 /* Computes the light that a texel reflects from the direction `light` towards `view`, in linear RGB. This is the
  * integral of BRDF * max(n . light, 0) over the normals n of the texel. The light has irradiance 1 on a surface
- * perpendicular to its direction. The formulas are those of the GL runtime, in double precision. The colours of `lobes`
- * multiply the diffuse part. Without colours, the BRDF's own albedo is used. The result is 0 if `light` or `view`
- * points below the horizon. */
+ * perpendicular to its direction. The formulas are those of the GL runtime, in double precision, except for GGX: here, its
+ * facets are a sum of four vMFs for every roughness. The colours of `lobes` multiply the diffuse part. Without colours,
+ * the BRDF's own albedo is used. The result is 0 if `light` or `view` points below the horizon. */
 MULTUM_API void multum_shade(const multum_lobes* lobes, const multum_brdf* brdf, const double light[3],
                              const double view[3], double rgb[3]);
 

@@ -4,6 +4,7 @@ the C library and the drivers of OpenCL.
 
   multum/                 the package; _multum.*.so finds the libraries in lib/
   multum/lib/             libmultum.so.1, multum-decode, and their libraries with their licences
+  multum/lib/system/      libraries that are used only where the system lacks them
 """
 import pathlib
 import shutil
@@ -14,8 +15,8 @@ import tempfile
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "archive"))
 import stand_in_libraries  # noqa: E402
-from gathered_libraries import (COMPILED_IN, SYSTEM_FOLDERS, closure, copy_licences, fail, library_path,  # noqa: E402
-                                packages_of, place_with_path, version)
+from gathered_libraries import (COMPILED_IN, SYSTEM_FIRST, SYSTEM_FOLDERS, closure, copy_licences, fail,  # noqa: E402
+                                library_path, packages_of, place_with_path, version)
 
 METADATA = """Metadata-Version: 2.1
 Name: multum
@@ -33,27 +34,32 @@ dull when they are seen from afar. Bakes need an OpenCL driver of the machine, s
 """
 
 
+def place_of(libraries, soname):
+    return libraries / "system" / soname if SYSTEM_FIRST.match(soname) else libraries / soname
+
+
 def fill(folder, build):
     """Fills the folder with the contents of a wheel, from a finished build."""
     source, package = build / "python/multum", folder / "multum"
     libraries = package / "lib"
     if not source.is_dir():
         fail(f"{source}: not found; build it first: cmake --build {build}")
-    libraries.mkdir(parents=True)
+    (libraries / "system").mkdir(parents=True)
     module = next(source.glob("_multum.*.so"))
     for file in sorted(source.iterdir()):
         if file.suffix in (".py", ".pyi", ".typed"):
             shutil.copyfile(file, package / file.name)
-    place_with_path(module, package / module.name, ["$ORIGIN/lib"])
+    place_with_path(module, package / module.name, ["$ORIGIN/lib", *SYSTEM_FOLDERS, "$ORIGIN/lib/system"])
     real, stand_ins = closure([module, build / "lib/libmultum.so.1", build / "bin/multum-decode"],
                               opened=("libOpenCL.so.1",), given=("libmultum.so.1",))
-    own = ["$ORIGIN", *SYSTEM_FOLDERS]
+    # Drivers of OpenCL need the system's own copies of these libraries, which come first (tools/bundle).
+    own = ["$ORIGIN", *SYSTEM_FOLDERS, "$ORIGIN/system"]
     place_with_path(build / "lib/libmultum.so.1", libraries / "libmultum.so.1", own)
     place_with_path(build / "bin/multum-decode", libraries / "multum-decode", own)
     for soname, path in real.items():
-        place_with_path(path, libraries / soname, own)
+        place_with_path(path, place_of(libraries, soname), own)
     for soname, user in stand_ins.items():
-        stand_in_libraries.write_stand_in(user, library_path(soname), soname, libraries / soname)
+        stand_in_libraries.write_stand_in(user, library_path(soname), soname, place_of(libraries, soname))
     copy_licences(packages_of(real.values()) | set(COMPILED_IN), libraries / "licences")
     (libraries / "LICENSE").unlink(missing_ok=True)
 

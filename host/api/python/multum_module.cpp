@@ -16,6 +16,11 @@ namespace py = pybind11;
 
 namespace {
 
+// Returns text that may quote file names of any bytes, as Python represents them.
+py::object text_of_bytes(const char* text) {
+  return py::reinterpret_steal<py::object>(PyUnicode_DecodeFSDefault(text));
+}
+
 // Raises the exception of multum._errors that belongs to an error, and frees the error.
 [[noreturn]] void raise(multum_error* error, multum_status status) {
   const std::unique_ptr<multum_error, decltype(&multum_error_free)> owned(error, multum_error_free);
@@ -80,12 +85,12 @@ class Callbacks {
 
   int hear_progress(const char* stage, double share) {
     return hear([&] {
-      if (!progress_.is_none()) progress_(stage, share);
+      if (!progress_.is_none()) progress_(text_of_bytes(stage), share);
     });
   }
   void hear_log(multum_log_kind kind, const char* message) {
     hear([&] {
-      if (!log_.is_none()) log_(static_cast<int>(kind), message);
+      if (!log_.is_none()) log_(static_cast<int>(kind), text_of_bytes(message));
     });
   }
 
@@ -184,6 +189,7 @@ py::dtype dtype_of(multum_type type) {
 class Map {
  public:
   explicit Map(multum_map* map) : map_(map, multum_map_free) {}
+  explicit Map(std::shared_ptr<multum_map> map) : map_(std::move(map)) {}
   multum_map* get() const { return map_.get(); }
 
   py::dict info() const {
@@ -362,11 +368,15 @@ Doubles pdf_of(const LobeRows& rows, const Brdf& brdf, const Doubles& view, cons
 
 Map bake(const Device& device, const Maps& maps, const Values& values, const std::string& output,
          const py::object& progress, const py::object& log) {
-  multum_map* map = nullptr;
+  std::shared_ptr<multum_map> owned;  // freed if a callback has failed although the bake succeeded
   Callbacks(progress, log).run([&](const multum_callbacks* callbacks, multum_error** error) {
-    return multum_bake(device.get(), &maps.maps, values.get(), name_or_null(output), callbacks, &map, error);
+    multum_map* map = nullptr;
+    const multum_status status =
+        multum_bake(device.get(), &maps.maps, values.get(), name_or_null(output), callbacks, &map, error);
+    owned.reset(map, multum_map_free);
+    return status;
   });
-  return Map(map);
+  return Map(std::move(owned));
 }
 
 template <typename Call>

@@ -57,25 +57,27 @@ def _array(values: np.ndarray, name: str) -> np.ndarray:
         expected = "(height, width) or (height, width, channels) with 1 to 4 channels"
         raise SettingError(f"{name}: shape is {np.shape(values)}, expected {expected}", name, str(np.shape(values)),
                            expected)
+    if not array.dtype.isnative:
+        array = array.astype(array.dtype.newbyteorder("="))
     if array.dtype == np.float64:
         array = array.astype(np.float32)
     if array.dtype not in (np.uint8, np.uint16, np.float16, np.float32):
         expected = "uint8, uint16, float16, float32 or float64"
         raise SettingError(f"{name}: type is {array.dtype}, expected {expected}", name, str(array.dtype), expected)
     is_plain = array.strides[2] == array.itemsize and array.strides[1] == array.itemsize * array.shape[2]
-    if not is_plain or abs(array.strides[0]) < array.strides[1] * array.shape[1] or not array.dtype.isnative:
-        array = np.ascontiguousarray(array, dtype=array.dtype.newbyteorder("="))
+    if not is_plain or abs(array.strides[0]) < array.strides[1] * array.shape[1]:
+        array = np.ascontiguousarray(array)
     return array
 
 
 def _maps(normals: Image, others: "dict[str, Any]") -> "_multum.Maps":
     """Takes the arrays out of `others`; files stay there as settings."""
     images = {}
-    path = ""
+    path: Union[str, bytes] = ""
     if isinstance(normals, np.ndarray):
         images["normals"] = _array(normals, "normals")
     else:
-        path = os.fspath(normals)
+        path = os.fsencode(normals)
     for name in _MAPS:
         if isinstance(others.get(name), np.ndarray):
             images[name] = _array(others.pop(name), name)
@@ -89,6 +91,9 @@ def _values(command: str, given: "dict[str, Any]") -> "_multum.Values":
             value = value.item()
         elif isinstance(value, os.PathLike):
             value = os.fspath(value)
+        if not isinstance(value, (bool, int, float, str, type(None))):
+            raise SettingError(f"{name} is {value!r}, expected a number, a text or True or False", "", repr(value),
+                               "a number, a text or True or False")
         plain[name] = value
     return _multum.Values(command, plain)
 
@@ -142,14 +147,14 @@ def bake(normals: Image, output: Optional[PathLike] = None, *, device: str = "",
     """
     maps = _maps(normals, settings)
     with _Listener(progress, str(normals) if isinstance(normals, (str, os.PathLike)) else "bake") as listener:
-        made = _multum.bake(_device(device), maps, _values("bake", settings),
-                            "" if output is None else os.fspath(output), listener.progress, listener.log)
+        made = _multum.bake(_device(str(device)), maps, _values("bake", settings),
+                            "" if output is None else os.fsencode(output), listener.progress, listener.log)
     return BakedMap(made)
 
 
 def load(path: PathLike) -> "BakedMap":
     """Opens a baked file. Reads only its header; levels are read when they are first used. Needs no OpenCL."""
-    return BakedMap(_multum.open_map(os.fspath(path)))
+    return BakedMap(_multum.open_map(os.fsencode(path)))
 
 
 def export(normals: Image, output: PathLike, *, device: str = "", progress: Progress = None, **settings: Any) -> dict:
@@ -163,7 +168,7 @@ def export(normals: Image, output: PathLike, *, device: str = "", progress: Prog
     """
     maps = _maps(normals, settings)
     with _Listener(progress, "export") as listener:
-        text = _multum.export_map(_device(device), maps, _values("export", settings), os.fspath(output),
+        text = _multum.export_map(_device(str(device)), maps, _values("export", settings), os.fsencode(output),
                                   listener.progress, listener.log)
     return json.loads(text)
 
@@ -178,7 +183,7 @@ def gltf(model: PathLike, output: PathLike, *, device: str = "", progress: Progr
     Returns the report: "materials", "textures" and more.
     """
     with _Listener(progress, "gltf") as listener:
-        text = _multum.convert_model(_device(device), os.fspath(model), _values("gltf", settings), os.fspath(output),
+        text = _multum.convert_model(_device(str(device)), os.fsencode(model), _values("gltf", settings), os.fsencode(output),
                                      listener.progress, listener.log)
     return json.loads(text)
 
@@ -192,7 +197,7 @@ def measure(baked: PathLike, normals: Image, *, device: str = "", progress: Prog
     """
     maps = _maps(normals, settings)
     with _Listener(progress, "measure") as listener:
-        text = _multum.measure(_device(device), os.fspath(baked), maps, _values("bake", settings), listener.progress,
+        text = _multum.measure(_device(str(device)), os.fsencode(baked), maps, _values("bake", settings), listener.progress,
                                listener.log)
     return _error_rows(text)
 
@@ -416,4 +421,4 @@ class BakedMap:
 
     def save(self, path: PathLike) -> None:
         """Writes the map to a file, which appears complete or not at all."""
-        self._map.save(os.fspath(path))
+        self._map.save(os.fsencode(path))

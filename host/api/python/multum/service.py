@@ -10,6 +10,7 @@ libmultum.
 """
 from __future__ import annotations
 
+import http.client
 import json
 import os
 import shutil
@@ -18,7 +19,7 @@ import time
 import urllib.error
 import urllib.parse
 import urllib.request
-from typing import Any, Dict, Iterable, Iterator, List, Optional
+from typing import Any, Dict, Iterable, Iterator, List, Optional, Tuple
 
 from ._errors import Error, ServiceError
 
@@ -106,6 +107,15 @@ class Service:
         return [job.wait(None if limit is None else max(0.0, limit - time.monotonic())) for job in list(jobs)]
 
 
+def _file_mode() -> int:
+    """Returns the mode of new files. os.umask() would change the mask of the whole process for a moment."""
+    with open("/proc/self/status", encoding="ascii", errors="replace") as status:
+        for line in status:
+            if line.startswith("Umask:"):
+                return 0o666 & ~int(line.split()[1], 8)
+    return 0o644
+
+
 class Job:
     """A job of a service. `state` and the other fields are those of the last answer; refresh() asks again."""
 
@@ -133,23 +143,28 @@ class Job:
     def events(self, timeout_s: Optional[float] = None) -> "Iterator[Dict[str, Any]]":
         """Yields the job's changes as dictionaries until the job has ended. Reconnects if the service restarts."""
         limit = None if timeout_s is None else time.monotonic() + timeout_s
-        failures = 0
-        while not self.refresh().has_ended:
+        failures, last = 0, None
+        while True:
             try:
-                with self._service._open("GET", self._path("/events"), timeout_s=30.0) as stream:
+                if self.refresh().has_ended:
+                    return
+                headers = {} if last is None else {"Last-Event-ID": last}
+                with self._service._open("GET", self._path("/events"), headers=headers, timeout_s=30.0) as stream:
                     failures = 0
-                    for event in _parse_events(stream):
+                    for last, event in _parse_events(stream, last):
                         if event is not None:
                             yield event
-                        # The service keeps the stream open after the end, and sends pulses.
-                        if event is None or event.get("state") in _ENDED or (limit and time.monotonic() > limit):
+                        # The service keeps the stream open after the job's end, and sends pulses.
+                        if (event or self.refresh().fields).get("state") in _ENDED:
                             break
-            except (OSError, ServiceError):
+                        if limit is not None and time.monotonic() > limit:
+                            break
+            except (OSError, http.client.HTTPException, ServiceError):
                 failures += 1
                 if failures > 60:
                     raise
                 time.sleep(1.0)
-            if limit is not None and time.monotonic() > limit:
+            if limit is not None and time.monotonic() > limit and not self.has_ended:
                 raise ServiceError(f"job {self.id} is {self.state} after {timeout_s} s, expected it to end", "",
                                    self.state, "a job that has ended")
 
@@ -187,9 +202,7 @@ class Job:
                 if expected is not None and os.path.getsize(temporary) != int(expected):
                     raise Error(f"{path}: the download ended early, found {os.path.getsize(temporary)} bytes, expected "
                                 f"{expected}", path, str(os.path.getsize(temporary)), expected)
-                mask = os.umask(0)
-                os.umask(mask)
-                os.chmod(temporary, 0o666 & ~mask)
+                os.chmod(temporary, _file_mode())
                 os.replace(temporary, path)
             except BaseException:
                 if os.path.exists(temporary):
@@ -198,8 +211,8 @@ class Job:
         return path
 
 
-def _parse_events(stream: Any) -> "Iterator[Optional[Dict[str, Any]]]":
-    """Yields the events of a stream, and None for each pulse, with which the service shows that it is alive."""
+def _parse_events(stream: Any, last: Optional[str]) -> "Iterator[Tuple[Optional[str], Optional[Dict[str, Any]]]]":
+    """Yields (number of the last event, event); the event is None for a pulse, with which the service shows its life."""
     data: List[str] = []
     kind = ""
     for raw in stream:
@@ -208,11 +221,13 @@ def _parse_events(stream: Any) -> "Iterator[Optional[Dict[str, Any]]]":
             data.append(line[5:].strip())
         elif line.startswith("event:"):
             kind = line[6:].strip()
+        elif line.startswith("id:"):
+            last = line[3:].strip()
         elif line == ": pulse":
-            yield None
+            yield last, None
         elif not line and data:
             event = json.loads("\n".join(data))
             if isinstance(event, dict):
                 event.setdefault("event", kind)
-                yield event
+                yield last, event
             data, kind = [], ""

@@ -86,7 +86,9 @@ WorkFolder::WorkFolder(NamedPlace place, OpenFile folder, std::string shown_path
       shown_path_(std::move(shown_path)) {}
 
 WorkFolder::~WorkFolder() {
-  if (!stays_) remove_own_folder(place_.folder, place_.name, folder_);
+  // A child of fork() has a copy of this object. The folder stays, because it belongs to the process that made it.
+  const bool is_owner = path_.starts_with(fmt::format("/proc/{}/", ::getpid()));
+  if (!stays_ && is_owner) remove_own_folder(place_.folder, place_.name, folder_);
 }
 
 void WorkFolder::clear(const std::string& kept) const {
