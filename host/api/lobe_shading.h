@@ -1,14 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Shades and samples a mixture of von Mises-Fisher lobes on the processor, in double precision. The formulas are those
-// of
-// the GL runtime (runtime_gl/shaders/common/movmf_shading.glsl, brdf/terms.glsl and surface/movmf.glsl). The facets of
-// a
-// BRDF are a sum of vMFs, and mean cosines multiply under convolution (Han et al. 2007, sections 4 and 7).
+// of the GL runtime (runtime_gl/shaders/common/movmf_shading.glsl, brdf/terms.glsl and surface/movmf.glsl). The facets
+// of a BRDF are a sum of vMFs, and mean cosines multiply under convolution (Han et al. 2007, sections 4 and 7).
 //
 // Sampling follows Walter et al. 2007, section 5.3. A half vector h is drawn from the convolved lobes, and the view
 // direction is reflected by it. The density of l is therefore the density of h over 4 |v.h|. The diffuse part is
-// sampled
-// by the cosine around the mean direction of each lobe. All techniques are mixed in one density.
+// sampled by the cosine around the mean direction of each lobe. All techniques are mixed in one density.
 #pragma once
 
 #include <vector>

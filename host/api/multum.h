@@ -303,9 +303,9 @@ MULTUM_API void multum_brdf_free(multum_brdf* brdf);
 
 /* Computes the light that a texel reflects from the direction `light` towards `view`, in linear RGB. This is the
  * integral of BRDF * max(n . light, 0) over the normals n of the texel. The light has irradiance 1 on a surface
- * perpendicular to its direction. The formulas are those of the GL runtime, in double precision, except for GGX: here, its
- * facets are a sum of four vMFs for every roughness. The colours of `lobes` multiply the diffuse part. Without colours,
- * the BRDF's own albedo is used. The result is 0 if `light` or `view` points below the horizon. */
+ * perpendicular to its direction. The formulas are those of the GL runtime, in double precision. Only GGX differs,
+ * whose facets are a sum of four vMFs here. The colours of `lobes` multiply the diffuse part. Without colours, the
+ * BRDF's own albedo is used. The result is 0 if `light` or `view` points below the horizon. */
 MULTUM_API void multum_shade(const multum_lobes* lobes, const multum_brdf* brdf, const double light[3],
                              const double view[3], double rgb[3]);
 

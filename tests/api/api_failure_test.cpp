@@ -4,8 +4,8 @@
 //
 // The operators new and delete of this program replace those of libstdc++ for the library too. Only allocations by
 // libmultum's own code are made to fail, because OpenCL drivers end the process when their allocations fail. A layer
-// between
-// the OpenCL loader and the driver makes OpenCL calls fail (failing_opencl_layer.cpp); OPENCL_LAYERS names the layer.
+// between the OpenCL loader and the driver makes OpenCL calls fail (failing_opencl_layer.cpp); OPENCL_LAYERS names the
+// layer.
 #include <dlfcn.h>
 #include <link.h>
 

@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Walks through the page of multum look in headless Chromium. Compares pictures with those of multum-view, and tests
-// every
-// control, keys, touch, the address, dropped lobe textures, damaged files, a width of 360 px, and light and dark mode.
-// Exits with 77 (skipped) if
-// something is missing. look_files_test.mjs tests the other files.
+// every control, keys, touch, the address, dropped lobe textures, damaged files, a width of 360 px, and light and dark
+// mode. Exits with 77 (skipped) if something is missing. look_files_test.mjs tests the other files.
 //
 //   node look_page_test.mjs BIN_FOLDER SCREENSHOTS
 import assert from "node:assert/strict";

@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Checks the other pages of multum and its tools in headless Chromium, in narrow windows and at a zoom of 200 %. No
-// part may be
-// cut, covered or beyond the window, no text may be "undefined", and the figures of the demo must add up. Exits with 77
-// (skipped) if
-// something is missing.
+// part may be cut, covered or beyond the window, no text may be "undefined", and the figures of the demo must add up.
+// Exits with 77 (skipped) if something is missing.
 //
 //   node pages_test.mjs BIN_FOLDER SCREENSHOTS
 import assert from "node:assert/strict";

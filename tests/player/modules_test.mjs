@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Tests in Node those modules of the player that do not need a browser: checksums, cameras and positions between
-// samples,
-// binary glTF, the memory budget, paths, and hostile descriptions and indices.
+// samples, binary glTF, the memory budget, paths, and hostile descriptions and indices.
 //
 //   node modules_test.mjs [STEP [SEED]]
 import assert from "node:assert/strict";

@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Fits mixtures of planar Gaussians in double precision, in the simplest form, as the reference for the EM kernels that
 // are built with MULTUM_PLANAR and for their shading. The code follows Tan et al. 2005, sections 3 and 4.1, with the
-// corrections in
-// docs/contributing/ALGORITHMS.md. No bake uses it.
+// corrections in docs/contributing/ALGORITHMS.md. No bake uses it.
 //
 // The types are the types of movmf_em.h, with other coordinates. A sample is (n_x, n_y, scatter). A lobe's mu is (x, y,
-// 0), and
-// its kappa is 1/sigma^2. Moments are r = (mean x, mean y, sigma^2). A prior is C sum_k a_k (x, y, 1).
+// 0), and its kappa is 1/sigma^2. Moments are r = (mean x, mean y, sigma^2). A prior is C sum_k a_k (x, y, 1).
 #pragma once
 
 #include <vector>

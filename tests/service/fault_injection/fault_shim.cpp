@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // This LD_PRELOAD library for fault_injection/failed_calls.py lets one of the system calls fail with which a daemon
-// writes
-// files. The file that MULTUM_FAULTS names is memory that is shared with the test:
+// writes files. The file that MULTUM_FAULTS names is memory that is shared with the test:
 //   [0] number of the call to fail, from 1; 0 for none   [1] its errno   [2] calls so far   [3] failed calls
 // Workers load the library too, but no call fails in them: fault_injection/kills.py tests how workers end.
 #include <dlfcn.h>

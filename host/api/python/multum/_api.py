@@ -43,8 +43,12 @@ def devices() -> "list[Tuple[int, str, str]]":
     return _multum.devices()
 
 
+def _device(selector: Union[str, int]) -> "_multum.Device":
+    return _opened_device(str(selector))
+
+
 @functools.lru_cache(maxsize=None)
-def _device(selector: str) -> "_multum.Device":
+def _opened_device(selector: str) -> "_multum.Device":
     return _multum.Device(selector)
 
 
@@ -129,7 +133,7 @@ class _Listener:
             self._bar.close()
 
 
-def bake(normals: Image, output: Optional[PathLike] = None, *, device: str = "", progress: Progress = None,
+def bake(normals: Image, output: Optional[PathLike] = None, *, device: Union[str, int] = "", progress: Progress = None,
          **settings: Any) -> "BakedMap":
     """Bakes a normal map or a height field into mipmaps of distributions of normals.
 
@@ -147,7 +151,7 @@ def bake(normals: Image, output: Optional[PathLike] = None, *, device: str = "",
     """
     maps = _maps(normals, settings)
     with _Listener(progress, str(normals) if isinstance(normals, (str, os.PathLike)) else "bake") as listener:
-        made = _multum.bake(_device(str(device)), maps, _values("bake", settings),
+        made = _multum.bake(_device(device), maps, _values("bake", settings),
                             "" if output is None else os.fsencode(output), listener.progress, listener.log)
     return BakedMap(made)
 
@@ -157,7 +161,8 @@ def load(path: PathLike) -> "BakedMap":
     return BakedMap(_multum.open_map(os.fsencode(path)))
 
 
-def export(normals: Image, output: PathLike, *, device: str = "", progress: Progress = None, **settings: Any) -> dict:
+def export(normals: Image, output: PathLike, *, device: Union[str, int] = "", progress: Progress = None,
+           **settings: Any) -> dict:
     """Exports a map as a material of one lobe per texel that engines load, as `multum export` does.
 
     normals   a file (a map or a baked file) or an array, as for bake()
@@ -168,12 +173,13 @@ def export(normals: Image, output: PathLike, *, device: str = "", progress: Prog
     """
     maps = _maps(normals, settings)
     with _Listener(progress, "export") as listener:
-        text = _multum.export_map(_device(str(device)), maps, _values("export", settings), os.fsencode(output),
+        text = _multum.export_map(_device(device), maps, _values("export", settings), os.fsencode(output),
                                   listener.progress, listener.log)
     return json.loads(text)
 
 
-def gltf(model: PathLike, output: PathLike, *, device: str = "", progress: Progress = None, **settings: Any) -> dict:
+def gltf(model: PathLike, output: PathLike, *, device: Union[str, int] = "", progress: Progress = None,
+         **settings: Any) -> dict:
     """Writes a copy of a glTF model whose normal and roughness textures have fitted mips, as `multum gltf` does.
 
     model     *.glb, or *.gltf with its files
@@ -183,12 +189,13 @@ def gltf(model: PathLike, output: PathLike, *, device: str = "", progress: Progr
     Returns the report: "materials", "textures" and more.
     """
     with _Listener(progress, "gltf") as listener:
-        text = _multum.convert_model(_device(str(device)), os.fsencode(model), _values("gltf", settings), os.fsencode(output),
-                                     listener.progress, listener.log)
+        text = _multum.convert_model(_device(device), os.fsencode(model), _values("gltf", settings),
+                                     os.fsencode(output), listener.progress, listener.log)
     return json.loads(text)
 
 
-def measure(baked: PathLike, normals: Image, *, device: str = "", progress: Progress = None, **settings: Any) -> list:
+def measure(baked: PathLike, normals: Image, *, device: Union[str, int] = "", progress: Progress = None,
+            **settings: Any) -> list:
     """Measures the error of a baked file against the maps that it was baked from.
 
     settings  those of the bake
@@ -197,7 +204,7 @@ def measure(baked: PathLike, normals: Image, *, device: str = "", progress: Prog
     """
     maps = _maps(normals, settings)
     with _Listener(progress, "measure") as listener:
-        text = _multum.measure(_device(str(device)), os.fsencode(baked), maps, _values("bake", settings), listener.progress,
+        text = _multum.measure(_device(device), os.fsencode(baked), maps, _values("bake", settings), listener.progress,
                                listener.log)
     return _error_rows(text)
 

@@ -212,7 +212,7 @@ class Job:
 
 
 def _parse_events(stream: Any, last: Optional[str]) -> "Iterator[Tuple[Optional[str], Optional[Dict[str, Any]]]]":
-    """Yields (number of the last event, event); the event is None for a pulse, with which the service shows its life."""
+    """Yields (number of the last event, event). The event is None for a pulse, which shows that the service lives."""
     data: List[str] = []
     kind = ""
     for raw in stream:
