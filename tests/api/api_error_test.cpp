@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Tests the errors of multum.h. Every wrong argument is reported with a message that names the settings, and no file or
 // memory remains.
+#include <cstddef>
 #include <fstream>
 
 #include "tests/api/api_fixture.h"
@@ -19,6 +20,23 @@ TEST(ApiErrorTest, NullErrorIsSuccess) {
   multum_brdf_free(nullptr);
   multum_text_free(nullptr);
   EXPECT_STREQ(multum_text_get(nullptr), "");
+}
+
+// Programs that were built with an earlier header rely on these numbers (x86-64 and arm64).
+TEST(ApiErrorTest, StructsKeepTheirLayout) {
+  EXPECT_EQ(sizeof(multum_callbacks), 32u);
+  EXPECT_EQ(offsetof(multum_callbacks, progress), 16u);
+  EXPECT_EQ(sizeof(multum_image), 48u);
+  EXPECT_EQ(offsetof(multum_image, pixels), 40u);
+  EXPECT_EQ(sizeof(multum_maps), 48u);
+  EXPECT_EQ(sizeof(multum_parameter), 24u);
+  EXPECT_EQ(sizeof(multum_info), 40u);
+  EXPECT_EQ(sizeof(multum_view), 24u);
+  EXPECT_EQ(sizeof(multum_region), 16u);
+  EXPECT_EQ(sizeof(multum_lobes), 8u + 8u * 28u);
+  EXPECT_EQ(static_cast<int>(MULTUM_INTERNAL), 7);
+  EXPECT_EQ(static_cast<int>(MULTUM_SNORM16), 4);
+  EXPECT_EQ(static_cast<int>(MULTUM_HARMONICS), 5);
 }
 
 TEST(ApiErrorTest, UnknownCommandHasNoSettings) {

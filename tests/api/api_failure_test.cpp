@@ -7,6 +7,7 @@
 // between the OpenCL loader and the driver makes OpenCL calls fail (failing_opencl_layer.cpp); OPENCL_LAYERS names the
 // layer.
 #include <dlfcn.h>
+#include <execinfo.h>
 #include <link.h>
 
 #include <atomic>
@@ -15,7 +16,8 @@
 #include <cstdlib>
 #include <cstring>
 #include <new>
-#include <set>
+#include <string>
+#include <vector>
 
 #include "tests/api/api_fixture.h"
 
@@ -33,6 +35,40 @@ std::atomic<std::uintptr_t> g_failed_at{0};  // code that made the allocation th
 bool is_of_library(const void* caller) {
   const auto address = reinterpret_cast<std::uintptr_t>(caller);
   return address >= g_library.begin && address < g_library.end;
+}
+
+// Code of nlohmann::json. Its destructor allocates (json_value::destroy), so a failure there ends the process, and an
+// exception in its constructors loses the parts that exist already. These allocations do not fail in this test.
+std::vector<CodeRange>& json_code() {
+  static std::vector<CodeRange> code;
+  return code;
+}
+
+// Reads the functions of nlohmann::json from the symbol table. Returns false without nm or without symbols.
+bool find_json_code(const char* library) {
+  const std::string command = std::string("nm -S --defined-only '") + library + "'";
+  std::FILE* const symbols = ::popen(command.c_str(), "r");
+  if (symbols == nullptr) return false;
+  unsigned long begin = 0, size = 0;
+  char kind = 0, name[4096];
+  char line[8192];
+  while (std::fgets(line, sizeof(line), symbols) != nullptr)
+    if (std::sscanf(line, "%lx %lx %c %4095s", &begin, &size, &kind, name) == 4 &&
+        std::strstr(name, "nlohmann") != nullptr)
+      json_code().push_back({begin, begin + size});
+  ::pclose(symbols);
+  return !json_code().empty();
+}
+
+bool is_in_json() {
+  void* frames[48];
+  const int count = ::backtrace(frames, 48);
+  for (int i = 0; i < count; ++i) {
+    const std::uintptr_t address = reinterpret_cast<std::uintptr_t>(frames[i]) - g_library_base;
+    for (const CodeRange& range : json_code())
+      if (address > range.begin && address <= range.end) return true;
+  }
+  return false;
 }
 
 int find_library(dl_phdr_info* info, std::size_t, void*) {
@@ -53,7 +89,7 @@ constexpr std::size_t kHead = 64;
 void* allocate(std::size_t bytes, std::size_t alignment, const void* caller) {
   const bool counts = is_of_library(caller);
   if (counts && g_is_armed) {
-    if (g_count++ == g_fail_at) {
+    if (g_count++ == g_fail_at && !is_in_json()) {
       ++g_failed;
       g_failed_at = reinterpret_cast<std::uintptr_t>(caller) - g_library_base;
       throw std::bad_alloc();
@@ -124,6 +160,9 @@ class FailureTest : public ::testing::Test {
   void SetUp() override {
     dl_iterate_phdr(find_library, nullptr);
     ASSERT_NE(g_library.begin, 0u);
+    void* frame[1];
+    ::backtrace(frame, 1);  // loads what it needs before any allocation fails
+    if (json_code().empty()) ASSERT_TRUE(find_json_code(MULTUM_LIBRARY));
     ::setenv("OPENCL_LAYERS", FAILING_LAYER, 0);  // set before the loader reads it
     device_ = open_device();
     // The first run fills caches, which stay until the process ends.
@@ -198,7 +237,7 @@ TEST_F(FailureTest, EachAllocationFailsOnce) {
           return g_failed > 0;
         });
   std::printf("%ld allocations, every %ld. one failed; %d errors\n", count, step, errors_);
-  EXPECT_GT(errors_, 100);
+  EXPECT_GT(errors_, 60);
 }
 
 TEST_F(FailureTest, EachOpenClCallFailsOnce) {

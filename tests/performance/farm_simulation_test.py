@@ -63,7 +63,7 @@ class FarmSimulationTest(unittest.TestCase):
     def test_the_page(self):
         run = self.simulate("--maps", "60", "--nodes", "5")
         text = farm_document.page_text([run] * len(farm_document.RUNS), 60, 5, "commit of a test")
-        for expected in ("# A farm of 5 nodes", "commit of a test", "bakes 60 maps", "takes 20 s", "| all |"):
+        for expected in ("# A farm of 5 nodes", "commit of a test", "bakes 60 maps", "one map is 20 s", "| all |"):
             self.assertIn(expected, text)
 
     def test_refusals(self):

@@ -24,7 +24,7 @@ PACKAGE_OF = {"glm": "libglm-dev", "fmt": "libfmt-dev", "OpenSSL": "libssl-dev",
               "nlohmann_json": "nlohmann-json3-dev", "CLI11": "libcli11-dev", "assimp": "libassimp-dev",
               "Python3": "python3", "GTest": "libgtest-dev", "Eigen3": "libeigen3-dev",
               "OpenGL": "libgl-dev", "SQLite3": "libsqlite3-dev", "Boost": "libboost1.81-dev",
-              "rapidcheck": "librapidcheck-dev", "Threads": None, "OpenMP": None}
+              "rapidcheck": "librapidcheck-dev", "pybind11": "pybind11-dev", "Threads": None, "OpenMP": None}
 VOID = {"meta", "img", "line", "circle", "rect", "polyline", "i", "br"}
 
 

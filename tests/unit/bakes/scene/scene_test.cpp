@@ -110,7 +110,7 @@ TEST_F(SceneTest, HasUpToEightLightsOfAKind) {
   std::string text = kScene;
   for (int i = 0; i < 7; ++i) text += light;
   EXPECT_EQ(read(text).lights.size(), 8u);
-  expect_error(ErrorCode::kInput, {path(), "light", "more than 8 times"}, [&] { read(text + light); });
+  expect_error(ErrorCode::kInput, {path(), "light", "more than 8 lights"}, [&] { read(text + light); });
 }
 
 TEST_F(SceneTest, WhatIsWrongIsRefusedWithItsLine) {

@@ -83,7 +83,7 @@ TEST_F(WorkerPoolTest, WhoTalksNonsenseIsEnded) {
     ended_.clear();
     open(std::string("echo '") + said + "' >&3; sleep 60");
     ASSERT_TRUE(give_order(7));
-    expect_lost(7, "nonsense");
+    expect_lost(7, "an invalid message");
     pool_.reset();
     io_.restart();
   }

@@ -365,7 +365,7 @@ TEST(TextureChunk, RefusesWhatWouldTakeTooMuch) {
   const std::vector<std::uint8_t> head = {0, 0x80, 0x80, 1, 0x80, 0x80, 1, 1, 1, 0x80, 0x80, 4, 0, 64, 16};
   std::string problem;
   EXPECT_EQ(TextureChunk::decode(head, problem), nullptr);
-  EXPECT_EQ(problem, "the images have more than 2^28 texels together");
+  EXPECT_EQ(problem, "the images have more than 2^28 texels in total");
   // This header claims one texel and 4^8 samples, with 2^8 images on each of 32 levels.
   std::vector<std::uint8_t> sums = {2, 1, 1, 8, 32};
   sums.insert(sums.end(), 8, 4);

@@ -254,8 +254,8 @@ TEST_F(AnimationJobTest, NamesThatAreThereTwice) {
   expect_refused("name = \"v00_p01\"", "name = \"v00_p00\"",
                  {"sample.name", "\"v00_p00\"", "another sample already has"});
   std::string again = text_;
-  replace_once(again, "# Rows are",
-               "[[object]]\nname = \"other\"\nmesh = \"thing\"\nindex = 1\ncryptomatte = \"thing\"\n# Rows are");
+  replace_once(again, "# Matrices are",
+               "[[object]]\nname = \"other\"\nmesh = \"thing\"\nindex = 1\ncryptomatte = \"thing\"\n# Matrices are");
   text_ = again;
   expect_refused("name = \"other\"", "name = \"thing\"", {"object.name", "\"thing\"", "already in use"});
   replace_once(text_, "index = 0", "index = 1");

@@ -167,7 +167,7 @@ TEST(InferenceReport, EveryKeyIsDocumented) {
   const std::string report = reference_page("inferred_textures.md"), job = reference_page("animation_jobs.md");
   const std::size_t begin = report.find("\n## report.json\n");
   ASSERT_NE(begin, std::string::npos);
-  const std::size_t texture = job.find("`[texture]`"), parameter = job.find("`[[parameter]]`: one");
+  const std::size_t texture = job.find("`[texture]`"), parameter = job.find("`[[parameter]]` describes one");
   ASSERT_LT(texture, parameter);
   ASSERT_NE(parameter, std::string::npos);
   // An object's texture has the same keys as the job.

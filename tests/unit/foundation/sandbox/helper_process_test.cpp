@@ -89,7 +89,7 @@ TEST(HelperProcessTest, EndsAreToldApart) {
   EXPECT_EQ(end_of("anything"), "answered nonsense");
   expect_says(end_of("exit"), {"exit code 7"});
   expect_says(end_of("announce"), {"announced", "18446744073709551615 bytes"});
-  expect_says(end_of("chatter"), {"more than"});
+  expect_says(end_of("chatter"), {"more bytes than"});
 #ifndef MULTUM_SHADOW_MEMORY  // the sanitizer has its own messages for signals
   expect_says(end_of("abort"), {"signal 6", "Aborted", "a library's last words"});
   expect_says(end_of("segfault"), {"signal 11", "Segmentation fault"});
