@@ -162,7 +162,9 @@ class FailureTest : public ::testing::Test {
     ASSERT_NE(g_library.begin, 0u);
     void* frame[1];
     ::backtrace(frame, 1);  // loads what it needs before any allocation fails
-    if (json_code().empty()) ASSERT_TRUE(find_json_code(MULTUM_LIBRARY));
+    if (json_code().empty()) {
+      ASSERT_TRUE(find_json_code(MULTUM_LIBRARY));
+    }
     ::setenv("OPENCL_LAYERS", FAILING_LAYER, 0);  // set before the loader reads it
     device_ = open_device();
     // The first run fills caches, which stay until the process ends.

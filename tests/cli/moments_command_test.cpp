@@ -64,7 +64,7 @@ TEST_F(MomentsCommandTest, BakesVerifiesAndSaysWhatItHolds) {
   const ProgramResult info = multum({"info", path("map.ndf.exr")});
   for (const char* line :
        {"representation  moments: mean normal, first and second moments of slopes, mean colour", "64 x 64, 7 levels",
-        "encoding        half; at a slope b, stores deviations of slopes down to 0.0442 b",
+        "encoding        half; at a slope b, stores deviations of slopes as small as 0.0442 b",
         "\"representation\":\"moments\""})
     EXPECT_TRUE(contains(info.out, line)) << line << " is not in\n" << info.out;
   const std::string table = result.out.substr(result.out.find("measured error"));

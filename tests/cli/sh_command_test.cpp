@@ -116,7 +116,7 @@ TEST_F(ShCommandTest, WhatFitsNoHarmonicsIsRefused) {
   refused({"-d", "snorm16"}, {"--data-format", "snorm16", "half", "float", "--ndf sh"});
   refused({"--region", "0,0,8,8", "--onto", path("old.ndf.exr")}, {"--region", "--onto", "with --ndf vmf"});
   const ProgramResult other = multum({"bake", path("map_normal.png"), "-o", path("map.ndf.exr"), "--sh-order", "4"});
-  expect_refusal(other, kUsage, {"--sh-order", "for --ndf sh", "found --ndf vmf"});
+  expect_refusal(other, kUsage, {"--sh-order", "only with --ndf sh", "found --ndf vmf"});
 }
 
 TEST_F(ShCommandTest, AManifestBakesAndChecksIt) {

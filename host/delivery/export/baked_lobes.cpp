@@ -48,7 +48,7 @@ NormalMapRows read_baked_normals(const std::string& path, const SpillPolicy& spi
     refuse_baked(
         path,
         fmt::format("holds no levels finer than {}, so it does not contain the map's normals", header.first_level),
-        "a file baked with --first-level 0, or the map that was baked");
+        "a file of multum bake --first-level 0, or the map that was baked");
   MovmfReader reader(path);
   NormalMapRows map{make_plane_store(header.width, header.height, spill), {}};
   map.report.format = fmt::format("baked file, {} lobes per texel, {}", reader.header().lobe_count(),
