@@ -173,7 +173,7 @@ TEST_F(BakeCommandTest, LobesTooSharpForTheStorageAreWarnedOf) {
     const double share = report["unrepresentable_share"];
     EXPECT_EQ(count > 0, share > 0.0);
     EXPECT_LE(share, 1.0);
-    EXPECT_TRUE(contains(result.out, fmt::format("{} too sharp for the data format", count))) << result.out;
+    EXPECT_TRUE(contains(result.out, fmt::format("{} are too sharp for the data format", count))) << result.out;
     const bool warned = contains(result.err, "warning: ") && contains(result.err, "lose their width");
     EXPECT_EQ(warned, share > 1.0 / 3.0) << share << "\n" << result.err;
     if (warned) {

@@ -99,7 +99,7 @@ class SceneSharesTest(merged_shares.MergedSharesTest):
     def test_shares_of_another_scene(self):
         self.succeed("--shard", "1-3/3")
         self.use("bytes")
-        self.refused("1-of-3.shard: was made with other inputs, other settings or another version")
+        self.refused("1-of-3.shard: was made with different inputs, different settings or a different version")
 
 
 if __name__ == "__main__":

@@ -389,7 +389,7 @@ class GltfTest(FolderCase):
             # the opposite side.
             self.assertAlmostEqual(level.at(0, 3)[1], expected, delta=1)
             self.assertAlmostEqual(level.at(2, 3)[1], 160, delta=1)
-            self.assertIn("one size", report["materials"][0]["notes"][0])
+            self.assertIn("the same size", report["materials"][0]["notes"][0])
 
     def test_files_beside_the_model_come_into_it(self):
         model = plain_model()
@@ -431,7 +431,7 @@ class GltfTest(FolderCase):
     def test_a_smooth_map_keeps_its_own_textures(self):
         model = plain_model(normal=bumps(64, 64, steepness=0.005), surface=packed(64, 64, lambda x, y: (255, 150, 255)))
         after, report = self.convert(model, form="auto")
-        self.assertIn("its own mips", report["materials"][0]["kept"])
+        self.assertIn("its original textures", report["materials"][0]["kept"])
         self.assertIn("its own maps stay", report["materials"][0]["form"])
         self.assertEqual(report["textures"], [])
         self.assertEqual(after.json["textures"], model.json["textures"])

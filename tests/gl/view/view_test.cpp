@@ -286,7 +286,7 @@ TEST_F(ViewTest, DrawsPlanarGaussiansAndRefusesWhatTheyCannotShow) {
   EXPECT_LT(error_of("cook-torrance:0.1"), 1.05 * grooves + 0.02);
   expect_refusal({"-o", path("out.png"), "--brdf", "ggx:0.3"}, 2, {"planar Gaussians", "--brdf ggx"});
   expect_refusal({"-o", path("out.png"), "--formula", "paper"}, 2, {"planar Gaussians", "--formula paper"});
-  expect_refusal({"-o", path("out.png"), "--moments", "lean"}, 2, {"found --moments"});
+  expect_refusal({"-o", path("out.png"), "--moments", "lean"}, 2, {"--moments needs files of moments"});
 }
 
 TEST_F(ViewTest, WritesEachPictureByItself) {

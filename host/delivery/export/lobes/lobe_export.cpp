@@ -36,7 +36,7 @@ MovmfMipmap read_lobes(const LobeExportJob& job) {
     refuse_file(job.input, fmt::format("found {}, expected {}", found, expected));
   };
   if (!representation_info(header.representation).has_kappa)
-    refuse("no vMF lobes", "a file baked without --ndf, because --lobes stores only vMF lobes");
+    refuse("no vMF lobes", "a file of multum bake without --ndf, because --lobes stores only vMF lobes");
   if (header.level_count() < 2) refuse("a map of one texel", "a map with more than one level");
   if (header.weight_count > 0)
     refuse("weights of basis BRDFs", "a file without weights, because the texture cannot store weights");
