@@ -78,7 +78,7 @@ try {
     (error) => error.status !== 0 && error.stderr.includes(words) && !existsSync(inFolder("no.html")));
   bake("rest.ndf.exr", "--first-level", "1");
   refused("expected level 0 too, or the normal map (--source)", "rest.ndf.exr");
-  refused("found 1 --source, expected none, or one for each of 2 files", "map.ndf.exr", "other.ndf.exr", "--source",
+  refused("found 1 --source, expected none, or one for each of the 2 files", "map.ndf.exr", "other.ndf.exr", "--source",
     "map_normal.png");
   refused("expected 96 x 96", "other.ndf.exr", "--source", "map_normal.png");
   refused("is not the file that other.ndf.exr was baked from", "other.ndf.exr", "--source", "map_normal.png",

@@ -415,10 +415,10 @@ class HostileTest(ClientCase):
         def reloads(text):
             with open(config, "w", encoding="utf-8") as file:
                 file.write(QUICK + text)
-            before = self.service.log_text().count("settings ")
+            before = self.service.log_text().count("settings")
             self.service.process.send_signal(signal.SIGHUP)
             deadline = time.monotonic() + 10
-            while self.service.log_text().count("settings ") == before:
+            while self.service.log_text().count("settings") == before:
                 self.assertLess(time.monotonic(), deadline)
                 time.sleep(0.01)
 

@@ -104,7 +104,8 @@ class InferenceSharesTest(merged_shares.MergedSharesTest):
         self.succeed("--shard", "1-3/3")
         words = type(self).words
         self.words = (*words, "--tolerance", "0.01")
-        self.refused("1-of-3.shard: was made with different inputs, different settings or a different version", "3-of-3.shard")
+        self.refused("1-of-3.shard: was made with different inputs, "
+                     "different settings or a different version", "3-of-3.shard")
         self.words = words
         picture = self.folder / "renders/rad_v02_p01.exr"
         before = picture.read_bytes()
