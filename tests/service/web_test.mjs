@@ -282,7 +282,7 @@ const steps = {
     assert.equal(await table.getByRole("button", { name: "Cancel part 0/" }).count(), 0, "it has ended");
     await writeFile(farm.go, "");
     await table.getByRole("button", { name: `Cancel part ${share}`, exact: true }).click();
-    await page.getByText(`Part ${share} of job ${id} is cancelled at Slurm`).waitFor();
+    await page.getByText(`Part ${share} of job ${id} is cancelled on Slurm`).waitFor();
     await until("it is done again", async () => (await rowOf("1/", "1, round 2"))?.[2] === "succeeded");
     await page.locator("#detail").getByText("succeeded", { exact: true }).first().waitFor();
     await until("the merge is done", async () => (await rowOf("merge", "1, round 2"))?.[2] === "succeeded");
