@@ -378,6 +378,10 @@ class ServiceTest(FolderTest):
         with self.assertRaises(multum.ServiceError) as caught:
             job.wait(120)
         self.assertIn("dead", str(caught.exception))
+        begin = time.monotonic()
+        with self.assertRaises(multum.ServiceError):  # a job that does not exist is not asked for again and again
+            multum.Job(self.service, {"id": 999, "type": "bake", "state": "queued"}).wait(30)
+        self.assertLess(time.monotonic() - begin, 20)
         self._stop()
         with self.assertRaises(multum.ServiceError) as caught:
             self.service.jobs()

@@ -55,7 +55,8 @@ class Service:
                 text = json.loads(text)["error"]["message"]
             except (ValueError, KeyError, TypeError):
                 pass
-            raise ServiceError(f"{self.url}{path}: the service answered {error.code}: {text}", self.url) from None
+            raise ServiceError(f"{self.url}{path}: the service answered {error.code}: {text}", self.url,
+                               str(error.code)) from None
         except OSError as error:
             reason = getattr(error, "reason", error)
             raise ServiceError(f"{self.url}: cannot be reached: {reason}, expected a running `multum serve`", self.url,
@@ -159,9 +160,10 @@ class Job:
                             break
                         if limit is not None and time.monotonic() > limit:
                             break
-            except (OSError, http.client.HTTPException, ServiceError):
+            except (OSError, http.client.HTTPException, ServiceError) as error:
                 failures += 1
-                if failures > 60:
+                is_refused = isinstance(error, ServiceError) and error.found.startswith("4")  # 404: the job is purged
+                if is_refused or failures > 60:
                     raise
                 time.sleep(1.0)
             if limit is not None and time.monotonic() > limit and not self.has_ended:
