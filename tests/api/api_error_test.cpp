@@ -26,8 +26,8 @@ TEST(ApiErrorTest, NullErrorIsSuccess) {
 TEST(ApiErrorTest, StructsKeepTheirLayout) {
   EXPECT_EQ(sizeof(multum_callbacks), 32u);
   EXPECT_EQ(offsetof(multum_callbacks, progress), 16u);
-  EXPECT_EQ(sizeof(multum_image), 48u);
-  EXPECT_EQ(offsetof(multum_image, pixels), 40u);
+  EXPECT_EQ(sizeof(multum_image), 40u);
+  EXPECT_EQ(offsetof(multum_image, pixels), 32u);
   EXPECT_EQ(sizeof(multum_maps), 48u);
   EXPECT_EQ(sizeof(multum_parameter), 24u);
   EXPECT_EQ(sizeof(multum_info), 40u);
