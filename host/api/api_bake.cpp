@@ -26,7 +26,7 @@
 #include "host/foundation/base/files/memory_images.h"
 #include "host/foundation/base/files/output_paths.h"
 #include "host/foundation/base/files/work_folder.h"
-#include "host/foundation/base/process_rules/process_rules.h"
+#include "host/foundation/base/processes/viewer_process.h"
 #include "host/foundation/parameters/export_parameters.h"
 #include "host/foundation/parameters/gltf_parameters.h"
 
@@ -142,18 +142,6 @@ BakeJob bake_job(const JobMaps& maps, const ParameterValues& parameters, const m
   JobMaps::choose(job.roughness, maps.roughness(), "roughness");
   JobMaps::choose(job.weights, maps.weights(), "weights");
   return job;
-}
-
-// Returns the multum-view next to multum-decode. If there is none there, searches PATH.
-std::string find_viewer() {
-  const std::filesystem::path beside = std::filesystem::path(program_folder()) / "multum-view";
-  std::error_code error;
-  return std::filesystem::exists(beside, error) ? beside.string() : "multum-view";
-}
-
-void make_folder_of(const std::string& output) {
-  if (const std::filesystem::path folder = std::filesystem::path(output).parent_path(); !folder.empty())
-    make_folder(folder.string());
 }
 
 BakeReport run_bake(const BakeJob& job, const ParameterValues& parameters, Device& device, Progress* progress) {

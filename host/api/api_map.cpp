@@ -294,9 +294,8 @@ multum_status multum_map_save(multum_map* map, const char* path, multum_error** 
     multum::require(map, "multum_map_save", "map", "a map");
     multum::require(path, "multum_map_save", "path", "the name of a file to write");
     const multum::ApiCall call(nullptr);
-    const std::filesystem::path folder = std::filesystem::path(path).parent_path();
     const multum::NewFolders new_folders;
-    if (!folder.empty()) multum::make_folder(folder.string());
+    multum::make_folder_of(path);
     multum::AtomicFile file(path);
     multum::copy_bytes(map->file(), file.descriptor(), path);
     file.commit();

@@ -75,3 +75,10 @@ struct multum_map {
   std::vector<std::unique_ptr<multum::PartValues>> made_;
   std::vector<std::atomic<const multum::PartValues*>> levels_;
 };
+
+namespace multum {
+
+/// Throws Error(kUsage) if the map does not consist of vMF lobes, which lookups and shading need.
+void check_has_lobes(const multum_map& map);
+
+}  // namespace multum

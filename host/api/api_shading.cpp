@@ -12,6 +12,13 @@
 #include "host/api/lobe_shading.h"
 
 namespace multum {
+
+void check_has_lobes(const multum_map& map) {
+  if (map.header().representation != Representation::kMovmf)
+    throw Error(ErrorCode::kUsage,
+                fmt::format("{} has representation {}, expected lobes (vmf)", map.path(), map.text("representation")));
+}
+
 namespace {
 
 glm::dvec3 vector_of(const double* v) { return {v[0], v[1], v[2]}; }
@@ -19,20 +26,6 @@ void store(const glm::dvec3& v, double* to) {
   to[0] = v.x;
   to[1] = v.y;
   to[2] = v.z;
-}
-
-// Returns the texel that a wrap mode puts at `i`, or -1 for a texel beyond a black border.
-int wrapped(int i, int size, WrapMode mode) {
-  switch (mode) {
-    case WrapMode::kPeriodic: return ((i % size) + size) % size;
-    case WrapMode::kClamp: return std::clamp(i, 0, size - 1);
-    case WrapMode::kMirror: {
-      const int turn = ((i % (2 * size)) + 2 * size) % (2 * size);
-      return turn < size ? turn : 2 * size - 1 - turn;
-    }
-    case WrapMode::kBlack: return i < 0 || i >= size ? -1 : i;
-  }
-  return -1;
 }
 
 struct Taps {
@@ -43,7 +36,11 @@ struct Taps {
 Taps taps_of(double place, int size, WrapMode mode) {
   const double x = place * size - 0.5, first = std::floor(x);
   const int i = static_cast<int>(std::clamp(first, -1e9, 1e9));
-  return {{wrapped(i, size, mode), wrapped(i + 1, size, mode)}, {1.0 - (x - first), x - first}};
+  // Returns -1 for a texel beyond a black border.
+  const auto texel = [&](int at) {
+    return mode == WrapMode::kBlack && (at < 0 || at >= size) ? -1 : wrapped_texel(at, size, mode);
+  };
+  return {{texel(i), texel(i + 1)}, {1.0 - (x - first), x - first}};
 }
 
 // Adds one level, filtered bilinearly, to sums of [lobe][4] and [lobe][3].
@@ -72,13 +69,7 @@ void add_level(multum_map& map, int level, double u, double v, double share, dou
 }
 
 void look_up(multum_map& map, double u, double v, double level, multum_lobes& result) {
-  if (map.header().representation != Representation::kMovmf)
-    throw Error(ErrorCode::kUsage,
-                fmt::format("{} has representation {}, expected lobes (vmf)", map.path(), map.text("representation")));
-  if (map.header().has_roughness)
-    throw Error(ErrorCode::kUsage, fmt::format("{} was baked with roughness, whose width its lobes contain; expected a "
-                                               "file without roughness for shading",
-                                               map.path()));
+  check_has_lobes(map);
   if (!std::isfinite(u) || !std::isfinite(v) || std::isnan(level))
     throw Error(ErrorCode::kUsage,
                 fmt::format("multum_map_lookup: (u, v, level) is ({}, {}, {}), expected finite numbers", u, v, level));
@@ -94,6 +85,7 @@ void look_up(multum_map& map, double u, double v, double level, multum_lobes& re
   if (share > 0.0) add_level(map, finer + 1, u, v, share, lobes, colours);
   result.count = map.info().lobe_count;
   result.has_colours = map.header().has_colours ? 1 : 0;
+  result.mean_cosine = map.header().has_roughness ? map.header().mean_cosine : 0.0f;
   for (int j = 0; j < MULTUM_LOBES_MAX; ++j) {
     for (int c = 0; c < 4; ++c) result.lobes[j][c] = static_cast<float>(lobes[j][c]);
     for (int c = 0; c < 3; ++c) result.colours[j][c] = static_cast<float>(colours[j][c]);

@@ -90,23 +90,53 @@ double blinn_phong(const Lobe& lobe, double s, double e) {
   return wide + weight * (narrow - wide);
 }
 
+// Returns the lobe of only the normals, like without_roughness() of kernels/device/vmf_shading.clh. `of_roughness` is
+// the mean cosine of the roughness that the lobe contains, or 0.
+Lobe without_roughness(Lobe lobe, double of_roughness) {
+  if (of_roughness > 0.0) lobe.spread = 1.0 - std::min((1.0 - lobe.spread) / of_roughness, 1.0);
+  return lobe;
+}
+
+// The highlight of a BRDF. If the lobes contain roughness, they are themselves the highlight, as one term without
+// width.
+struct Highlight {
+  Highlight(const multum_lobes& lobes, const multum_brdf& brdf_in) : brdf(brdf_in) {
+    of_roughness = static_cast<double>(lobes.mean_cosine);
+    is_blinn_phong = of_roughness <= 0.0 && brdf.brdf.kind == BrdfKind::kBlinnPhong;
+  }
+  const std::vector<VmfTerm>& terms() const {
+    static const std::vector<VmfTerm> kMirror = {{glm::dvec3(1.0), 0.0, 0.0}};
+    return of_roughness > 0.0 && !brdf.terms.empty() ? kMirror : brdf.terms;
+  }
+  // Returns the concentration that stands for the facets in a highlight's cosine.
+  double facets_of(const VmfTerm& term) const {
+    return kappa_of(of_roughness > 0.0 ? 1.0 - of_roughness : term.spread);
+  }
+  bool has_visibility() const { return of_roughness <= 0.0 && family_of(brdf.brdf).visibility != nullptr; }
+
+  const multum_brdf& brdf;
+  double of_roughness;
+  bool is_blinn_phong;
+};
+
 struct Facets {
   glm::dvec3 density{0.0}, with_light{0.0}, with_view{0.0};  // without a cosine, and multiplied by the cosine to l or v
 };
 
-Facets facets_of(const Lobe& lobe, const multum_brdf& brdf, const glm::dvec3& h, const glm::dvec3& l,
-                 const glm::dvec3& v, bool needs_view) {
+Facets facets_of(const Lobe& lobe, const Highlight& highlight, const glm::dvec3& h, const glm::dvec3& l,
+                 const glm::dvec3& v) {
   Facets sum;
   const double e = one_minus_cosine(lobe.mean, h);
-  const bool is_blinn_phong = brdf.brdf.kind == BrdfKind::kBlinnPhong;
-  for (const VmfTerm& term : brdf.terms) {
-    const double shape = is_blinn_phong ? blinn_phong(lobe, static_cast<double>(brdf.brdf.exponent), e)
-                                        : vmf(kappa_of(convolved(lobe, term)), e);
+  const Lobe of_normals = without_roughness(lobe, highlight.of_roughness);
+  for (const VmfTerm& term : highlight.terms()) {
+    const double shape = highlight.is_blinn_phong
+                             ? blinn_phong(lobe, static_cast<double>(highlight.brdf.brdf.exponent), e)
+                             : vmf(kappa_of(std::max(convolved(lobe, term), kSpreadMin)), e);
     const glm::dvec3 density = term.weight * shape;
-    const double facets = kappa_of(term.spread);
+    const double facets = highlight.facets_of(term);
     sum.density += density;
-    sum.with_light += density * highlight_cosine(lobe, h, l, facets);
-    if (needs_view) sum.with_view += density * highlight_cosine(lobe, h, v, facets);
+    sum.with_light += density * highlight_cosine(of_normals, h, l, facets);
+    if (highlight.has_visibility()) sum.with_view += density * highlight_cosine(of_normals, h, v, facets);
   }
   for (glm::dvec3* part : {&sum.density, &sum.with_light, &sum.with_view})
     *part = glm::max(*part, glm::dvec3(0.0)) * lobe.amplitude;
@@ -119,7 +149,6 @@ double total(const glm::dvec3& c) { return c.x + c.y + c.z; }
 double visibility(const Lobe& lobe, const multum_brdf& brdf, const Facets& facets, const glm::dvec3& h,
                   const glm::dvec3& v) {
   const BrdfFamily& family = family_of(brdf.brdf);
-  if (family.visibility == nullptr) return 1.0;
   const double density = std::max(total(facets.density), 1e-20);
   const double n_l = std::clamp(total(facets.with_light) / density, 0.0, 1.0);
   const double n_v = std::clamp(total(facets.with_view) / density, 0.0, 1.0);
@@ -171,6 +200,7 @@ struct Techniques {
 // at the reflection by the lobe itself. The other weight is that of the diffuse part.
 Techniques techniques_of(const multum_lobes& lobes, const multum_brdf& brdf, const glm::dvec3& v) {
   Techniques found;
+  const Highlight highlight(lobes, brdf);
   double sum = 0.0;
   const auto add = [&](double weight, const glm::dvec3& axis, double kappa) {
     if (!(weight > 0.0)) return;
@@ -181,7 +211,7 @@ Techniques techniques_of(const multum_lobes& lobes, const multum_brdf& brdf, con
     const Lobe lobe = lobe_of(lobes.lobes[j]);
     if (lobe.amplitude <= kAmplitudeMin) continue;
     const glm::dvec3 f = fresnel(brdf.brdf, std::clamp(glm::dot(v, lobe.mean), 0.0, 1.0));
-    for (const VmfTerm& term : brdf.terms)
+    for (const VmfTerm& term : highlight.terms())
       add(lobe.amplitude * total(glm::dvec3(brdf.brdf.specular) * f * glm::abs(term.weight)), lobe.mean,
           kappa_of(std::max(convolved(lobe, term), kSpreadMin)));
     const glm::dvec3 albedo =
@@ -224,17 +254,17 @@ glm::dvec3 shade_lobes(const multum_lobes& lobes, const multum_brdf& brdf, const
   if (l.z <= 0.0 || v.z <= 0.0) return glm::dvec3(0.0);
   const glm::dvec3 h = glm::normalize(l + v);
   const double v_h = std::max(glm::dot(v, h), 0.0);
-  const bool has_visibility = family_of(brdf.brdf).visibility != nullptr;
+  const Highlight highlight(lobes, brdf);
   const glm::dvec3 f = fresnel(brdf.brdf, v_h);
   glm::dvec3 diffuse(0.0), specular(0.0);
   for (int j = 0; j < std::min(lobes.count, MULTUM_LOBES_MAX); ++j) {
     const Lobe lobe = lobe_of(lobes.lobes[j]);
     if (lobe.amplitude <= kAmplitudeMin) continue;
+    const double spread = without_roughness(lobe, highlight.of_roughness).spread;
     diffuse += colour_of(lobes, j, lobe.amplitude) *
-               (lobe.amplitude * mean_cosine(lobe.spread, 1.0 - one_minus_cosine(lobe.mean, l)));
-    if (brdf.terms.empty()) continue;
-    const Facets facets = facets_of(lobe, brdf, h, l, v, has_visibility);
-    specular += facets.with_light * visibility(lobe, brdf, facets, h, v);
+               (lobe.amplitude * mean_cosine(spread, 1.0 - one_minus_cosine(lobe.mean, l)));
+    const Facets facets = facets_of(lobe, highlight, h, l, v);
+    specular += facets.with_light * (highlight.has_visibility() ? visibility(lobe, brdf, facets, h, v) : 1.0);
   }
   glm::dvec3 albedo = lobes.has_colours != 0 ? glm::dvec3(1.0) : glm::dvec3(brdf.brdf.diffuse);
   if (has_diffuse_fresnel(brdf.brdf)) albedo *= glm::dvec3(1.0) - f;

@@ -30,8 +30,8 @@
  * ..._free(), multum_map_forget() and multum_values_set_...(). Call them only when no other thread uses the object. A
  * callback must not use the device of the running call; such a call returns an error.
  *
- * STRUCTS. multum_callbacks, multum_image and multum_maps begin with their own size, which the ..._INIT macros set.
- * Later versions of the library accept the structs of earlier headers.
+ * STRUCTS. multum_callbacks, multum_image, multum_maps and multum_plane begin with their own size, which the ..._INIT
+ * macros set. Later versions of the library accept the structs of earlier headers.
  *
  * DEVICES. Bakes, exports and measurements need OpenCL. Reading, filtering, shading and sampling do not need it,
  * because libOpenCL.so.1 is loaded only by the first call of multum_device_open() or multum_list_devices(). With PoCL
@@ -283,6 +283,7 @@ MULTUM_API multum_view multum_map_shape(const multum_map* map, int level, multum
 typedef struct multum_lobes {
   int count;
   int has_colours;
+  float mean_cosine; /* 0 for lobes of normals alone; otherwise the mean cosine of the roughness that they contain */
   float lobes[MULTUM_LOBES_MAX][4];   /* (a r_x, a r_y, a r_z, a) */
   float colours[MULTUM_LOBES_MAX][3]; /* a * linear RGB; set only if has_colours is 1 */
 } multum_lobes;
@@ -305,7 +306,9 @@ MULTUM_API void multum_brdf_free(multum_brdf* brdf);
  * integral of BRDF * max(n . light, 0) over the normals n of the texel. The light has irradiance 1 on a surface
  * perpendicular to its direction. The formulas are those of the GL runtime, in double precision. Only GGX differs,
  * whose facets are a sum of four vMFs here. The colours of `lobes` multiply the diffuse part. Without colours, the
- * BRDF's own albedo is used. The result is 0 if `light` or `view` points below the horizon. */
+ * BRDF's own albedo is used. If the map was baked with roughness (mean_cosine above 0), the lobes contain the width of
+ * the highlight, and only the colours and the Fresnel term of the BRDF are used. The result is 0 if `light` or `view`
+ * points below the horizon. */
 MULTUM_API void multum_shade(const multum_lobes* lobes, const multum_brdf* brdf, const double light[3],
                              const double view[3], double rgb[3]);
 
@@ -321,6 +324,75 @@ MULTUM_API double multum_sample(const multum_lobes* lobes, const multum_brdf* br
 /* Returns the density with which multum_sample() draws `light`, per steradian. */
 MULTUM_API double multum_pdf(const multum_lobes* lobes, const multum_brdf* brdf, const double view[3],
                              const double light[3]);
+
+/* The view of a plane that is covered with a map. The plane is z = 0. One tile of the map covers 0 <= x <= 1 and
+ * 0 <= y <= 1, and the first row of the map is at y = 1. */
+typedef struct multum_plane {
+  size_t size;
+  double eye[3], target[3]; /* place of the camera, above the plane, and a point in the middle of its picture */
+  double fov;               /* vertical angle of view in degrees */
+  double light[3];          /* unit vector to a distant light, which has irradiance 1 on a surface that faces it */
+  int width, height;        /* pixels */
+  int taps;                 /* largest number of lookups per pixel, along the longer side of its footprint */
+} multum_plane;
+#define MULTUM_PLANE_INIT \
+  { sizeof(multum_plane), {0.5, -0.7, 0.7}, {0.5, 0.5, 0.0}, 40.0, {0.0, 0.0, 1.0}, 256, 256, 4 }
+
+/* Draws the plane with the formulas of the GL runtime, in single precision, on the OpenCL device. `rgba` needs room for
+ * height * width * 4 values, and receives linear RGB and the coverage (0 or 1), [row][column][channel]. Only maps with
+ * representation vmf can be drawn. The levels that the picture needs are loaded and kept in the map. */
+MULTUM_API multum_status multum_render_plane(multum_device* device, multum_map* map, const multum_brdf* brdf,
+                                             const multum_plane* plane, const multum_callbacks* callbacks, float* rgba,
+                                             multum_error** error);
+
+/* ---------------------------------------------------------------------------------------------------- fields -- */
+
+/* A field consists of textures that are inferred from ray-traced pictures. The textures depend on parameters, such as
+ * the place of the view and of the light (Hakura et al. 2000). If the library was built without fields, the functions
+ * of this section return MULTUM_BAD_ENVIRONMENT. */
+
+/* Infers the textures of a job, like `multum infer`. `job` is a job file (docs/reference/animation_jobs.md), and
+ * `output` is a folder. `values` holds settings of "infer", or is NULL. `report` may be NULL. Otherwise it receives the
+ * JSON of report.json. Draws frames by multum-view, which must be installed next to the library or be in PATH. */
+MULTUM_API multum_status multum_infer(multum_device* device, const char* job, const multum_values* values,
+                                      const char* output, const multum_callbacks* callbacks, multum_text** report,
+                                      multum_error** error);
+
+/* Compresses the folder that multum_infer() wrote into one file, *.mpt, like `multum pack`. `values` holds settings of
+ * "pack", or is NULL. `report` may be NULL. Otherwise it receives the JSON that `multum pack --json` prints. */
+MULTUM_API multum_status multum_pack(multum_device* device, const char* folder, const multum_values* values,
+                                     const char* output, const multum_callbacks* callbacks, multum_text** report,
+                                     multum_error** error);
+
+/* Publishes a packed field with its player for browsers, like `multum player`. `output` is a folder for a static web
+ * server, or a single page, *.html. */
+MULTUM_API multum_status multum_publish_field(const char* packed, const char* output, multum_error** error);
+
+typedef struct multum_field multum_field;
+
+/* Opens a packed field. This reads only the description and the index. */
+MULTUM_API multum_status multum_field_open(const char* path, multum_field** field, multum_error** error);
+MULTUM_API void multum_field_free(multum_field* field);
+/* Returns the description of the field as JSON: "parameters" (names), "sizes" (number of samples along each parameter),
+ * "width" and "height" of a frame in pixels, "objects", "layers" ("object" and "name" of each) and more. The text is
+ * valid until the field is freed. */
+MULTUM_API const char* multum_field_text(const multum_field* field);
+
+/* Decodes one texture. `layer` is the index of an entry of "layers". `point` has one number per parameter, which is an
+ * index along the samples of the parameter, such as 3.4. The nearest sample is decoded; numbers beyond the samples are
+ * clamped. If `rgb` is NULL, only `shape` is set, and all its counts are 0 if the layer is invisible in this sample.
+ * Otherwise `rgb` needs room for height * width * 3 values, and receives the linear radiance [row][column][channel] of
+ * the finest level. */
+MULTUM_API multum_status multum_field_texture(multum_field* field, int layer, const double* point, multum_view* shape,
+                                              float* rgb, multum_error** error);
+
+/* Draws `count` frames. `points` holds one point per frame, [frame][parameter], with numbers as for
+ * multum_field_texture(). Cameras and objects move continuously between samples. Textures are those of the nearest
+ * sample, or are interpolated linearly if `is_linear` is not 0. `rgba` needs room for count * height * width * 4
+ * values, and receives linear radiance and the share of each pixel that objects cover, [frame][row][column][channel].
+ * Draws by multum-view, as multum_infer() does. */
+MULTUM_API multum_status multum_field_play(multum_field* field, const double* points, int count, int is_linear,
+                                           const multum_callbacks* callbacks, float* rgba, multum_error** error);
 
 #ifdef __cplusplus
 }

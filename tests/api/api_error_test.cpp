@@ -32,8 +32,9 @@ TEST(ApiErrorTest, StructsKeepTheirLayout) {
   EXPECT_EQ(sizeof(multum_parameter), 24u);
   EXPECT_EQ(sizeof(multum_info), 40u);
   EXPECT_EQ(sizeof(multum_view), 24u);
+  EXPECT_EQ(sizeof(multum_plane), 104u);
   EXPECT_EQ(sizeof(multum_region), 16u);
-  EXPECT_EQ(sizeof(multum_lobes), 8u + 8u * 28u);
+  EXPECT_EQ(sizeof(multum_lobes), 12u + 8u * 28u);
   EXPECT_EQ(static_cast<int>(MULTUM_INTERNAL), 7);
   EXPECT_EQ(static_cast<int>(MULTUM_SNORM16), 4);
   EXPECT_EQ(static_cast<int>(MULTUM_HARMONICS), 5);

@@ -151,6 +151,30 @@ TEST(ApiShadingTest, SamplingGivesTheReflectedLight) {
   EXPECT_NEAR(sum / kCount / expected, 1.0, 0.01);
 }
 
+// A map that was baked with roughness has lobes that are convolved with the facets. Such a lobe must reflect the same
+// light as the lobe of the normals does with facets of this width.
+TEST(ApiShadingTest, LobesWithRoughnessReflectLikeFacetsOfThatRoughness) {
+  constexpr double kSigma = 0.25, kKappa = 0.5 / (kSigma * kSigma);  // Torrance-Sparrow's facets are this vMF
+  const double facets = 1.0 / std::tanh(kKappa) - 1.0 / kKappa;
+  const multum_lobes normals = two_lobes();
+  multum_lobes rough = normals;
+  rough.mean_cosine = static_cast<float>(facets);
+  for (int j = 0; j < rough.count; ++j)
+    for (int c = 0; c < 3; ++c) rough.lobes[j][c] *= static_cast<float>(facets);
+  const Owned<multum_brdf> same = brdf_of("torrance-sparrow:0.25"), other = brdf_of("torrance-sparrow:0.05");
+  const Vector view = unit(0.1, -0.2, 1.0);
+  for (const Vector& light : {unit(0.2, 0.3, 1.0), unit(-0.5, 0.1, 0.8), unit(0.9, 0.0, 0.5)}) {
+    double expected[3], rgb[3], rgb_of_other[3];
+    multum_shade(&normals, same.get(), light.data(), view.data(), expected);
+    multum_shade(&rough, same.get(), light.data(), view.data(), rgb);
+    multum_shade(&rough, other.get(), light.data(), view.data(), rgb_of_other);
+    EXPECT_NEAR(rgb[0] / expected[0], 1.0, 1e-3);
+    EXPECT_EQ(rgb[0], rgb_of_other[0]);  // the width of the BRDF is not used
+  }
+  EXPECT_NEAR(over_sphere([&](const Vector& l) { return multum_pdf(&rough, same.get(), view.data(), l.data()); }), 1.0,
+              0.01);
+}
+
 TEST(ApiShadingTest, UnknownBrdfIsAnError) {
   multum_brdf* brdf = nullptr;
   MadeError error;

@@ -199,6 +199,92 @@ class MapTest(FolderTest):
         np.testing.assert_allclose(np.linalg.norm(light, axis=-1), 1.0, atol=1e-12)
 
 
+class PlaneTest(FolderTest):
+    """Pictures of the device against lookups and shading in double precision."""
+
+    LIGHT = np.array([0.3, 0.2, 0.9])
+
+    def places_and_views(self, eye, target, fov, size):
+        """Returns (u, v), the directions to the camera and the footprints in tiles, (height, width, 2), per pixel."""
+        width, height = size
+        forward = (target - eye) / np.linalg.norm(target - eye)
+        right = np.cross(forward, [0, 0, 1])
+        right /= np.linalg.norm(right)
+        down = np.cross(forward, right)
+        pixel = 2 * np.tan(np.radians(fov) / 2) / height
+
+        def hit(x, y):
+            ray = (forward + (x[..., None] - width / 2) * pixel * right + (y[..., None] - height / 2) * pixel * down)
+            return eye - ray * (eye[2] / ray[..., 2:]), ray
+
+        x, y = np.meshgrid(np.arange(width) + 0.5, np.arange(height) + 0.5)
+        at, ray = hit(x, y)
+        e = 1e-4
+        along_x = (hit(x + e, y)[0] - hit(x - e, y)[0]) / (2 * e)
+        along_y = (hit(x, y + e)[0] - hit(x, y - e)[0]) / (2 * e)
+        return at, -ray / np.linalg.norm(ray, axis=-1, keepdims=True), along_x, along_y
+
+    def expected(self, baked, brdf, eye, target, fov, size, taps):
+        at, view, along_x, along_y = self.places_and_views(np.array(eye), np.array(target), fov, size)
+        scale = np.array([baked.width, baked.height, 0])
+        length_x, length_y = (np.linalg.norm(a * scale, axis=-1) for a in (along_x, along_y))
+        longer, shorter = np.maximum(length_x, length_y), np.minimum(length_x, length_y)
+        count = np.maximum(np.ceil(np.minimum(longer / shorter, taps) - 1e-3), 1)
+        width = np.where(count == 1, longer, np.maximum(shorter, longer / count * 2 ** -0.75))
+        step = np.where((length_x > length_y)[..., None], along_x, along_y) / count[..., None]
+        light = self.LIGHT / np.linalg.norm(self.LIGHT)
+        total = np.zeros(count.shape + (3,))
+        for i in range(taps):
+            place = at + (i - 0.5 * (count - 1))[..., None] * step
+            shaded = baked.shade(place[..., 0], 1 - place[..., 1], np.log2(width), light, view, brdf)
+            total += np.where((i < count)[..., None], shaded, 0)
+        return total / count[..., None]
+
+    def compare(self, baked, brdf, tolerance=2e-3, taps=3):
+        eye, target, fov, size = (0.4, -1.0, 0.9), (0.6, 0.6, 0.0), 50.0, (48, 36)
+        drawn = baked.render_plane(brdf, eye=eye, target=target, fov=fov, size=size, taps=taps, light=self.LIGHT)
+        self.assertEqual(drawn.shape, (36, 48, 4))
+        np.testing.assert_array_equal(drawn[..., 3], 1)
+        expected = self.expected(baked, brdf, eye, target, fov, size, taps)
+        self.assertGreater(float(expected.std()), 1e-4)
+        error = np.abs(drawn[..., :3] - expected).sum() / expected.sum()
+        self.assertLess(error, tolerance)
+
+    def test_pictures_match_lookups(self):
+        baked = multum.bake(wavy_normals(64), lobes=3)
+        for brdf in ("lambert", "blinn-phong:40", "ggx:0.4", "ggx:0.6,0.5", "cook-torrance:0.2", "charlie:0.8",
+                     "torrance-sparrow:0.2"):
+            with self.subTest(brdf):
+                self.compare(baked, brdf)
+
+    def test_colours_roughness_and_borders(self):
+        albedo = np.random.default_rng(3).random((64, 64, 3), dtype=np.float32)
+        self.compare(multum.bake(wavy_normals(64), albedo=albedo, lobes=2), "ggx:0.5")
+        roughness = 0.3 + 0.4 * np.random.default_rng(4).random((64, 64), dtype=np.float32)
+        self.compare(multum.bake(wavy_normals(64), roughness=roughness, lobes=2), "ggx:0.5,0.3")
+        self.compare(multum.bake(wavy_normals(60)[:44], wrap="clamp", lobes=2), "ggx:0.5")
+
+    def test_sky_is_transparent_and_distant_tiles_are_even(self):
+        baked = multum.bake(wavy_normals(64), lobes=2)
+        drawn = baked.render_plane("lambert", eye=(0, 0, 0.1), target=(0, 10, 0.09), size=(32, 32))
+        self.assertEqual(float(drawn[0, :, 3].max()), 0)
+        self.assertEqual(float(drawn[-1, :, 3].min()), 1)
+        horizon = drawn[drawn[..., 3] == 1][:32, :3]
+        self.assertLess(float(horizon.std() / horizon.mean()), 0.02)
+
+    def test_views_are_checked(self):
+        baked = multum.bake(wavy_normals(16), lobes=1)
+        for change, message in (({"eye": (0, 0, -1)}, "expected a point above the plane"),
+                                ({"fov": 180}, "fov is 180"), ({"size": (0, 4)}, "the size is 0 x 4"),
+                                ({"taps": 0}, "taps is 0"), ({"light": (0, 0, 0)}, "expected a unit vector"),
+                                ({"target": (0.5, -0.7, 0.7)}, "the same point")):
+            with self.subTest(message), self.assertRaisesRegex(multum.SettingError, message):
+                baked.render_plane("ggx:0.4", **change)
+        moments = multum.bake(wavy_normals(16), ndf="moments")
+        with self.assertRaisesRegex(multum.SettingError, "expected lobes"):
+            moments.render_plane("ggx:0.4")
+
+
 class ExamplesTest(FolderTest):
     """Runs the examples of host/api/python/examples at small sizes. MULTUM_EXAMPLES names their folder."""
 

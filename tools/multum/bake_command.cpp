@@ -11,6 +11,7 @@
 #include "host/foundation/base/error.h"
 #include "host/foundation/base/log.h"
 #include "host/foundation/base/processes/machine.h"
+#include "host/foundation/base/processes/viewer_process.h"
 #include "host/foundation/base/shown_text.h"
 #include "host/foundation/base/system_failure.h"
 #include "tools/command_line/decoding_option.h"

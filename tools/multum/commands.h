@@ -39,10 +39,6 @@ int run_command_heard(const std::vector<std::string>& words, const Progress::Cal
 /// Returns the value of an environment variable, or null.
 const char* environment_variable(const char* name);
 
-/// Returns the path of multum-view. It is searched for next to multum (in a build folder or an installation), and
-/// otherwise in PATH.
-std::string find_viewer();
-
 void add_bake_command(CLI::App& app, int* exit_code);
 void add_export_command(CLI::App& app, int* exit_code);
 void add_gltf_command(CLI::App& app, int* exit_code);

@@ -8,6 +8,7 @@
 
 #include "host/foundation/base/error.h"
 #include "host/foundation/base/files/work_folder.h"
+#include "host/foundation/base/processes/viewer_process.h"
 #include "host/foundation/base/shown_text.h"
 #include "tools/multum/commands.h"
 #include "tools/multum/doctor_checks.h"

@@ -6,6 +6,7 @@
 
 #include "host/foundation/base/error.h"
 #include "host/foundation/base/processes/child_process.h"
+#include "host/foundation/base/processes/viewer_process.h"
 #include "host/foundation/base/shown_text.h"
 #include "tools/command_line/help_files.h"
 #include "tools/multum/json_output.h"

@@ -137,12 +137,6 @@ int run_command_heard(const std::vector<std::string>& words, const Progress::Cal
 
 const char* environment_variable(const char* name) { return std::getenv(name); }
 
-std::string find_viewer() {
-  std::error_code error;
-  const std::string beside = program_folder() + "/multum-view";
-  return std::filesystem::exists(beside, error) ? beside : "multum-view";
-}
-
 std::unique_ptr<Progress> make_progress(const CommonOptions& options) {
   if (listener()) return std::make_unique<Progress>(listener());
   return options.openjd ? make_openjd_progress() : make_terminal_progress(!options.quiet);

@@ -8,6 +8,7 @@
 #include "host/foundation/base/files/atomic_file.h"
 #include "host/foundation/base/files/output_paths.h"
 #include "host/foundation/base/processes/machine.h"
+#include "host/foundation/base/processes/viewer_process.h"
 #include "host/foundation/base/shown_text.h"
 #include "host/foundation/brdf_families/brdf_forms.h"
 #include "host/foundation/parameters/parameter_choices.h"

@@ -43,6 +43,7 @@ struct PlayOptions {
   float rate = 30.0f;     // frames per second
   int supersampling = 0;  // sub-pixels along each side of a pixel; if 0, the number in the field is used
   bool is_linear = false;
+  bool writes_exr = false;           // write frame_0000.exr with linear floats instead of frame_0000.png
   bool is_cold = false;              // forget all decoded data before each frame
   bool draws_what_is_there = false;  // if false, playback waits for all data of each frame
   int ahead = 8;                     // number of frames to decode ahead

@@ -5,6 +5,7 @@
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <exception>
 #include <memory>
@@ -265,7 +266,8 @@ using Floats = py::array_t<float, py::array::c_style | py::array::forcecast>;
 // The lobes of many points. They are arrays of shape (count, lobes, 4), and of shape (count, lobes, 3), or (0,) if
 // there are no colours.
 struct LobeRows {
-  LobeRows(Floats lobes_in, Floats colours_in) : lobes(std::move(lobes_in)), colours(std::move(colours_in)) {
+  LobeRows(Floats lobes_in, Floats colours_in, float mean_cosine_in)
+      : lobes(std::move(lobes_in)), colours(std::move(colours_in)), mean_cosine(mean_cosine_in) {
     count = lobes.shape(0);
     lobe_count = static_cast<int>(lobes.shape(1));
     if (lobe_count > MULTUM_LOBES_MAX) throw py::value_error("more than 8 lobes per point");
@@ -275,6 +277,7 @@ struct LobeRows {
     multum_lobes result = {};
     result.count = lobe_count;
     result.has_colours = has_colours ? 1 : 0;
+    result.mean_cosine = mean_cosine;
     const float* const from = lobes.data() + i * lobe_count * 4;
     for (int j = 0; j < lobe_count; ++j)
       for (int c = 0; c < 4; ++c) result.lobes[j][c] = from[4 * j + c];
@@ -286,12 +289,14 @@ struct LobeRows {
   }
 
   Floats lobes, colours;
+  float mean_cosine;
   py::ssize_t count;
   int lobe_count;
   bool has_colours;
 };
 
-// `places` has the shape (count, 3), with u, v and level of detail.
+// `places` has the shape (count, 3), with u, v and level of detail. Returns lobes, colours and the mean cosine of the
+// roughness that the lobes contain.
 py::tuple look_up(const Map& map, const Doubles& places) {
   const multum_info info = multum_map_info(map.get());
   const py::ssize_t count = places.shape(0), lobes = info.lobe_count;
@@ -301,6 +306,7 @@ py::tuple look_up(const Map& map, const Doubles& places) {
   float* const to = found.mutable_data();
   float* const colours_to = colours.mutable_data();
   const double* const from = places.data();
+  float mean_cosine = 0.0f;
   multum_error* error = nullptr;
   multum_status status = MULTUM_OK;
   {
@@ -309,6 +315,7 @@ py::tuple look_up(const Map& map, const Doubles& places) {
       multum_lobes one;
       status = multum_map_lookup(map.get(), from[3 * i], from[3 * i + 1], from[3 * i + 2], &one, &error);
       if (status != MULTUM_OK) break;
+      mean_cosine = one.mean_cosine;
       for (py::ssize_t j = 0; j < lobes; ++j) {
         for (py::ssize_t c = 0; c < 4; ++c) to[(i * lobes + j) * 4 + c] = one.lobes[j][c];
         if (info.has_colours == 0) continue;
@@ -317,7 +324,7 @@ py::tuple look_up(const Map& map, const Doubles& places) {
     }
   }
   if (status != MULTUM_OK) raise(error, status);
-  return py::make_tuple(found, colours);
+  return py::make_tuple(found, colours, mean_cosine);
 }
 
 Doubles shade(const LobeRows& rows, const Brdf& brdf, const Doubles& light, const Doubles& view) {
@@ -410,6 +417,91 @@ std::string measure(const Device& device, const std::string& baked, const Maps& 
   });
 }
 
+py::array_t<float> render_plane(const Device& device, const Map& map, const Brdf& brdf, const Doubles& vectors,
+                                double fov, int width, int height, int taps, const py::object& progress,
+                                const py::object& log) {
+  multum_plane plane = MULTUM_PLANE_INIT;
+  for (py::ssize_t c = 0; c < 3; ++c) {
+    plane.eye[c] = vectors.at(0, c);
+    plane.target[c] = vectors.at(1, c);
+    plane.light[c] = vectors.at(2, c);
+  }
+  plane.fov = fov;
+  plane.width = width;
+  plane.height = height;
+  plane.taps = taps;
+  // The library refuses sizes out of range before it writes.
+  py::array_t<float> picture({std::clamp(height, 1, 16384), std::clamp(width, 1, 16384), 4});
+  float* const rgba = picture.mutable_data();
+  Callbacks(progress, log).run([&](const multum_callbacks* callbacks, multum_error** error) {
+    return multum_render_plane(device.get(), map.get(), brdf.get(), &plane, callbacks, rgba, error);
+  });
+  return picture;
+}
+
+std::string infer(const Device& device, const std::string& job, const Values& values, const std::string& output,
+                  const py::object& progress, const py::object& log) {
+  return text_of(progress, log, [&](const multum_callbacks* callbacks, multum_text** text, multum_error** error) {
+    return multum_infer(device.get(), job.c_str(), values.get(), output.c_str(), callbacks, text, error);
+  });
+}
+
+std::string pack(const Device& device, const std::string& folder, const Values& values, const std::string& output,
+                 const py::object& progress, const py::object& log) {
+  return text_of(progress, log, [&](const multum_callbacks* callbacks, multum_text** text, multum_error** error) {
+    return multum_pack(device.get(), folder.c_str(), values.get(), output.c_str(), callbacks, text, error);
+  });
+}
+
+void publish_field(const std::string& packed, const std::string& output) {
+  check([&](multum_error** error) { return multum_publish_field(packed.c_str(), output.c_str(), error); });
+}
+
+class Field {
+ public:
+  explicit Field(const std::string& path) {
+    multum_field* field = nullptr;
+    check([&](multum_error** error) { return multum_field_open(path.c_str(), &field, error); });
+    field_.reset(field, multum_field_free);
+  }
+
+  std::string text() const { return multum_field_text(field_.get()); }
+
+  // Returns an array of shape (height, width, 3), or None if the layer is invisible.
+  py::object texture(int layer, const Doubles& point) const {
+    multum_view shape = {};
+    check([&](multum_error** error) {
+      return multum_field_texture(field_.get(), layer, point.data(), &shape, nullptr, error);
+    });
+    if (shape.layers == 0) return py::none();
+    py::array_t<float> rgb({shape.height, shape.width, 3});
+    float* const to = rgb.mutable_data();
+    multum_error* error = nullptr;
+    multum_status status = MULTUM_OK;
+    {
+      const py::gil_scoped_release release;
+      status = multum_field_texture(field_.get(), layer, point.data(), &shape, to, &error);
+    }
+    if (status != MULTUM_OK) raise(error, status);
+    return rgb;
+  }
+
+  // `points` has the shape (count, parameters). Returns frames of shape (count, height, width, 4).
+  py::array_t<float> play(const Doubles& points, int width, int height, bool is_linear, const py::object& progress,
+                          const py::object& log) const {
+    py::array_t<float> frames({points.shape(0), py::ssize_t{height}, py::ssize_t{width}, py::ssize_t{4}});
+    float* const rgba = frames.mutable_data();
+    Callbacks(progress, log).run([&](const multum_callbacks* callbacks, multum_error** error) {
+      return multum_field_play(field_.get(), points.data(), static_cast<int>(points.shape(0)), is_linear ? 1 : 0,
+                               callbacks, rgba, error);
+    });
+    return frames;
+  }
+
+ private:
+  std::shared_ptr<multum_field> field_;
+};
+
 Map open_map(const std::string& path) {
   multum_map* map = nullptr;
   check([&](multum_error** error) { return multum_map_open(path.c_str(), &map, error); });
@@ -445,7 +537,7 @@ PYBIND11_MODULE(_multum, module) {
   py::class_<Values>(module, "Values").def(py::init<const std::string&, const py::dict&>());
   py::class_<Maps>(module, "Maps").def(py::init<const std::string&, const py::dict&>());
   py::class_<Brdf>(module, "Brdf").def(py::init<const std::string&>());
-  py::class_<LobeRows>(module, "LobeRows").def(py::init<Floats, Floats>());
+  py::class_<LobeRows>(module, "LobeRows").def(py::init<Floats, Floats, float>());
   py::class_<Map>(module, "Map")
       .def("info", &Map::info)
       .def("text", &Map::text)
@@ -462,6 +554,15 @@ PYBIND11_MODULE(_multum, module) {
   module.def("density", &density);
   module.def("sample", &sample);
   module.def("pdf", &pdf_of);
+  py::class_<Field>(module, "Field")
+      .def(py::init<const std::string&>())
+      .def("text", &Field::text)
+      .def("texture", &Field::texture)
+      .def("play", &Field::play);
+  module.def("infer", &infer);
+  module.def("pack", &pack);
+  module.def("publish_field", &publish_field);
+  module.def("render_plane", &render_plane);
   module.def("devices", &devices);
   module.def("parameters", &parameters);
 }

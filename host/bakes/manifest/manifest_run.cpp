@@ -59,7 +59,7 @@ std::uint64_t file_bytes(const std::string& path) {
 
 void bake_map(const ManifestMap& map, Device& device, Progress* progress, MapResult& result) {
   BakeJob job = map.job;
-  if (const fs::path folder = fs::path(job.output).parent_path(); !folder.empty()) make_folder(folder.string());
+  make_folder_of(job.output);
   job.force = true;  // the file is already known to need a bake
   if (!map.target) {
     result.report = bake_file(job, nullptr, device, progress);

@@ -6,13 +6,6 @@
 
 namespace multum {
 
-int wrapped_texel(int i, int size, WrapMode mode) {
-  if (mode == WrapMode::kClamp || mode == WrapMode::kBlack) return std::clamp(i, 0, size - 1);
-  const int period = mode == WrapMode::kPeriodic ? size : 2 * size;
-  i = (i % period + period) % period;
-  return i < size ? i : period - 1 - i;
-}
-
 PixelTaps PixelTaps::of(const glm::dvec2& place, const glm::dvec2& along_x, const glm::dvec2& along_y,
                         const TextureFrame& frame, int anisotropy_max, double bias) {
   const glm::dvec2 size(frame.width, frame.height);

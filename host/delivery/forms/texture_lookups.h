@@ -17,9 +17,6 @@
 
 namespace multum {
 
-/// Returns the texel that a sampler reads beyond the borders.
-int wrapped_texel(int i, int size, WrapMode mode);
-
 /// The size of a texture and its wrap modes.
 struct TextureFrame {
   int width = 0, height = 0, level_count = 0;

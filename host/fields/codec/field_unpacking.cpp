@@ -7,11 +7,14 @@
 #include <algorithm>
 #include <filesystem>
 #include <map>
+#include <nlohmann/json.hpp>
 
 #include "host/fields/codec/decoder/mip_levels.h"
 #include "host/foundation/base/error.h"
+#include "host/foundation/base/files/json_file.h"
 #include "host/foundation/base/files/output_paths.h"
 #include "host/foundation/base/files/regular_file.h"
+#include "host/foundation/base/path_text.h"
 #include "host/foundation/base/processes/parallel.h"
 #include "host/foundation/base/vector_clones.h"
 
@@ -234,6 +237,32 @@ std::vector<PackedFinding> verify_packed_field(const std::string& path) {
     findings.push_back(std::move(finding));
   }
   return findings;
+}
+
+std::string packed_field_facts(const std::string& path) {
+  using Json = nlohmann::ordered_json;
+  const PackedFieldFile file(path);
+  const FieldDescription& description = file.description();
+  const InferredManifest& field = description.field;
+  Json json = {{"file", text_of_path(path)},
+               {"representation", "packed field"},
+               {"parameters", field.parameters},
+               {"sizes", description.grid.sizes},
+               {"samples", field.samples.size()},
+               {"width", field.width},
+               {"height", field.height},
+               {"geometry", {{"name", text_of_path(field.geometry_file)}, {"sha256", field.geometry_hash}}},
+               {"bytes", file.index().file_bytes()},
+               {"objects", Json::array()},
+               {"layers", Json::array()},
+               {"sections", Json::array()}};
+  for (const InferredObject& object : field.objects) json["objects"].push_back(object.name);
+  for (const PackedLayer& layer : description.layers)
+    json["layers"].push_back({{"object", field.objects[layer.object].name}, {"name", layer.name}});
+  const std::vector<PackedSection>& sections = file.index().sections();
+  for (std::size_t i = 0; i < sections.size(); ++i)
+    json["sections"].push_back({{"name", file.section_name(i)}, {"bytes", sections[i].length}});
+  return json_text(json);
 }
 
 std::string packed_field_text(const std::string& path) {

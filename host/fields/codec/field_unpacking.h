@@ -83,6 +83,10 @@ struct PackedFinding {
 /// Decodes every section. Throws Error(kInput) if the index or the description cannot be read.
 std::vector<PackedFinding> verify_packed_field(const std::string& path);
 
+/// Returns the JSON text of `multum info --json`: the parameters with their numbers of samples, the size of the frames,
+/// the objects, the layers and the sections.
+std::string packed_field_facts(const std::string& path);
+
 /// Returns human-readable facts about the file, one per line.
 std::string packed_field_text(const std::string& path);
 

@@ -2,6 +2,7 @@
 // Wrap modes define the values beyond the border of an image. They have the same names as in maketx.
 #pragma once
 
+#include <algorithm>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -25,6 +26,16 @@ inline std::optional<WrapMode> parse_wrap_mode(std::string_view name) {
   for (const WrapMode mode : kWrapModes)
     if (name == wrap_mode_name(mode)) return mode;
   return std::nullopt;
+}
+
+/// Returns the texel of a row or column of `size` texels that is visible at place `i`, which may be any integer. A
+/// black border counts as a clamped one, because graphics hardware that has only repeated and clamped borders shows it
+/// so.
+inline int wrapped_texel(int i, int size, WrapMode mode) {
+  if (mode == WrapMode::kClamp || mode == WrapMode::kBlack) return std::clamp(i, 0, size - 1);
+  const int period = mode == WrapMode::kPeriodic ? size : 2 * size;
+  i = (i % period + period) % period;
+  return i < size ? i : period - 1 - i;
 }
 
 }  // namespace multum

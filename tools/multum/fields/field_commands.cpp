@@ -23,21 +23,7 @@ std::optional<std::string> packed_field_info(const std::string& path) {
 
 std::optional<OrderedJson> packed_field_json(const std::string& path) {
   if (!is_packed_field(path)) return std::nullopt;
-  const PackedFieldFile file(path);
-  const InferredManifest& field = file.description().field;
-  OrderedJson json = {{"file", path_json(path)},
-                      {"representation", "packed field"},
-                      {"parameters", field.parameters},
-                      {"samples", field.samples.size()},
-                      {"width", field.width},
-                      {"height", field.height},
-                      {"geometry", {{"name", path_json(field.geometry_file)}, {"sha256", field.geometry_hash}}},
-                      {"bytes", file.index().file_bytes()},
-                      {"sections", OrderedJson::array()}};
-  const std::vector<PackedSection>& sections = file.index().sections();
-  for (std::size_t i = 0; i < sections.size(); ++i)
-    json["sections"].push_back({{"name", file.section_name(i)}, {"bytes", sections[i].length}});
-  return json;
+  return parsed(packed_field_facts(path));
 }
 
 std::optional<std::vector<VerifyFinding>> packed_field_findings(const std::string& path) {

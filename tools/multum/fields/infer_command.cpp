@@ -1,21 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 // Implements multum infer, which infers textures from ray-traced pictures (Hakura et al. 2000, section 3).
 #include <cstdio>
-#include <filesystem>
 #include <memory>
-#include <numeric>
 #include <optional>
 
 #include "host/fields/inference/job/animation_job_reading.h"
-#include "host/fields/inference/pipeline/inference_pipeline.h"
 #include "host/fields/inference/pipeline/inference_share.h"
-#include "host/fields/inference/report/inference_comparison.h"
-#include "host/fields/inference/report/inference_frames.h"
-#include "host/fields/inference/report/inference_page.h"
+#include "host/fields/inference/report/inference_run.h"
 #include "host/foundation/base/error.h"
 #include "host/foundation/base/files/output_paths.h"
 #include "host/foundation/base/log.h"
 #include "host/foundation/base/processes/machine.h"
+#include "host/foundation/base/processes/viewer_process.h"
 #include "host/foundation/base/shown_text.h"
 #include "host/foundation/base/work_shard.h"
 #include "host/foundation/parameters/infer_parameters.h"
@@ -30,28 +26,12 @@ namespace {
 
 struct InferOptions {
   CommonOptions common;
-  AnimationInferSettings settings;
+  InferenceRunSettings settings;
   ParameterValues values{infer_parameters()};
   std::string job;
   std::string shard;  // share to infer; empty to infer all textures
   int merged_shards = 0;
 };
-
-void apply(const ParameterValues& values, AnimationInferSettings& settings) {
-  settings.device = values.text("device").value_or(settings.device);
-  settings.context = values.text("context").value_or(settings.context);
-  settings.gradient_tolerance = values.number("tolerance").value_or(settings.gradient_tolerance);
-  settings.iteration_max = values.integer("iterations").value_or(settings.iteration_max);
-  settings.hold_out = values.integer("hold_out").value_or(settings.hold_out);
-  if (values.flag("force")) settings.force = true;
-  settings.has_absolute_geometry = values.flag("absolute_geometry");
-}
-
-std::vector<int> all_samples(const AnimationJob& job) {
-  std::vector<int> samples(job.samples.size());
-  std::iota(samples.begin(), samples.end(), 0);
-  return samples;
-}
 
 void print_results(const InferOptions& o, const InferenceReport& report) {
   int there = 0, written = 0;
@@ -61,31 +41,11 @@ void print_results(const InferOptions& o, const InferenceReport& report) {
   print_shown(stdout,
               "%s: %d textures written, %d already existed; mapping %.1f s, probing %.1f s, segmentation %.1f s, "
               "systems %.1f s, solving %.1f s, baseline %.1f s, frames %.1f s; %llu of %llu rows rejected\n",
-              o.settings.output.c_str(), written, there, s.mapping, s.probing, s.segmentation, s.systems, s.solving,
-              s.baseline, s.rendering, static_cast<unsigned long long>(report.result.rows_rejected),
+              o.settings.inference.output.c_str(), written, there, s.mapping, s.probing, s.segmentation, s.systems,
+              s.solving, s.baseline, s.rendering, static_cast<unsigned long long>(report.result.rows_rejected),
               static_cast<unsigned long long>(report.result.rows));
   print_shown(stdout, "%s%s/report.html: pictures and tables; report.json next to it has all figures\n",
-              inference_report_text(report).c_str(), o.settings.output.c_str());
-}
-
-// Draws frames, compares samplers, and writes the report about all textures.
-void finish(InferOptions& o, const ParameterizedScene& field, int sample, AnimationInferResult& result,
-            Progress* progress) {
-  const bool has_frames = !o.values.flag("no_frames"), has_comparison = !o.values.flag("no_comparison");
-  InferenceFrames frames;
-  if (has_frames) {
-    frames = render_frames(field, {o.settings.output, o.settings.viewer, o.settings.context}, all_samples(field.job()),
-                           progress);
-    result.seconds.rendering = frames.seconds;
-  }
-  InferenceComparison comparison;
-  if (has_comparison) comparison = compare_inference(field, sample, result.mappings, o.settings, progress);
-  progress_finish(progress);
-  const InferenceReport report = {
-      field.job(), o.settings, result, sample, has_frames ? &frames : nullptr, has_comparison ? &comparison : nullptr};
-  write_inference_report(field, report);
-  if (o.common.json) print_json(parsed(inference_report_json(report)));
-  if (prints_text(o.common)) print_results(o, report);
+              inference_report_text(report).c_str(), o.settings.inference.output.c_str());
 }
 
 void infer_shares(const InferOptions& o, const ParameterizedScene& field, const WorkShard& shares) {
@@ -93,7 +53,7 @@ void infer_shares(const InferOptions& o, const ParameterizedScene& field, const 
   for (int i = shares.first; i <= shares.last; ++i) {
     openjd_part(static_cast<std::size_t>(i - shares.first), static_cast<std::size_t>(shares.last - shares.first + 1));
     const std::unique_ptr<Progress> progress = make_progress(o.common);
-    const InferenceShareResult result = infer_share(field, o.settings, {i, shares.count}, progress.get());
+    const InferenceShareResult result = infer_share(field, o.settings.inference, {i, shares.count}, progress.get());
     progress_finish(progress.get());
     if (prints_text(o.common))
       print_shown(stdout, "share %d of %d: %d texture%s, %s\n", i, shares.count, result.textures,
@@ -105,22 +65,22 @@ void infer_shares(const InferOptions& o, const ParameterizedScene& field, const 
 }
 
 int run_infer(InferOptions& o) {
-  o.settings.threads = apply(o.common);
+  o.settings.inference.threads = apply(o.common);
   apply(o.values, o.settings);
-  o.settings.viewer = find_viewer();
+  o.settings.inference.viewer = find_viewer();
   std::optional<WorkShard> shares;
   if (!o.shard.empty()) shares = parse_merged_shard("--shard", o.shard);
   if (shares && o.merged_shards > 0) throw Error(ErrorCode::kUsage, "--shard and --merge are mutually exclusive");
   const std::unique_ptr<Progress> progress = make_progress(o.common);
   const ParameterizedScene field(read_animation_job(o.job));
-  make_folder(o.settings.output);
-  const std::string shown = o.values.text("report_sample").value_or("");
-  const int sample = shown.empty() ? middle_sample(field.job()) : sample_named(field.job(), shown);
+  make_folder(o.settings.inference.output);
   if (shares) return infer_shares(o, field, *shares), 0;
-  AnimationInferResult result = o.merged_shards > 0
-                                    ? merge_inference(field, o.settings, o.merged_shards, progress.get())
-                                    : infer_animation(field, o.settings, progress.get());
-  finish(o, field, sample, result, progress.get());
+  InferenceRun run;
+  run_inference(field, o.settings, o.merged_shards, progress.get(), run);
+  progress_finish(progress.get());
+  const InferenceReport report = run.report(field, o.settings);
+  if (o.common.json) print_json(parsed(inference_report_json(report)));
+  if (prints_text(o.common)) print_results(o, report);
   return 0;
 }
 
@@ -133,7 +93,8 @@ void add_infer_command(CLI::App& app, int* exit_code) {
       app.add_subcommand("infer", "infer textures from ray-traced pictures (docs/reference/animation_jobs.md)");
   infer->footer("Example:\n  multum infer animation.toml -o inferred");
   infer->add_option("job", o.job, infer_parameters().at("job").help)->required();
-  infer->add_option("-o,--output", o.settings.output, "folder for textures, matrices, manifest and report")->required();
+  infer->add_option("-o,--output", o.settings.inference.output, "folder for textures, matrices, manifest and report")
+      ->required();
   infer->add_option("--shard", o.shard,
                     "infer only the textures of share I of N (I/N), or of shares I to J (I-J/N); all shares have the "
                     "same output folder");

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Implements multum pack, which compresses the inferred textures of an animation into one file, and multum unpack,
 // which decompresses this file (Hakura et al. 2000, section 4).
-#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -9,14 +8,11 @@
 #include <fmt/format.h>
 
 #include "host/fields/codec/field_unpacking.h"
-#include "host/fields/codec/packing/field_packing.h"
+#include "host/fields/codec/packing/pack_job.h"
 #include "host/fields/codec/transforms/device_image_transforms.h"
-#include "host/fields/inferred/inference_error.h"
 #include "host/fields/player/player_output.h"
-#include "host/foundation/base/choices.h"
 #include "host/foundation/base/error.h"
 #include "host/foundation/base/files/output_paths.h"
-#include "host/foundation/base/log.h"
 #include "host/foundation/base/shown_text.h"
 #include "host/foundation/parameters/pack_parameters.h"
 #include "tools/command_line/parameter_options.h"
@@ -39,32 +35,6 @@ struct UnpackOptions {
   std::string file, folder;
 };
 
-void apply(const ParameterValues& values, FieldPackSettings& settings) {
-  settings.alpha = values.number("alpha").value_or(settings.alpha);
-  if (settings.alpha != 0.0 && settings.alpha <= 1.0)
-    throw Error(ErrorCode::kUsage, fmt::format("--alpha is {:g}, expected a number above 1, or 0", settings.alpha));
-  settings.pyramid = values.choice("pyramid", kPyramidChoices).value_or(settings.pyramid);
-  const std::string coder = values.text("coder").value_or("auto");
-  if (coder != "auto") settings.coder = coder == "dct" ? ImageCoder::kDct : ImageCoder::kWavelet;
-  settings.open_loop = values.text("loop") == "open";
-  settings.target.ratio = values.number("ratio");
-  if (const auto bytes = values.bytes("bytes")) settings.target.bytes = static_cast<double>(*bytes);
-  settings.target.mse = values.number("mse_max");
-  settings.target.lambda = values.number("lambda");
-  settings.block = values.integer("block").value_or(settings.block);
-  settings.stagger = values.text("stagger") == "yes";
-  if (const auto bytes = values.bytes("memory")) settings.memory_bytes = static_cast<std::uint64_t>(*bytes);
-  settings.resume = values.flag("resume");
-  settings.has_absolute_geometry = values.flag("absolute_geometry");
-}
-
-// Returns FOLDER for "FOLDER/inferred.json", which is the form in jobs of the service.
-std::string field_folder(const std::string& named) {
-  const std::filesystem::path path(named);
-  if (path.filename() != kInferredManifestName || std::filesystem::is_directory(path)) return named;
-  return path.has_parent_path() ? path.parent_path().string() : ".";
-}
-
 void print_parts(const FieldPackReport& report) {
   if (report.chunks_resumed > 0)
     print_shown(stdout, "%zu chunks were reused from an interrupted run\n", report.chunks_resumed);
@@ -74,53 +44,6 @@ void print_parts(const FieldPackReport& report) {
   for (const PackedChunkReport& chunk : report.chunks)
     print_shown(stdout, "%8zu bytes, MSE %.3f: layer '%s' of object '%s', block %zu\n", chunk.bytes, chunk.mse,
                 chunk.layer.c_str(), chunk.object.c_str(), chunk.block);
-}
-
-void warn_of_errors(const PackOptions& o, const FieldPackReport& report) {
-  if (!report.is_alpha_met)
-    log_warning(
-        o.settings.output,
-        fmt::format("the error of an object exceeds --alpha {:g} times the mean error; --verbose lists the objects",
-                    o.settings.alpha));
-  if (!report.inferred_mse && o.settings.target.is_default())
-    log_warning(o.settings.output,
-                fmt::format("{}/{} does not state the error of the inferred textures, so packing at {:g}:1 added an "
-                            "MSE of about {:.3g}, which could not be checked. Run multum infer again, or choose a size "
-                            "or an error with --ratio, --bytes or --mse-max",
-                            o.settings.folder, kInferenceReportName, kDefaultRatio, report.mse));
-  if (report.is_error_large)
-    log_warning(o.settings.output,
-                fmt::format("packing adds an MSE of about {:.3g}, which is {:.3g} times the error of the inferred "
-                            "textures ({:.3g}). {}",
-                            report.mse, report.mse / std::max(*report.inferred_mse, 1e-9), *report.inferred_mse,
-                            o.settings.target.is_default()
-                                ? "No smaller error was found, although the factor should stay below 3"
-                                : "Without --ratio, --bytes and --lambda, the factor stays below 3"));
-}
-
-OrderedJson pack_json(const PackOptions& o, const FieldPackReport& report) {
-  OrderedJson json = {{"output", path_json(o.settings.output)},
-                      {"bytes", report.bytes},
-                      {"raw_bytes", report.raw_bytes},
-                      {"description_bytes", report.description_bytes},
-                      {"mse_added", report.mse},
-                      {"lambda", report.lambda},
-                      {"rounds", report.rounds},
-                      {"chunks_resumed", report.chunks_resumed},
-                      {"is_alpha_met", report.is_alpha_met},
-                      {"is_error_large", report.is_error_large},
-                      {"objects", OrderedJson::array()},
-                      {"chunks", OrderedJson::array()}};
-  if (report.inferred_mse) json["inferred_mse"] = *report.inferred_mse;
-  for (const PackedObjectReport& object : report.objects)
-    json["objects"].push_back({{"object", object.object}, {"mse", object.mse}, {"lambda", object.lambda}});
-  for (const PackedChunkReport& chunk : report.chunks)
-    json["chunks"].push_back({{"object", chunk.object},
-                              {"layer", chunk.layer},
-                              {"block", chunk.block},
-                              {"bytes", chunk.bytes},
-                              {"mse", chunk.mse}});
-  return json;
 }
 
 int run_pack(PackOptions& o) {
@@ -135,7 +58,7 @@ int run_pack(PackOptions& o) {
   const std::unique_ptr<Progress> progress = make_progress(o.common);
   const FieldPackReport report = pack_field(o.settings, progress.get());
   if (o.common.verbose && !o.common.json) print_parts(report);
-  warn_of_errors(o, report);
+  warn_of_pack_errors(o.settings, report);
   if (prints_text(o.common))
     print_shown(stdout,
                 "%s: written: %llu bytes, %.1f:1 of raw frames; %llu bytes of description, %zu chunks; adds an MSE of "
@@ -152,7 +75,7 @@ int run_pack(PackOptions& o) {
   write_player(o.settings.output, o.player);
   for (const std::string& written : {o.player.folder, o.player.page})
     if (!written.empty() && prints_text(o.common)) print_shown(stdout, "%s: written: the player\n", written.c_str());
-  if (o.common.json) print_json(pack_json(o, report));
+  if (o.common.json) print_json(parsed(pack_report_json(o.settings, report)));
   return 0;
 }
 

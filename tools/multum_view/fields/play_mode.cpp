@@ -35,7 +35,7 @@ using nlohmann::json;
 constexpr int kFrames = 24, kFramesMax = 9999;  // file names of frames have four digits
 
 std::string played_frame_path(const PlayOptions& options, int frame) {
-  return (fs::path(options.folder) / fmt::format("frame_{:04}.png", frame)).string();
+  return (fs::path(options.folder) / fmt::format("frame_{:04}.{}", frame, options.writes_exr ? "exr" : "png")).string();
 }
 
 std::string statistics_path(const PlayOptions& options) {
@@ -243,6 +243,8 @@ void add_play_options(CLI::App& app, PlayOptions& options) {
       ->check(CLI::Range(1, 8));
   app.add_flag("--linear", options.is_linear,
                "interpolate linearly between samples along each parameter, instead of using the nearest sample");
+  app.add_flag("--exr", options.writes_exr,
+               "write frame_0000.exr and so on, with linear floats and the covered share of each pixel as alpha");
   app.add_flag("--no-wait", options.draws_what_is_there,
                "do not wait for images that are not decoded yet; pictures then depend on the speed of the machine");
   app.add_flag("--cold", options.is_cold,

@@ -14,11 +14,12 @@ Names of settings are those of the command line with underscores: `multum bake -
 
 from ._api import (BakedMap, Brdf, Lobes, Setting, bake, devices, export, gltf, load, measure, settings)
 from ._errors import Cancelled, Error, InputError, MachineError, ServiceError, SettingError, VerificationError
+from ._fields import Field, infer, pack
 from ._multum import __version__
 from .service import Job, Service
 
 __all__ = [
-    "BakedMap", "Brdf", "Cancelled", "Error", "InputError", "Job", "Lobes", "MachineError", "Service", "ServiceError",
-    "Setting", "SettingError", "VerificationError", "__version__", "bake", "devices", "export", "gltf", "load",
-    "measure", "settings"
+    "BakedMap", "Brdf", "Cancelled", "Error", "Field", "InputError", "Job", "Lobes", "MachineError", "Service",
+    "ServiceError", "Setting", "SettingError", "VerificationError", "__version__", "bake", "devices", "export", "gltf",
+    "infer", "load", "measure", "pack", "settings"
 ]

@@ -6,7 +6,7 @@ import functools
 import json
 import os
 import warnings
-from typing import Any, Callable, NamedTuple, Optional, Tuple, Union
+from typing import Any, Callable, NamedTuple, Optional, Sequence, Tuple, Union
 
 import numpy as np
 
@@ -255,12 +255,14 @@ class Lobes:
 
     values   float32 (..., lobes, 4): (a r_x, a r_y, a r_z, a), amplitude a and mean vector r of the normals
     colours  float32 (..., lobes, 3): a times linear RGB; None if the map has no colours
+    mean_cosine  0; or the mean cosine of the roughness that the lobes contain, if the map was baked with roughness
 
     Directions are unit vectors in tangent space, (..., 3): +X right, +Y towards the first row of the image, +Z out.
     Arguments broadcast against the points.
     """
 
-    def __init__(self, values: np.ndarray, colours: Optional[np.ndarray] = None):
+    def __init__(self, values: np.ndarray, colours: Optional[np.ndarray] = None, mean_cosine: float = 0.0):
+        self.mean_cosine = mean_cosine
         self.values = np.asarray(values, dtype=np.float32)
         self.colours = None if colours is None else np.asarray(colours, dtype=np.float32)
 
@@ -296,7 +298,7 @@ class Lobes:
             colours = np.zeros(0, np.float32)
         else:
             colours = np.broadcast_to(self.colours, shape + (lobes, 3)).reshape(-1, lobes, 3)
-        return shape, _multum.LobeRows(values, colours)
+        return shape, _multum.LobeRows(values, colours, self.mean_cosine)
 
     def shade(self, light: Any, view: Any, brdf: Union[str, Brdf]) -> np.ndarray:
         """Returns the reflected light in linear RGB, (..., 3): BRDF * max(n . light, 0), integrated over the normals n.
@@ -417,14 +419,36 @@ class BakedMap:
         level  level of detail, clamped to the stored levels
         """
         places = np.broadcast_arrays(*[np.asarray(a, dtype=np.float64) for a in (u, v, level)])
-        lobes, colours = _multum.look_up(self._map, np.stack([p.ravel() for p in places], axis=-1))
+        lobes, colours, mean_cosine = _multum.look_up(self._map, np.stack([p.ravel() for p in places], axis=-1))
         shape = places[0].shape
         return Lobes(lobes.reshape(shape + lobes.shape[1:]),
-                     colours.reshape(shape + colours.shape[1:]) if self.has_colours else None)
+                     colours.reshape(shape + colours.shape[1:]) if self.has_colours else None, mean_cosine)
 
     def shade(self, u: Any, v: Any, level: Any, light: Any, view: Any, brdf: Union[str, Brdf]) -> np.ndarray:
         """Returns lookup(u, v, level).shade(light, view, brdf)."""
         return self.lookup(u, v, level).shade(light, view, brdf)
+
+    def render_plane(self, brdf: Union[str, Brdf], *, eye: Sequence[float] = (0.5, -0.7, 0.7),
+                     target: Sequence[float] = (0.5, 0.5, 0.0), light: Sequence[float] = (0.0, 0.0, 1.0),
+                     fov: float = 40.0, size: "Tuple[int, int]" = (256, 256), taps: int = 4,
+                     device: Union[str, int] = "", progress: Progress = None) -> np.ndarray:
+        """Draws a plane that is covered with the map, on an OpenCL device.
+
+        The plane is z = 0. One tile of the map covers 0 <= x <= 1 and 0 <= y <= 1, with the first row at y = 1.
+
+        eye, target  place of the camera, above the plane, and the point in the middle of the picture
+        light        direction of any length to a distant light, which has irradiance 1 on a surface that faces it
+        fov          vertical angle of view in degrees
+        size         width and height in pixels
+        taps         largest number of lookups per pixel, along the longer side of its footprint
+
+        Returns float32 (height, width, 4): linear RGB, and 1 where the plane is visible.
+        """
+        to_light = np.asarray(light, dtype=np.float64)
+        vectors = np.array([eye, target, to_light / max(float(np.linalg.norm(to_light)), 1e-300)], dtype=np.float64)
+        with _Listener(progress, "render_plane") as listener:
+            return _multum.render_plane(_device(device), self._map, _brdf(brdf)._brdf, vectors, fov, size[0], size[1],
+                                        taps, listener.progress, listener.log)
 
     def save(self, path: PathLike) -> None:
         """Writes the map to a file, which appears complete or not at all."""

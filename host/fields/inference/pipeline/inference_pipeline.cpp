@@ -41,7 +41,7 @@ class InferencePipeline {
         settings_(settings),
         pieces_(pieces.begin(), pieces.end()),
         progress_(progress),
-        device_(Device::open(settings.device)),
+        device_(device_of(settings)),
         probe_(field, mappings_of(pieces, mappings),
                {settings.viewer, settings.context, settings.output + "/matrices", settings.threads}) {}
 
@@ -339,6 +339,10 @@ void finish_inference(const ParameterizedScene& field, const AnimationInferSetti
   }
   result.manifest = manifest_of(field, settings, mappings, hash_file(field.job().geometry_file), result.textures);
   write_inferred_manifest(result.manifest, settings.output + "/" + kInferredManifestName);
+}
+
+Device device_of(const AnimationInferSettings& settings) {
+  return settings.opened.is_open() ? settings.opened : Device::open(settings.device);
 }
 
 AnimationInferResult infer_animation(const ParameterizedScene& field, const AnimationInferSettings& settings,

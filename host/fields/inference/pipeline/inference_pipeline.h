@@ -26,6 +26,7 @@ namespace multum {
 struct AnimationInferSettings {
   std::string output;            // folder
   std::string device;            // selector of Device::open()
+  Device opened;                 // if this device is open, it is used instead of `device`
   std::string viewer;            // multum-view
   std::string context = "auto";  // OpenGL context of multum-view
   int threads = 1;
@@ -38,6 +39,9 @@ struct AnimationInferSettings {
   double gradient_tolerance = 1e-3;
   int iteration_max = 400;
 };
+
+/// Returns the device of the settings, and opens it if necessary. Throws Error(kEnvironment).
+Device device_of(const AnimationInferSettings& settings);
 
 /// One texture, and its error in each sample that it serves.
 struct TextureResult {

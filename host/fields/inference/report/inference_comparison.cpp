@@ -44,11 +44,7 @@ class Comparer {
  public:
   Comparer(const ParameterizedScene& field, const ObjectMappings& mappings, const AnimationInferSettings& settings,
            Progress* progress)
-      : field_(field),
-        mappings_(mappings),
-        settings_(settings),
-        progress_(progress),
-        device_(Device::open(settings.device)) {
+      : field_(field), mappings_(mappings), settings_(settings), progress_(progress), device_(device_of(settings)) {
     for (const AnimationLayer& layer : field.job().layers)
       layers_.push_back(field.segment(0, layer, settings.threads, nullptr));
   }

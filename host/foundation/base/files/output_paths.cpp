@@ -96,6 +96,10 @@ void make_folder(const std::string& path) {
   if (error) throw Error(ErrorCode::kEnvironment, path + ": cannot create the folder: " + error.message());
 }
 
+void make_folder_of(const std::string& file) {
+  if (const fs::path folder = fs::path(file).parent_path(); !folder.empty()) make_folder(folder.string());
+}
+
 std::string existing_part(const std::string& path) {
   std::error_code error;
   std::filesystem::path folder = path;

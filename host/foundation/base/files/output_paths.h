@@ -22,6 +22,9 @@ std::string canonical_name(const std::string& path);
 /// Error(kUsage) for a new name that holds a control character.
 void make_folder(const std::string& path);
 
+/// Creates the folder that will contain `file`, like make_folder(). Does nothing if the name has no folder.
+void make_folder_of(const std::string& file);
+
 /// Records the folders that make_folder() creates while the object exists. The destructor removes those that are empty.
 /// Every command has such an object, so a command that rejects its input leaves no folder.
 class NewFolders {

@@ -4,12 +4,21 @@
 #include <fmt/format.h>
 
 #include <csignal>
+#include <filesystem>
+#include <system_error>
 
 #include "host/foundation/base/error.h"
 #include "host/foundation/base/log.h"
+#include "host/foundation/base/process_rules/process_rules.h"
 #include "host/foundation/base/processes/child_process.h"
 
 namespace multum {
+
+std::string find_viewer() {
+  std::error_code error;
+  const std::string beside = program_folder() + "/multum-view";
+  return std::filesystem::exists(beside, error) ? beside : "multum-view";
+}
 
 void run_viewer(const std::vector<std::string>& command, const std::string& what, Progress* progress) {
   const ChildResult result = run_child(command);

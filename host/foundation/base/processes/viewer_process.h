@@ -9,6 +9,10 @@
 
 namespace multum {
 
+/// Returns the multum-view in program_folder(), where a build and an installation have it. If there is none, returns
+/// the plain name, which is then searched for in PATH.
+std::string find_viewer();
+
 /// Runs `command` and waits for it. Shows its output if the log is verbose. If it cannot be started, fails or crashes,
 /// throws Error(kEnvironment) with `what` and the child's output. If `progress` was cancelled during this time, throws
 /// Cancelled instead. Ctrl-C on a terminal also ends the child, and this is not a failure.
