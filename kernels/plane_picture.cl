@@ -152,7 +152,7 @@ __kernel void plane_picture(MultumPlanePicture view, __global const float4* fine
   const float ratio = min(longer / max(shorter, 1e-20f), (float)view.taps);
   const int count = max((int)ceil(ratio - 1e-3f), 1);
   const float width = count == 1 ? longer : max(shorter, longer / count * TAP_OVERLAP);
-  const float lod = clamp(log2(max(width, 1e-15f)), (float)view.first_level, (float)view.last_level);
+  const float lod = clamp(log2_v(max(width, 1e-15f)), (float)view.first_level, (float)view.last_level);
   const int level = min((int)lod, view.last_level);
   if (level != view.level) return;
   const float2 step = (length_x > length_y ? st_x : st_y) / count;

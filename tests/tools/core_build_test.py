@@ -17,7 +17,8 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 HIDDEN = ("SQLite3", "Boost")
 FOREIGN = re.compile(r"(host|tools/multum|tools/multum_view)/(fields|farm)/|sqlite3|boost|libsystemd|node_modules|wasm",
                      re.IGNORECASE)
-OWN = {"tools/multum/no_farm.cpp", "tools/multum/no_field_commands.cpp", "tools/multum_view/no_field_commands.cpp"}
+OWN = {"host/api/api_no_fields.cpp", "tools/multum/no_farm.cpp", "tools/multum/no_field_commands.cpp",
+       "tools/multum_view/no_field_commands.cpp"}
 COMPILED = re.compile(r"^build (\S+\.o): CXX_COMPILER\S* (\S+)", re.MULTILINE)
 
 

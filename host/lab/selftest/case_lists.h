@@ -20,6 +20,7 @@ std::vector<NumericalCase> sh_cases();        // sh_project, sh_shade
 std::vector<NumericalCase> pyramid_cases();   // mip_box, reflectance_pyramid
 std::vector<NumericalCase> moment_cases();    // moments, moment_shade
 std::vector<NumericalCase> one_lobe_cases();  // one_lobe
+std::vector<NumericalCase> plane_cases();     // plane_picture
 std::vector<NumericalCase> block_cases();     // block_encoding
 std::vector<NumericalCase>
 storage_cases();  // host/formats/asset/lobes/movmf_quantize, which rounds the results of kernels

@@ -50,7 +50,7 @@ const std::vector<NumericalCase>& numerical_cases() {
     std::vector<NumericalCase> all;
     std::vector<CaseList> lists = {numerics_cases, em_cases,       choose_cases,  refine_cases, planar_cases,
                                    level_cases,    sum_cases,      shading_cases, sh_cases,     pyramid_cases,
-                                   moment_cases,   one_lobe_cases, block_cases};
+                                   moment_cases,   one_lobe_cases, plane_cases,   block_cases};
     lists.insert(lists.end(), registered_lists().begin(), registered_lists().end());
     lists.push_back(storage_cases);
     for (const CaseList part : lists)
