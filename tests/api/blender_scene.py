@@ -77,6 +77,7 @@ def metal(width):
 
 def draw(picture):
     scene, plane = make_scene(picture["camera"])
+    scene.cycles.samples = picture["samples"]
     plane.data.materials.append(metal(picture.get("width")))
     if "lobes" in picture:
         blender_lobes.add_lobes(plane, picture["lobes"])
@@ -84,7 +85,7 @@ def draw(picture):
         bpy.ops.wm.save_as_mainfile(filepath=picture["blend"])
         bpy.ops.wm.open_mainfile(filepath=picture["blend"])
         scene = bpy.context.scene
-    scene.cycles.samples, scene.render.filepath = picture["samples"], f"{JOB['folder']}/{picture['name']}.exr"
+    scene.render.filepath = f"{JOB['folder']}/{picture['name']}.exr"
     start = time.perf_counter()
     bpy.ops.render.render(write_still=True)
     print(f"{picture['name']}: {time.perf_counter() - start:.2f} s, {len(bpy.data.images)} images")
@@ -93,6 +94,7 @@ def draw(picture):
 def use_operators():
     """Installs the add-on as a user does, and prints what its operators return or refuse."""
     scene, plane = make_scene(JOB["camera"])
+    scene.cycles.samples = 16
     plane.data.materials.append(metal(None))
     bpy.ops.preferences.addon_install(filepath=blender_lobes.__file__, overwrite=True)
     bpy.ops.preferences.addon_enable(module="blender_lobes")

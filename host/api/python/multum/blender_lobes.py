@@ -6,9 +6,9 @@ This file is an add-on for Blender 3.4: install it in Edit > Preferences > Add-o
 >>> import bpy, multum.blender_lobes
 >>> multum.blender_lobes.add_lobes(bpy.context.object, "rock.ndf.exr")
 
-Each lobe becomes a copy of the material's Principled BSDF, whose GGX is widened by the lobe. The copies are mixed by
-the amplitudes of the lobes. Each point of the surface mixes the two mip levels whose texels are about as large as the
-pixel at the distance of the camera.
+Each lobe becomes a copy of the material's Principled BSDF, whose roughness is widened by the lobe. The copies are mixed
+by the amplitudes of the lobes. Each point of the surface mixes two mip levels, which depend on the distance from the
+camera: their texels are about as large as the part of the pixel that one of the scene's samples covers.
 """
 import math
 import pathlib
@@ -23,11 +23,11 @@ bl_info = {"name": "multum lobes", "author": "multum", "version": (0, 1, 0), "bl
            "location": "File > Import, File > Export", "category": "Material",
            "description": "Draws baked lobes with Cycles, and exports materials with multum"}
 
-# alpha^2 = alpha_0^2 + SPREAD_FACTOR lambda, as in the closed form of kernels/one_lobe.cl. lambda is the variance of a
-# lobe's normals per tangent axis, |r| / kappa for a vMF lobe. With Banerjee's kappa = (3 |r| - |r|^3) / (1 - |r|^2),
-# lambda = (1 - |r|^2) / (3 - |r|^2).
+# A lobe widens GGX to alpha^2 = alpha_0^2 + SPREAD_FACTOR lambda, as in the closed form of kernels/one_lobe.cl. lambda
+# is the variance of a lobe's normals per tangent axis, |r| / kappa for a vMF lobe. With Banerjee's kappa = (3 |r| -
+# |r|^3) / (1 - |r|^2), lambda = (1 - |r|^2) / (3 - |r|^2). A mixture of GGX and Beckmann fits the density of facets
+# better, but was tried and made pictures too bright, because each BSDF computes masking and cosines at the mean normal.
 SPREAD_FACTOR = 1.75
-LEVEL_BIAS = -1.0  # Cycles averages several points per pixel, so one level finer than the pixel suffices
 COSINE_MIN = 0.05  # limits the stretch of pixels near the horizon
 MARK = "multum"  # custom property of every node that the add-on made
 
@@ -90,14 +90,14 @@ def camera_distance(scene, thing):
 
 
 def level_of(nodes, texels, grows):
-    """Adds nodes that compute the level whose texels are as large as a pixel. `texels` is the number of texels per
-    pixel, at distance 1 if it `grows` with the distance."""
+    """Adds nodes that compute the level whose texels are as large as a pixel, or a part of a pixel. `texels` is the
+    number of texels per pixel, at distance 1 if it `grows` with the distance."""
     geometry = nodes.add("ShaderNodeNewGeometry").outputs
     cosine = nodes.math("ABSOLUTE", nodes.vector("DOT_PRODUCT", geometry["Incoming"], geometry["True Normal"]))
     if grows:
         texels = nodes.math("MULTIPLY", nodes.add("ShaderNodeCameraData").outputs["View Distance"], texels)
     texels = nodes.math("DIVIDE", texels, nodes.math("SQRT", nodes.math("MAXIMUM", cosine, COSINE_MIN)))
-    return nodes.math("ADD", nodes.math("LOGARITHM", texels, 2.0), LEVEL_BIAS)
+    return nodes.math("LOGARITHM", texels, 2.0)
 
 
 def lobe_image(name, amplitude, mean):
@@ -187,10 +187,11 @@ def add_lobes(thing, path, scene=None, nearest=None):
         raise ValueError(f"{material.name}: expected a Principled BSDF that is linked to an output")
     size = (spec["multum:mapWidth"], spec["multum:mapHeight"])
     pixel, grows = pixel_size(scene)
-    texels = pixel * texels_per_unit(thing, size)
+    # Each of n samples stands for 1 / n of the pixel's area.
+    texels = pixel * texels_per_unit(thing, size) / math.sqrt(max(scene.cycles.samples, 1))
     nearest = camera_distance(scene, thing) if nearest is None else nearest
     last = int(math.log2(max(size)))
-    finest = math.floor(math.log2(max(texels * nearest if grows else texels, 1e-6)) + LEVEL_BIAS)
+    finest = math.floor(math.log2(max(texels * nearest if grows else texels, 1e-6)))
     levels = range(min(max(spec["multum:firstLevel"], finest), last), last + 1)
     nodes, targets = Nodes(tree), [link.to_socket for link in surface.outputs[0].links]
     shader, total = None, 0.0
