@@ -57,7 +57,8 @@ class ScriptsTest(unittest.TestCase):
     def test_refusals_name_what_was_found(self):
         for command in (("demo", "--size", "63"), ("demo", "--size", "9000"), ("demo", "--size", "x"),
                         ("demo", "--surprise"), ("lab/reproduce", "knuth1973"), ("lab/reproduce", "--size", "63"),
-                        ("test", "--preset"), ("install_dependencies", "surprise"), ("install_dependencies", "--system", "debian-11"),
+                        ("test", "--preset"), ("install_dependencies", "surprise"),
+                        ("install_dependencies", "--system", "debian-11"),
                         ("fresh_machine", "--suite", "bullseye")):
             with self.subTest(command=command):
                 done = run(TOOLS / command[0], *command[1:])
@@ -87,7 +88,8 @@ class DependenciesTest(unittest.TestCase):
                     self.assertIn(PACKAGE_OF[name], listed)
 
     def test_document_names_the_same_packages(self):
-        rows = re.findall(r"^\| `([^`]+)` \| [a-z]", (ROOT / "docs/contributing/DEPENDENCIES.md").read_text(), re.MULTILINE)
+        text = (ROOT / "docs/contributing/DEPENDENCIES.md").read_text()
+        rows = re.findall(r"^\| `([^`]+)` \| [a-z]", text, re.MULTILINE)
         self.assertEqual(sorted(rows), sorted(packages()))
 
     def test_document_names_the_packages_of_other_systems(self):
