@@ -9,6 +9,7 @@ the resources of each kernel. A missing compiler is reported and skipped. The ex
 """
 import argparse
 import concurrent.futures
+import functools
 import os
 import pathlib
 import re
@@ -47,12 +48,19 @@ def run(command):
     return subprocess.run(command, capture_output=True, text=True)
 
 
+@functools.cache
+def spirv_translator():
+    """Returns the path of the translator of clang's own version, or of any translator, or None."""
+    version = re.search(r"version (\d+)", run(["clang", "--version"]).stdout)
+    return (version and shutil.which(f"llvm-spirv-{version[1]}")) or shutil.which("llvm-spirv")
+
+
 def spirv(source, definitions, standard, folder):
     """Returns the error of a kernel compiled to SPIR-V, or ''."""
     bitcode, module = folder / "kernel.bc", folder / "kernel.spv"
     steps = [CLANG + [f"-cl-std={standard}", "-target", "spir64-unknown-unknown", "-O0", "-emit-llvm", "-c",
                       "-DMULTUM_VECTOR_WIDTH=1", *definitions, str(source), "-o", str(bitcode)]]
-    translator = shutil.which("llvm-spirv-14") or shutil.which("llvm-spirv")
+    translator = spirv_translator()
     if translator:
         # This is not an OpenCL profile, because such profiles lack 64-bit atomics, an extension that movmf_bin_add
         # uses.
@@ -120,9 +128,10 @@ def main():
     parser.add_argument("--ptxas", default=shutil.which("ptxas"))
     parser.add_argument("--table", action="store_true")
     options = parser.parse_args()
-    for tool, what in (("llvm-spirv-14", "no SPIR-V was compiled"), ("spirv-val", "SPIR-V was not validated")):
-        if not shutil.which(tool):
-            print(f"check_compilers: {tool} is not installed: {what}")
+    if not spirv_translator():
+        print("check_compilers: llvm-spirv of clang's version is not installed: no SPIR-V was compiled")
+    if not shutil.which("spirv-val"):
+        print("check_compilers: spirv-val is not installed: SPIR-V was not validated")
     if not options.ptxas:
         print("check_compilers: ptxas is not installed: counted LLVM's stack frames, but no registers")
     jobs = [(options.flattened / source.name, source.stem, label, definitions, options.ptxas)

@@ -32,8 +32,8 @@ def run(*command, **more):
     return subprocess.run([str(c) for c in command], capture_output=True, text=True, check=False, **more)
 
 
-def packages():
-    return run(TOOLS / "install_dependencies", "--list").stdout.split()
+def packages(system="debian-12"):
+    return run(TOOLS / "install_dependencies", "--list", "--system", system).stdout.split()
 
 
 class ScriptsTest(unittest.TestCase):
@@ -57,7 +57,9 @@ class ScriptsTest(unittest.TestCase):
     def test_refusals_name_what_was_found(self):
         for command in (("demo", "--size", "63"), ("demo", "--size", "9000"), ("demo", "--size", "x"),
                         ("demo", "--surprise"), ("lab/reproduce", "knuth1973"), ("lab/reproduce", "--size", "63"),
-                        ("test", "--preset"), ("install_dependencies", "surprise")):
+                        ("test", "--preset"), ("install_dependencies", "surprise"),
+                        ("install_dependencies", "--system", "debian-11"),
+                        ("fresh_machine", "--suite", "bullseye")):
             with self.subTest(command=command):
                 done = run(TOOLS / command[0], *command[1:])
                 self.assertNotEqual(done.returncode, 0)
@@ -86,8 +88,21 @@ class DependenciesTest(unittest.TestCase):
                     self.assertIn(PACKAGE_OF[name], listed)
 
     def test_document_names_the_same_packages(self):
-        rows = re.findall(r"^\| `([^`]+)` \|", (ROOT / "docs/contributing/DEPENDENCIES.md").read_text(), re.MULTILINE)
+        text = (ROOT / "docs/contributing/DEPENDENCIES.md").read_text()
+        rows = re.findall(r"^\| `([^`]+)` \| [a-z]", text, re.MULTILINE)
         self.assertEqual(sorted(rows), sorted(packages()))
+
+    def test_document_names_the_packages_of_other_systems(self):
+        text = (ROOT / "docs/contributing/DEPENDENCIES.md").read_text()
+        head, rows = re.search(r"^\| Debian 12 (\|.*)\n\|[-|]+\n((?:\|.*\n)+)", text, re.MULTILINE).groups()
+        systems = ["debian-13", "ubuntu-24.04"]
+        self.assertEqual(head.replace("*", "").strip("| "), "Debian 13 | Ubuntu 24.04, not run")
+        cells = [[cell.strip(" `") for cell in row.strip("|").split("|")] for row in rows.splitlines()]
+        for column, system in enumerate(systems, 1):
+            with self.subTest(system=system):
+                renamed = {row[0]: row[column] for row in cells}
+                expected = [renamed.get(name, name) for name in packages()]
+                self.assertEqual(sorted(name for name in expected if name != "none"), sorted(packages(system)))
 
 
 class BalancedParser(html.parser.HTMLParser):

@@ -42,10 +42,10 @@ struct GroupSurroundings {
 class DctSyntax {
  public:
   /// is_dct_side() must accept `side`.
-  explicit DctSyntax(int side) : side_(static_cast<std::size_t>(side)), band_count_(std::bit_width(side_)) {
+  explicit DctSyntax(int side) : side_(static_cast<std::size_t>(side)), band_count_(width_of(side_)) {
     for (std::size_t v = 0; v < side_; ++v)
       for (std::size_t u = 0; u < side_; ++u) {
-        const std::size_t band = std::bit_width(std::max(u, v));
+        const std::size_t band = width_of(std::max(u, v));
         order_[band].push_back(static_cast<std::uint16_t>(v * side_ + u));
       }
     for (auto& band : order_)  // sorts by ascending frequency, so that lower neighbours come first
@@ -108,6 +108,9 @@ class DctSyntax {
   static constexpr std::size_t kBands = 6;
   static constexpr int kUnary = 14;  // larger magnitudes are written as a number
 
+  /// std::bit_width returns the type of its argument before GCC 14, and int from then on.
+  static std::size_t width_of(std::size_t number) { return static_cast<std::size_t>(std::bit_width(number)); }
+
   std::size_t frequency(std::size_t place) const { return place / side_ + place % side_; }
 
   bool has_band(std::span<const std::int16_t> values, std::size_t k) const {
@@ -142,7 +145,7 @@ class DctSyntax {
       const std::size_t lower = lower_neighbours(values, at);
       const std::size_t near = std::min<std::size_t>(lower, 7);
       const std::size_t sides = std::min<std::size_t>(magnitude_at(around.left, at) + magnitude_at(around.up, at), 3);
-      const std::size_t place = static_cast<std::size_t>(std::bit_width(u)) * kBands + std::bit_width(v);
+      const std::size_t place = width_of(u) * kBands + width_of(v);
       bool significant = values[at] != 0;
       if (found > 0 || at != order_[k].back())
         significant = coder.bit(significant,
