@@ -14,7 +14,8 @@ import unittest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 TOOLS = ROOT / "tools"
-SHELL_SCRIPTS = [TOOLS / "demo", TOOLS / "test", TOOLS / "install_dependencies", ROOT / ".ci/run"]
+SHELL_SCRIPTS = [TOOLS / "demo", TOOLS / "test", TOOLS / "install_dependencies", TOOLS / "packaging/try_packages",
+                 ROOT / ".ci/run"]
 # Maps each find_package of the CMake files to the package that provides it, or to None if it comes with the compiler or
 # CMake.
 PACKAGE_OF = {"glm": "libglm-dev", "fmt": "libfmt-dev", "OpenSSL": "libssl-dev",
@@ -56,7 +57,8 @@ class ScriptsTest(unittest.TestCase):
 
     def test_refusals_name_what_was_found(self):
         for command in (("demo", "--size", "63"), ("demo", "--size", "9000"), ("demo", "--size", "x"),
-                        ("demo", "--surprise"), ("lab/reproduce", "knuth1973"), ("lab/reproduce", "--size", "63"),
+                        ("demo", "--surprise"), ("demo", "--bin", "/usr/bin", "--build"),
+                        ("lab/reproduce", "knuth1973"), ("lab/reproduce", "--size", "63"),
                         ("test", "--preset"), ("install_dependencies", "surprise"),
                         ("install_dependencies", "--system", "debian-11"),
                         ("fresh_machine", "--suite", "bullseye")):

@@ -23,9 +23,11 @@ OPENED = ("libEGL.so.1",)
 # The decoders that OpenImageIO links for formats that multum refuses (tools/archive/stand_in_libraries.py).
 NEVER_CALLED = re.compile(
     r"^lib(opencv_\w+|avcodec|avformat|avutil|swscale|openvdb|heif|raw_r|icuuc)\.so\b")
-# The packages that contain only headers or are linked statically. No file in the archive shows that they are used.
+# The packages that contain only headers or are linked statically, also into the decoder for browsers. No file in the
+# archive shows that they are used.
 COMPILED_IN = ("libglm-dev", "libcli11-dev", "nlohmann-json3-dev", "libtomlplusplus-dev", "libgtest-dev",
-               "libeigen3-dev", "libboost1.81-dev", "librapidcheck-dev")
+               "libeigen3-dev", "libboost1.81-dev", "librapidcheck-dev", "pybind11-dev", "opencl-clhpp-headers",
+               "wasi-libc", "libc++-14-dev-wasm32", "libc++abi-14-dev-wasm32", "libclang-rt-14-dev-wasm32")
 
 
 def fail(text):

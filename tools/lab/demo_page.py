@@ -7,7 +7,7 @@ Reads steps.tsv (one line per step: kind, name, milliseconds, command), NAME.bak
 of each view. The pictures of a view are NAME_reference.png, NAME_multum.png and so on. The page refers only to files in
 the folder.
 
-  tools/lab/demo_page.py FOLDER
+  tools/lab/demo_page.py FOLDER [--programs DIR]
 """
 import argparse
 import json
@@ -147,12 +147,13 @@ one lobe. Turn the view, move closer, move the light (WebGL 2).</p>
 """
 
 
-def own_map():
-    return """<h2 id="own">Use your own map</h2>
-<pre>build/release/bin/multum bake bricks_normal.png -o bricks.ndf.exr
-build/release/bin/multum-view bricks.ndf.exr -o bricks.png \\
+def own_map(programs):
+    folder = "" if programs in ("/usr/bin", "/usr/local/bin") else text(programs) + "/"
+    return f"""<h2 id="own">Use your own map</h2>
+<pre>{folder}multum bake bricks_normal.png -o bricks.ndf.exr
+{folder}multum-view bricks.ndf.exr -o bricks.png \\
     --source bricks_normal.png --compare reference,mip,toksvig,lean-jacobian
-build/release/bin/multum look bricks.ndf.exr --source bricks_normal.png</pre>
+{folder}multum look bricks.ndf.exr --source bricks_normal.png</pre>
 <p>The bake prints how it read the file: OpenGL or DirectX green, unsigned or signed, normals or heights. If this is
 wrong, give both programs the right options (<code>--green up</code>, <code>--bumpformat height --height-scale
 8</code>). For colours, give both programs <code>--albedo bricks_colour.png</code>. For more accuracy, use
@@ -160,7 +161,7 @@ wrong, give both programs the right options (<code>--green up</code>, <code>--bu
 options.</p>"""
 
 
-def make_page(folder, steps, bakes, views):
+def make_page(folder, programs, steps, bakes, views):
     first = next(iter(views), None)
     hero = ""
     if first:
@@ -202,7 +203,7 @@ lambert is matt.</p>
 {table(["command", "seconds"], total)}
 {machine({b["device"] for b in bakes.values()}, {v["context"] for v in views.values()},
          {v["software"].split()[-1] for v in views.values()})}
-{own_map()}
+{own_map(programs)}
 </body></html>
 """
 
@@ -224,9 +225,12 @@ def read_folder(folder):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("folder", type=pathlib.Path)
-    folder = parser.parse_args().folder
+    parser.add_argument("--programs", default="build/release/bin",
+                        help="folder of the programs, for the page's commands")
+    options = parser.parse_args()
+    folder = options.folder
     try:
-        page = make_page(folder, *read_folder(folder))
+        page = make_page(folder, options.programs, *read_folder(folder))
     except (OSError, ValueError, KeyError) as error:
         sys.exit(f"{folder}: {type(error).__name__}: {error}; expected a folder that tools/demo has filled")
     target = folder / "index.html"
