@@ -239,7 +239,7 @@ TEST_F(FailureTest, EachAllocationFailsOnce) {
           return g_failed > 0;
         });
   std::printf("%ld allocations, every %ld. one failed; %d errors\n", count, step, errors_);
-  EXPECT_GT(errors_, 60);
+  EXPECT_GT(10 * errors_, 8 * (count / step));  // a few failures may have another way out
 }
 
 TEST_F(FailureTest, EachOpenClCallFailsOnce) {
@@ -267,7 +267,7 @@ TEST_F(FailureTest, EachOpenClCallFailsOnce) {
           return failed;
         });
   std::printf("%ld OpenCL calls, every %ld. one failed; %d errors\n", count, step, errors_);
-  EXPECT_GT(errors_, 60);
+  EXPECT_GT(10 * errors_, 8 * (count / step));  // a few failures may have another way out
 }
 
 }  // namespace
