@@ -32,11 +32,16 @@
 
 struct multum_field {
   explicit multum_field(const std::string& name)
-      : path(std::filesystem::absolute(name).string()), file(path), text(multum::packed_field_facts(path)) {}
+      : file(std::filesystem::absolute(name).string()), text(multum::packed_field_facts(file)) {}
 
+  const std::string& path() const { return file.path(); }
   const multum::FieldDescription& description() const { return file.description(); }
+  /// Returns the number of floats in a frame.
+  std::size_t frame_values() const {
+    return 4 * static_cast<std::size_t>(description().field.width) *
+           static_cast<std::size_t>(description().field.height);
+  }
 
-  std::string path;
   multum::PackedFieldFile file;
   std::string text;
   std::mutex mutex;  // guards the file while chunks are read
@@ -89,7 +94,7 @@ void play_frames(const multum_field& field, const std::vector<std::vector<double
   write_text_file(path, path_text(field, points));
   std::vector<std::string> command = {find_viewer(),
                                       "play",
-                                      field.path,
+                                      field.path(),
                                       "--path",
                                       path,
                                       "-o",
@@ -100,12 +105,9 @@ void play_frames(const multum_field& field, const std::vector<std::vector<double
                                       "1",
                                       "--exr"};
   if (is_linear) command.emplace_back("--linear");
-  run_viewer(command, fmt::format("drawing {} frames of {}", points.size(), field.path), progress);
-  const InferredManifest& description = field.description().field;
-  const std::size_t values =
-      4 * static_cast<std::size_t>(description.width) * static_cast<std::size_t>(description.height);
+  run_viewer(command, fmt::format("drawing {} frames of {}", points.size(), field.path()), progress);
   for (std::size_t i = 0; i < points.size(); ++i)
-    copy_frame(field, fmt::format("{}/frames/frame_{:04}.exr", folder->path(), i), rgba + i * values);
+    copy_frame(field, fmt::format("{}/frames/frame_{:04}.exr", folder->path(), i), rgba + i * field.frame_values());
 }
 
 // Returns the chunk of a layer at a sample, or null if the layer is invisible there.
@@ -211,7 +213,7 @@ multum_status multum_field_texture(multum_field* field, int layer, const double*
     const int count = static_cast<int>(description.layers.size());
     if (layer < 0 || layer >= count)
       throw Error(ErrorCode::kUsage,
-                  fmt::format("layer is {}, expected 0 to {}, the layers of {}", layer, count - 1, field->path));
+                  fmt::format("layer is {}, expected 0 to {}, the layers of {}", layer, count - 1, field->path()));
     const auto number = static_cast<std::size_t>(layer);
     const std::size_t sample = multum::nearest_sample(
         description.grid,
@@ -239,10 +241,7 @@ multum_status multum_field_play(multum_field* field, const double* points, int c
     if (count < 1)
       throw Error(ErrorCode::kUsage, fmt::format("multum_field_play: count is {}, expected at least 1", count));
     multum::ApiCall call(callbacks);
-    const multum::FieldDescription& description = field->description();
-    const std::size_t parameters = description.grid.sizes.size();
-    const std::size_t values =
-        4 * static_cast<std::size_t>(description.field.width) * static_cast<std::size_t>(description.field.height);
+    const std::size_t parameters = field->description().grid.sizes.size();
     multum::progress_start(call.progress(), static_cast<std::uint64_t>(count));
     multum::progress_stage(call.progress(), "draw frames");
     for (int begin = 0; begin < count; begin += multum::kFramesOfARun) {
@@ -251,7 +250,7 @@ multum_status multum_field_play(multum_field* field, const double* points, int c
         some.push_back(
             multum::checked_point(*field, points + static_cast<std::size_t>(i) * parameters, "multum_field_play"));
       multum::play_frames(*field, some, is_linear != 0, call.progress(),
-                          rgba + static_cast<std::size_t>(begin) * values);
+                          rgba + static_cast<std::size_t>(begin) * field->frame_values());
       multum::progress_advance(call.progress(), some.size());
     }
     multum::progress_finish(call.progress());

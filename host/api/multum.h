@@ -283,7 +283,7 @@ MULTUM_API multum_view multum_map_shape(const multum_map* map, int level, multum
 typedef struct multum_lobes {
   int count;
   int has_colours;
-  float mean_cosine; /* 0 for lobes of normals alone; otherwise the mean cosine of the roughness that they contain */
+  float mean_cosine;                  /* 0, or the mean cosine of the roughness that the lobes contain */
   float lobes[MULTUM_LOBES_MAX][4];   /* (a r_x, a r_y, a r_z, a) */
   float colours[MULTUM_LOBES_MAX][3]; /* a * linear RGB; set only if has_colours is 1 */
 } multum_lobes;

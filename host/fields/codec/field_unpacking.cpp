@@ -239,12 +239,11 @@ std::vector<PackedFinding> verify_packed_field(const std::string& path) {
   return findings;
 }
 
-std::string packed_field_facts(const std::string& path) {
+std::string packed_field_facts(const PackedFieldFile& file) {
   using Json = nlohmann::ordered_json;
-  const PackedFieldFile file(path);
   const FieldDescription& description = file.description();
   const InferredManifest& field = description.field;
-  Json json = {{"file", text_of_path(path)},
+  Json json = {{"file", text_of_path(file.path())},
                {"representation", "packed field"},
                {"parameters", field.parameters},
                {"sizes", description.grid.sizes},

@@ -27,6 +27,7 @@ class PackedFieldFile {
   /// a damaged index or description.
   explicit PackedFieldFile(const std::string& path);
 
+  const std::string& path() const { return path_; }
   const FieldDescription& description() const { return description_; }
   const PackedIndex& index() const { return index_; }
   /// Returns a name for messages: "section 3 (chunk: layer 'diffuse' of object 'walls', block 0)".
@@ -85,7 +86,7 @@ std::vector<PackedFinding> verify_packed_field(const std::string& path);
 
 /// Returns the JSON text of `multum info --json`: the parameters with their numbers of samples, the size of the frames,
 /// the objects, the layers and the sections.
-std::string packed_field_facts(const std::string& path);
+std::string packed_field_facts(const PackedFieldFile& file);
 
 /// Returns human-readable facts about the file, one per line.
 std::string packed_field_text(const std::string& path);

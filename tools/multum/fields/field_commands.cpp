@@ -23,7 +23,7 @@ std::optional<std::string> packed_field_info(const std::string& path) {
 
 std::optional<OrderedJson> packed_field_json(const std::string& path) {
   if (!is_packed_field(path)) return std::nullopt;
-  return parsed(packed_field_facts(path));
+  return parsed(packed_field_facts(PackedFieldFile(path)));
 }
 
 std::optional<std::vector<VerifyFinding>> packed_field_findings(const std::string& path) {

@@ -16,8 +16,8 @@ namespace multum {
 
 std::string find_viewer() {
   std::error_code error;
-  const std::string beside = program_folder() + "/multum-view";
-  return std::filesystem::exists(beside, error) ? beside : "multum-view";
+  const std::string installed = program_folder() + "/multum-view";
+  return std::filesystem::exists(installed, error) ? installed : "multum-view";
 }
 
 void run_viewer(const std::vector<std::string>& command, const std::string& what, Progress* progress) {
