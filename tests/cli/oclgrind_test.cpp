@@ -149,7 +149,8 @@ TEST_F(OclgrindTest, EveryKernelRunsWithoutComplaint) {
         std::vector{programs + "/inference_test",
                     std::string("--gtest_filter=*EndsWhereNothingLeadsDown/4:*FindsWhatEigenFinds/3")},
         std::vector{programs + "/transform_test", std::string("--gtest_filter=*CoefficientsOfASmallTexture*")},
-        multum_command({"selftest", "--filter", "highlight-cosines-of-every-width"})}) {
+        multum_command({"selftest", "--filter", "highlight-cosines-of-every-width"}),
+        multum_command({"selftest", "--filter", "planes-up-to-the-horizon"})}) {
     const ProgramResult tests = simulate(command, {"--inst-counts"});
     for (std::sregex_iterator i(tests.out.begin(), tests.out.end(), counted), end; i != end; ++i)
       launched_.insert((*i)[1]);
