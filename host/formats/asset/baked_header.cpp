@@ -281,7 +281,8 @@ BakedPart mean_weights_part(const BakedHeader& header) {
 }
 
 BakedHeader parse_baked_header(const Imf::Header& header, const std::string& path) {
-  const RepresentationInfo& info = parse_representation(text_attribute(header, "multum:representation", path), path);
+  const std::string name = text_attribute(header, "multum:representation", path);
+  const RepresentationInfo& info = parse_representation(name, path);
   const int version = int_attribute(header, "multum:formatVersion", path);
   const int newest = info.version + 1;
   if (version != info.version && version != newest)

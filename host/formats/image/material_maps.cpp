@@ -337,7 +337,7 @@ LobeMaterial read_lobe_material(const LobeMaterialFiles& files, int width, int h
   // Planes are written in groups of three. Each map replaces its own plane and leaves the other two unchanged.
   const auto put = [&](std::size_t plane, int first_row, int row_count, const std::vector<float>& values) {
     std::array<std::vector<float>, 3> planes;
-    for (std::vector<float>& all : planes) all.resize(values.size());
+    for (std::vector<float>& all : planes) all = std::vector<float>(values.size());
     material.planes.read_rows(first_row, row_count, {planes[0].data(), planes[1].data(), planes[2].data()});
     planes[plane] = values;
     material.planes.write_rows(first_row, row_count, {planes[0].data(), planes[1].data(), planes[2].data()});

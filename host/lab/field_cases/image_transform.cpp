@@ -56,7 +56,7 @@ std::vector<double> block_cosines(const std::vector<double>& image, std::size_t 
 }
 
 std::vector<double> wavelet_line(const std::vector<double>& line) {
-  if (line.size() < 2) return line;
+  if (line.size() == 1) return {line.front()};
   std::vector<double> coefficients;
   const auto n = static_cast<long>(line.size());
   for (long i = 0; i < n; i += 2) coefficients.push_back(std::numbers::sqrt2 * filtered(line, i, kLow));

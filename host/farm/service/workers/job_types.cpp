@@ -138,7 +138,7 @@ const std::vector<JobType>& job_types() {
   return registered_types();
 }
 
-const JobType& find_job_type(const std::string& name) {
+const JobType& find_job_type(std::string_view name) {
   std::vector<std::string> names;
   for (const JobType& type : job_types()) {
     if (type.name == name) return type;

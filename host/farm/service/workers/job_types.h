@@ -12,6 +12,7 @@
 #include <map>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -93,7 +94,7 @@ void register_job_types(std::vector<JobType> types);
 /// Returns the registered types.
 const std::vector<JobType>& job_types();
 /// Throws Error(kUsage), which lists the registered names.
-const JobType& find_job_type(const std::string& name);
+const JobType& find_job_type(std::string_view name);
 
 /// The pattern that is_plain_text() checks, without the length limit.
 inline constexpr const char* kPlainPattern = "^[^\\u0000-\\u001f\\u007f-\\u009f]*$";
