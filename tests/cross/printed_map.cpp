@@ -57,7 +57,10 @@ multum_status print_shading(multum_map* map, multum_error** error) {
       multum_lobes lobes = {};
       status = multum_map_lookup(map, 0.11 + 0.31 * i, 0.07 + 0.23 * i, 0.6 * i, &lobes, error);
       if (status != MULTUM_OK) return status;
-      std::printf("lookup %d: %d lobes, %016" PRIx64 "\n", i, lobes.count, checksum(lobes.lobes, sizeof(lobes.lobes)));
+      std::printf("lookup %d: %d lobes", i, lobes.count);
+      for (int j = 0; j < lobes.count; ++j)
+        for (const float value : lobes.lobes[j]) std::printf(" %.9g", static_cast<double>(value));
+      std::printf("\n");
       for (const auto& light : lights) {
         double rgb[3] = {};
         multum_shade(&lobes, brdf.get(), light, view, rgb);

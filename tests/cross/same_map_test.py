@@ -6,8 +6,9 @@
   same_map_test.py compare FOLDER COMMAND...        # compares this with what another build prints
 
 PRINTED_MAP is the program of tests/cross/printed_map.cpp. COMMAND runs this program of the other build, as in
-`qemu-aarch64-static build/arm64-readers/bin/printed_map`. Texts, checksums and lookups must be equal. Shading calls
-exp() and log() of two different C libraries, so its numbers may differ by 1e-12 of the largest number in the line.
+`qemu-aarch64-static build/arm64-readers/bin/printed_map`. Texts, checksums, lookups, and the error messages of damaged
+files must be equal. Shading calls exp() and log() of two different C libraries, so its numbers may differ by 1e-12 of
+the largest number in the line.
 """
 import pathlib
 import re
@@ -19,6 +20,9 @@ COMPUTED = re.compile(r"(shade|sample|density)\b")
 BAKES = {"movmf": ["--ndf", "vmf", "--lobes", "3"], "gmm": ["--ndf", "gmm"], "moments": ["--ndf", "moments"],
          "sh": ["--ndf", "sh"], "half": ["--ndf", "vmf", "--data-format", "half"],
          "float": ["--ndf", "vmf", "--data-format", "float"]}
+DAMAGED = {"cut": lambda data: data[:len(data) // 2],
+           "changed": lambda data: data[:len(data) // 2] + bytes([data[len(data) // 2] ^ 1]) + data[len(data) // 2 + 1:],
+           "empty": lambda data: b""}
 
 
 def numbers(line):
@@ -35,8 +39,15 @@ def difference(line, other):
 
 
 def printed(command, folder):
+    """Returns what the program prints for the good files, and a line for every damaged or missing file."""
     files = [f"{name}.ndf.exr" for name in BAKES]
-    return subprocess.run(command + files, check=True, stdout=subprocess.PIPE, text=True, cwd=folder).stdout
+    text = subprocess.run(command + files, check=True, stdout=subprocess.PIPE, text=True, cwd=folder).stdout
+    for name in [*DAMAGED, "missing"]:
+        run = subprocess.run(command + [f"{name}.ndf.exr"], check=False, stdout=subprocess.DEVNULL,
+                             stderr=subprocess.PIPE, text=True, cwd=folder)
+        message = run.stderr.strip().rpartition(f"{name}.ndf.exr: ")[2]
+        text += f"{name}: exit {run.returncode}, {message}\n"
+    return text
 
 
 def bake(folder, multum, printed_map):
@@ -45,6 +56,9 @@ def bake(folder, multum, printed_map):
     for name, options in BAKES.items():
         subprocess.run([multum, "bake", folder / "map_normal.png", "-o", folder / f"{name}.ndf.exr", "--green", "down"]
                        + options, check=True, stdout=subprocess.DEVNULL)
+    good = (folder / "movmf.ndf.exr").read_bytes()
+    for name, damage in DAMAGED.items():
+        (folder / f"{name}.ndf.exr").write_bytes(damage(good))
     (folder / "printed.txt").write_text(printed([printed_map], folder))
 
 
