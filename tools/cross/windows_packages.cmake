@@ -6,6 +6,7 @@ set(MULTUM_WINDOWS_LIBRARIES "${CMAKE_SOURCE_DIR}/build/windows-libraries" CACHE
 list(APPEND CMAKE_PREFIX_PATH ${MULTUM_WINDOWS_LIBRARIES})
 include_directories(SYSTEM ${MULTUM_WINDOWS_LIBRARIES}/include)
 add_compile_definitions(_FILE_OFFSET_BITS=64 _USE_MATH_DEFINES NOMINMAX)
+set(ZLIB_USE_STATIC_LIBS ON)
 foreach(headers glm::glm nlohmann_json::nlohmann_json Eigen3::Eigen fmt::fmt)
   add_library(${headers} INTERFACE IMPORTED)
 endforeach()

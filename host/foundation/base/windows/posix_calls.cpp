@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstdint>
+#include <cstdlib>
 
 int fcntl(int descriptor, int command, int) { return command == F_DUPFD_CLOEXEC ? ::_dup(descriptor) : 0; }
 
@@ -32,6 +33,10 @@ ssize_t pread(int descriptor, void* memory, std::size_t byte_count, off_t positi
 ssize_t readlink(const char*, char*, std::size_t) {
   errno = ENOSYS;
   return -1;
+}
+
+int setenv(const char* name, const char* value, int replace) {
+  return replace == 0 && std::getenv(name) != nullptr ? 0 : ::_putenv_s(name, value);
 }
 
 int sigaction(int number, const struct sigaction* action, struct sigaction* former) {

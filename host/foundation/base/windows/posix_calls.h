@@ -31,6 +31,9 @@ ssize_t pread(int descriptor, void* memory, std::size_t byte_count, off_t positi
 /// Fails always: readers use it only for names below /proc.
 ssize_t readlink(const char* path, char* memory, std::size_t byte_count);
 
+/// Sets an environment variable of this process.
+int setenv(const char* name, const char* value, int replace);
+
 // Replaces a handler by signal(), which keeps no flags.
 struct sigaction {
   void (*sa_handler)(int);

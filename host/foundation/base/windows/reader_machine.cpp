@@ -2,6 +2,7 @@
 // Implements for Windows what readers use of host/foundation/base/processes/machine.h and
 // host/foundation/base/system_failure.h.
 #include <cerrno>
+#include <cstdlib>
 #include <cstring>
 #include <new>
 #include <system_error>
@@ -16,6 +17,8 @@ int processor_count() {
   const unsigned count = std::thread::hardware_concurrency();
   return count == 0 ? 1 : static_cast<int>(count);
 }
+
+std::string own_program() { return _pgmptr; }
 
 std::string errno_text(int number) { return std::strerror(number); }
 
