@@ -7,21 +7,22 @@
 
 PRINTED_MAP is the program of tests/cross/printed_map.cpp. COMMAND runs this program of the other build, as in
 `qemu-aarch64-static build/arm64-readers/bin/printed_map`. Texts, checksums, lookups, and the error messages of damaged
-files must be equal. Shading calls exp() and log() of two different C libraries, so its numbers may differ by 1e-12 of
-the largest number in the line.
+files must be equal. Shading calls exp() and log(), which differ between C libraries, so its numbers may differ by
+1e-11 of the largest number in the line. Sampling differs most: 1.0e-12 was measured in Wine.
 """
 import pathlib
 import re
 import subprocess
 import sys
 
-TOLERANCE = 1e-12
+TOLERANCE = 1e-11
 COMPUTED = re.compile(r"(shade|sample|density)\b")
 BAKES = {"movmf": ["--ndf", "vmf", "--lobes", "3"], "gmm": ["--ndf", "gmm"], "moments": ["--ndf", "moments"],
          "sh": ["--ndf", "sh"], "half": ["--ndf", "vmf", "--data-format", "half"],
          "float": ["--ndf", "vmf", "--data-format", "float"]}
 DAMAGED = {"cut": lambda data: data[:len(data) // 2],
-           "changed": lambda data: data[:len(data) // 2] + bytes([data[len(data) // 2] ^ 1]) + data[len(data) // 2 + 1:],
+           "changed": lambda data: data[:len(data) // 2] + bytes([data[len(data) // 2] ^ 1])
+           + data[len(data) // 2 + 1:],
            "empty": lambda data: b""}
 
 

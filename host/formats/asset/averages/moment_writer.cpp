@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+// Writes baked files of moments (host/formats/asset/averages/moment_file.h). Builds that only read leave it out.
 #include <ImfFloatAttribute.h>
 
 #include <algorithm>

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+// Writes baked files of spherical harmonics (host/formats/asset/averages/sh_file.h). Builds that only read leave it
+// out.
 #include <ImfIntAttribute.h>
 
 #include <algorithm>
