@@ -1,8 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
 # Writes one ctest entry for each suite of a GoogleTest program: cmake -DPROGRAM=... -DOUTPUT=... -DTIMEOUT=...
-# -DSLOW="suite suite" -P list_suites.cmake. The suites in SLOW are labelled slow; the others are labelled fast.
+# -DSLOW="suite suite" -DEMULATOR=... -P list_suites.cmake. The suites in SLOW are labelled slow; the others are
+# labelled fast. EMULATOR is the program that runs a program of another processor or system, or "".
 cmake_policy(VERSION 3.25)
-execute_process(COMMAND ${PROGRAM} --gtest_list_tests OUTPUT_VARIABLE listed COMMAND_ERROR_IS_FATAL ANY TIMEOUT 60)
+set(runner "")
+if(EMULATOR)
+  set(runner "[=[${EMULATOR}]=] ")
+endif()
+execute_process(COMMAND ${EMULATOR} ${PROGRAM} --gtest_list_tests OUTPUT_VARIABLE listed COMMAND_ERROR_IS_FATAL ANY
+  TIMEOUT 60)
 string(REGEX MATCHALL "(^|\n)[^ \n]+\\.( |\n)" suites "${listed}")  # lines of cases are indented
 separate_arguments(SLOW)
 # GoogleTest's last lines when every case was skipped. When a case failed, other lines follow.
@@ -15,7 +21,7 @@ foreach(suite ${suites})
   if(name IN_LIST SLOW)
     set(label slow)
   endif()
-  string(APPEND entries "add_test([=[${suite}]=] [=[${PROGRAM}]=] [=[--gtest_filter=${suite}.*]=])\n"
+  string(APPEND entries "add_test([=[${suite}]=] ${runner}[=[${PROGRAM}]=] [=[--gtest_filter=${suite}.*]=])\n"
     "set_tests_properties([=[${suite}]=] PROPERTIES LABELS ${label} TIMEOUT ${TIMEOUT}"
     " SKIP_REGULAR_EXPRESSION [=[${skipped}]=])\n")
 endforeach()

@@ -3,10 +3,8 @@
 
 #include <fmt/format.h>
 #include <half.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
 #include <cstring>
 #include <filesystem>
@@ -17,9 +15,7 @@
 #include "host/formats/asset/averages/moment_file.h"
 #include "host/formats/asset/averages/sh_file.h"
 #include "host/formats/asset/lobes/movmf_reader.h"
-#include "host/foundation/base/files/atomic_file.h"
 #include "host/foundation/base/files/byte_file.h"
-#include "host/foundation/base/files/output_paths.h"
 #include "host/foundation/base/processes/machine.h"
 
 namespace multum {
@@ -114,23 +110,6 @@ void check_part(multum_part part) {
     throw Error(ErrorCode::kUsage, fmt::format("part is {}, expected a value of multum_part", static_cast<int>(part)));
 }
 
-// Appends the bytes of a file to an open file. `shown` is the name of the open file in messages.
-void copy_bytes(const ByteFile& file, int to, const std::string& shown) {
-  constexpr std::int64_t kBlock = std::int64_t{1} << 20;
-  std::vector<char> block(static_cast<std::size_t>(std::min(kBlock, file.size())));
-  for (std::int64_t position = 0; position < file.size();) {
-    const std::int64_t count = std::min(kBlock, file.size() - position);
-    file.read(position, count, block.data(), "texels");
-    for (std::int64_t done = 0; done < count;) {
-      const ssize_t written = ::write(to, block.data() + done, static_cast<std::size_t>(count - done));
-      if (written < 0 && errno == EINTR) continue;
-      if (written <= 0) fail_by_errno(shown, "cannot be written");
-      done += written;
-    }
-    position += count;
-  }
-}
-
 constexpr const char* kPartNames[kMapParts] = {"lobes", "colours", "weights", "slopes", "mean normals", "harmonics"};
 
 std::size_t type_bytes(multum_type type) { return type == MULTUM_FLOAT ? sizeof(float) : sizeof(std::uint16_t); }
@@ -168,7 +147,7 @@ using multum::guarded;
 using multum::mip_level_size;
 using multum::PartValues;
 
-multum_map::multum_map(std::string path, std::unique_ptr<multum::WorkFolder> folder)
+multum_map::multum_map(std::string path, std::shared_ptr<void> folder)
     : folder_(std::move(folder)),
       path_(std::filesystem::absolute(path).string()),
       file_(path_),
@@ -287,19 +266,6 @@ const char* multum_map_text(multum_map* map, const char* key) {
   const char* text = "";
   if (map != nullptr && key != nullptr) guarded(nullptr, [&] { text = map->text(key); });
   return text;
-}
-
-multum_status multum_map_save(multum_map* map, const char* path, multum_error** error) {
-  return guarded(error, [&] {
-    multum::require(map, "multum_map_save", "map", "a map");
-    multum::require(path, "multum_map_save", "path", "the name of a file to write");
-    const multum::ApiCall call(nullptr);
-    const multum::NewFolders new_folders;
-    multum::make_folder_of(path);
-    multum::AtomicFile file(path);
-    multum::copy_bytes(map->file(), file.descriptor(), path);
-    file.commit();
-  });
 }
 
 multum_view multum_map_shape(const multum_map* map, int level, multum_part part) {

@@ -14,7 +14,6 @@
 #include "host/api/multum.h"
 #include "host/formats/asset/baked_file.h"
 #include "host/foundation/base/files/byte_file.h"
-#include "host/foundation/base/files/work_folder.h"
 
 namespace multum {
 
@@ -42,8 +41,8 @@ struct PartShape {
 }  // namespace multum
 
 struct multum_map {
-  /// Opens a file. `folder` is the temporary folder that holds the file, or null. Throws Error(kInput).
-  multum_map(std::string path, std::unique_ptr<multum::WorkFolder> folder);
+  /// Opens a file. `folder` owns the WorkFolder that holds the file, or is null. Throws Error(kInput).
+  multum_map(std::string path, std::shared_ptr<void> folder);
 
   const std::string& path() const { return path_; }
   const multum::ByteFile& file() const { return file_; }
@@ -64,7 +63,7 @@ struct multum_map {
   void add_text(const char* key, const std::string& text) { texts_[key] = text; }
   multum::PartValues checked(multum::PartValues values, int level, int row_count) const;
 
-  std::unique_ptr<multum::WorkFolder> folder_;
+  std::shared_ptr<void> folder_;
   std::string path_;
   multum::ByteFile file_;  // the file that is open, even if another file takes its name
   std::unique_ptr<multum::MapRows> rows_;

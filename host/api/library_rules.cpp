@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Implements host/foundation/base/process_rules for libmultum, which changes nothing in the process that loads it.
+#if !defined(_WIN32)
 #include <dlfcn.h>
+#endif
 
 #include <cstdlib>
 #include <filesystem>
@@ -24,6 +26,9 @@ void show_log_line(const std::string&) {}
 
 // For a library in PREFIX/lib or PREFIX/lib/ARCHITECTURE, multum-decode is in PREFIX/libexec/multum. In a Python wheel,
 // it is next to the library. In a build folder, it is in the folder bin next to the folder of the library.
+#if defined(_WIN32)
+std::string program_folder() { return ""; }  // the library only reads files, and starts no multum-decode
+#else
 std::string program_folder() {
   Dl_info found = {};
   if (::dladdr(reinterpret_cast<const void*>(&multum_version), &found) == 0 || found.dli_fname == nullptr) return "";
@@ -35,6 +40,7 @@ std::string program_folder() {
   }
   return library.string();
 }
+#endif
 
 void check_failed(const char* condition, const char* file, int line) {
   throw std::logic_error(std::string("check failed: ") + condition + " (" + file + ":" + std::to_string(line) + ")");

@@ -7,20 +7,15 @@
 #include <nlohmann/json.hpp>
 
 #include "host/formats/asset/baked_reader.h"
-#include "host/formats/asset/baked_verify.h"
-#include "host/formats/asset/pyramid/pyramid_file.h"
 
 namespace multum {
-namespace {
 
-const RepresentationInfo& kind_of(const std::string& path) {
+const RepresentationInfo& representation_of(const std::string& path) {
   const BakedReader file(path, 1);
   BakedHeader header;
   file.guarded([&] { header = parse_baked_header(file.file().header(0), path); });
   return representation_info(header.representation);
 }
-
-}  // namespace
 
 int BakedHeader::level_count() const { return mip_level_count(width, height); }
 
@@ -52,15 +47,11 @@ std::string materials_text(const BakedHeader& header) {
   return text;
 }
 
-BakedHeader read_baked_header(const std::string& path) { return kind_of(path).read_header(path); }
+BakedHeader read_baked_header(const std::string& path) { return representation_of(path).read_header(path); }
 
 std::string baked_surface(const BakedHeader& header) {
   const nlohmann::json settings = nlohmann::json::parse(header.provenance.settings, nullptr, false);
   return settings.is_object() ? settings.value("surface", "texels") : "texels";
-}
-
-std::vector<VerifyFinding> verify_baked(const std::string& path, int threads) {
-  return is_pyramid_file(path) ? verify_pyramid(path, threads) : kind_of(path).verify(path, threads);
 }
 
 }  // namespace multum

@@ -101,6 +101,9 @@ std::string levels_text(int first_level, int level_count);
 /// Lists what texels contain in addition to normals, such as " with colours, 2 weights and roughness". May be empty.
 std::string materials_text(const BakedHeader& header);
 
+/// Reads only the representation from the header of a file.
+const RepresentationInfo& representation_of(const std::string& path);
+
 /// Reads the header of a file of any representation. This takes little time for files of any size. Throws
 /// Error(kInput), which names the file, what was found and what was expected.
 BakedHeader read_baked_header(const std::string& path);
