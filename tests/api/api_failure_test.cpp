@@ -20,6 +20,7 @@
 #include <vector>
 
 #include "tests/api/api_fixture.h"
+#include "tests/fixtures/sweeps.h"
 
 namespace {
 
@@ -222,9 +223,8 @@ TEST_F(FailureTest, EachAllocationFailsOnce) {
   g_is_armed = false;
   const long count = g_count;
   ASSERT_GT(count, 200);
-  // All failures would take minutes, so only every n-th is tested unless MULTUM_FAILURES=all.
-  const char* const wish = std::getenv("MULTUM_FAILURES");
-  const long step = wish != nullptr && std::strcmp(wish, "all") == 0 ? 1 : std::max(1L, count / 50);
+  // All failures would take minutes, so only every n-th is tested unless MULTUM_SWEEPS=all.
+  const long step = multum::testing::all_sweeps() ? 1 : std::max(1L, count / 50);
   for (long place = 0; place < count; place += step)
     fail_once(
         place,
@@ -253,7 +253,7 @@ TEST_F(FailureTest, EachOpenClCallFailsOnce) {
   ASSERT_EQ(run(nullptr), MULTUM_OK);
   const long count = *calls;
   ASSERT_GT(count, 50);
-  const long step = std::getenv("MULTUM_FAILURES") != nullptr ? 1 : std::max(1L, count / 40);
+  const long step = multum::testing::all_sweeps() ? 1 : std::max(1L, count / 40);
   for (long place = 0; place < count; place += step)
     fail_once(
         place,

@@ -99,38 +99,50 @@ async function openContext(base, size, colorScheme) {
 const anchors = new Map(); // for each page
 const links = []; // [page, target] within the site
 
-async function walk(size, colorScheme) {
-  const { context, page } = await openContext(served, size, colorScheme);
+/** Checks the page that is open, at one width. */
+async function check(page, name, size, colorScheme) {
+  const tell = (what) => faults.add(`${name}, ${size.width} px, ${colorScheme}: ${what}`);
+  const state = await page.evaluate(() => ({
+    width: document.documentElement.scrollWidth,
+    scheme: document.body.dataset.mdColorScheme,
+    raw: document.querySelector("article").innerText.match(/\{ #[\w-]+ \}|^\|.*\|$|^```.*$/m)?.[0],
+  }));
+  if (state.width > size.width) tell(`the page is ${state.width} px wide`);
+  if (state.scheme !== (colorScheme === "dark" ? "slate" : "default")) tell(`its colours are ${state.scheme}`);
+  if (state.raw !== undefined) tell(`Markdown shows: ${state.raw}`);
+  if (colorScheme === "light") (await misplaced(page, "article")).forEach(tell);
+  if (size.width === 1280) (await lowContrasts(page)).found.forEach((what) => tell(`contrast ${what}`));
+  const stem = name.replace(/\.html$/, "");
+  if (SHOWN.has(stem)) await page.screenshot(screenshotOf(`${stem}_${size.width}_${colorScheme}`));
+}
+
+async function walk(colorScheme) {
+  const { context, page } = await openContext(served, SIZES[0], colorScheme);
   for (const name of pages) {
-    const tell = (what) => faults.add(`${name}, ${size.width} px, ${colorScheme}: ${what}`);
+    await page.setViewportSize(SIZES[0]);
     await page.goto(served + name);
     // When the script of the theme runs, it wraps tables so that they scroll.
     await page.waitForFunction(() => [...document.querySelectorAll("article table:not([class])")].every((table) =>
       table.closest(".md-typeset__scrollwrap") !== null));
-    const state = await page.evaluate(async () => {
+    const content = await page.evaluate(async () => {
       document.querySelectorAll("details").forEach((one) => { one.open = true; });
       const images = [...document.images];
       images.forEach((image) => { image.loading = "eager"; });
       await Promise.all(images.map((image) => image.decode().catch(() => undefined)));
       return {
-        width: document.documentElement.scrollWidth,
-        scheme: document.body.dataset.mdColorScheme,
         dead: images.filter((image) => image.naturalWidth === 0).map((image) => image.src),
         ids: [...document.querySelectorAll("[id]")].map((one) => one.id),
         targets: [...document.querySelectorAll("a[href]")].map((one) => one.href),
-        raw: document.querySelector("article").innerText.match(/\{ #[\w-]+ \}|^\|.*\|$|^```.*$/m)?.[0],
       };
     });
-    if (state.width > size.width) tell(`the page is ${state.width} px wide`);
-    if (state.scheme !== (colorScheme === "dark" ? "slate" : "default")) tell(`its colours are ${state.scheme}`);
-    if (state.raw !== undefined) tell(`Markdown shows: ${state.raw}`);
-    state.dead.forEach((source) => tell(`no picture at ${source}`));
-    if (colorScheme === "light") (await misplaced(page, "article")).forEach(tell);
-    if (size.width === 1280) (await lowContrasts(page)).found.forEach((what) => tell(`contrast ${what}`));
-    const stem = name.replace(/\.html$/, "");
-    if (SHOWN.has(stem)) await page.screenshot(screenshotOf(`${stem}_${size.width}_${colorScheme}`));
-    anchors.set(name, new Set(state.ids));
-    if (size === SIZES[0] && colorScheme === "light") links.push(...state.targets.map((target) => [name, target]));
+    content.dead.forEach((source) => faults.add(`${name}, ${colorScheme}: no picture at ${source}`));
+    anchors.set(name, new Set(content.ids));
+    if (colorScheme === "light") links.push(...content.targets.map((target) => [name, target]));
+    // A page is loaded once and then resized, as users resize their windows.
+    for (const size of SIZES) {
+      await page.setViewportSize(size);
+      await check(page, name, size, colorScheme);
+    }
   }
   await context.close();
 }
@@ -162,8 +174,8 @@ async function changeColours() {
 }
 
 try {
+  await Promise.all(SCHEMES.map(walk));
   for (const size of SIZES) {
-    await Promise.all(SCHEMES.map((scheme) => walk(size, scheme)));
     await search(served, size);
     await search(onDisk, size);
   }

@@ -5,9 +5,9 @@ such a disk. No complete output may be lost, no half-written file may have the n
 write the same bytes, and no hidden file may remain after it. The full disks are small file systems in memory, which
 only root may mount. For other users, these tests are skipped with a message.
 
-  kills_and_disks_test.py MULTUM [--all] [unittest's arguments]
+  kills_and_disks_test.py MULTUM [unittest's arguments]
 
---all kills each command at eight moments and fills six disks; the default is two moments and two disks.
+With MULTUM_SWEEPS=all, kills each command at eight moments and fills six disks; the default is one of each.
 limit_sweep_test.cpp tests `ulimit`.
 """
 import hashlib
@@ -26,7 +26,7 @@ from service_harness import Service  # noqa: E402  pylint: disable=wrong-import-
 from tiny_animation import write_animation  # noqa: E402  pylint: disable=wrong-import-position
 
 MULTUM = ""
-IS_ALL = False
+IS_ALL = os.environ.get("MULTUM_SWEEPS") == "all"
 ENVIRONMENT = 4
 SKIPPED = 77
 
@@ -123,8 +123,8 @@ class SweepTest(unittest.TestCase):
         self.fail("a helper still runs 20 s after its parent has ended")
 
     def test_kills(self):
-        moments = [i / 9 for i in range(1, 9)] if IS_ALL else [0.5, 0.9]
-        for arguments in self.commands():
+        for i, arguments in enumerate(self.commands()):
+            moments = [j / 9 for j in range(1, 9)] if IS_ALL else [(0.5, 0.9)[i % 2]]
             self.reset()
             begin = time.monotonic()
             run = self.run_multum(arguments)
@@ -182,13 +182,13 @@ class SweepTest(unittest.TestCase):
         if not self.can_mount():
             self.skipTest("no file system can be mounted here: needs root")
         left = os.path.join(self.top, "left")
-        for arguments in self.commands():
+        for i, arguments in enumerate(self.commands()):
             self.reset()
             run = self.run_multum(arguments)
             self.assertEqual(run.returncode, 0, run.stderr)
             expected = contents(self.out)
             size = sum(os.path.getsize(os.path.join(self.out, name)) for name in expected)
-            for share in ([0.05, 0.2, 0.4, 0.6, 0.8, 0.95] if IS_ALL else [0.2, 0.8]):
+            for share in ([0.05, 0.2, 0.4, 0.6, 0.8, 0.95] if IS_ALL else [(0.2, 0.8)[i % 2]]):
                 kibibytes = max(4, int(share * size / 1024) // 4 * 4)
                 with self.subTest(command=arguments, kibibytes=kibibytes):
                     self.reset()
@@ -244,7 +244,4 @@ class SweepTest(unittest.TestCase):
 
 if __name__ == "__main__":
     MULTUM = sys.argv.pop(1)
-    if "--all" in sys.argv:
-        IS_ALL = True
-        sys.argv.remove("--all")
     unittest.main()
