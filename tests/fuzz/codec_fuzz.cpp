@@ -170,7 +170,7 @@ void read_description(std::span<const std::uint8_t> bytes) {
         }
       }
       MULTUM_CHECK(covered == field.samples.size());
-      for (const int sample : layer.unseen) field.samples.at(static_cast<std::size_t>(sample));
+      for (const int sample : layer.unseen) MULTUM_CHECK(static_cast<std::size_t>(sample) < field.samples.size());
     }
   });
 }

@@ -77,7 +77,7 @@ class SceneTest : public ::testing::Test {
     pattern_.hashes = BakeJob().hashes;  // a job compares its inputs with the hashes that it computed at the start
   }
   ScenePlan plan(const std::string& text) const { return plan_scene(read(text), {2}, nullptr); }
-  static const PlannedEffect& effect(const std::vector<PlannedEffect>& effects, const std::string& name) {
+  static const PlannedEffect& effect(const std::vector<PlannedEffect>& effects, std::string_view name) {
     const auto found =
         std::find_if(effects.begin(), effects.end(), [&](const PlannedEffect& e) { return e.effect == name; });
     EXPECT_NE(found, effects.end()) << name;
