@@ -11,7 +11,7 @@ from typing import Any, Callable, NamedTuple, Optional, Sequence, Tuple, Union
 import numpy as np
 
 from . import _multum
-from ._errors import SettingError
+from ._errors import MachineError, SettingError
 
 PathLike = Union[str, "os.PathLike[str]"]
 Image = Union[PathLike, np.ndarray]
@@ -49,7 +49,16 @@ def _device(selector: Union[str, int]) -> "_multum.Device":
 
 @functools.lru_cache(maxsize=None)
 def _opened_device(selector: str) -> "_multum.Device":
-    return _multum.Device(selector)
+    try:
+        return _multum.Device(selector)
+    except MachineError as error:
+        # PoCL with LLVM 18 terminates the process on some processors unless this variable is set. libmultum does not
+        # change the environment of its host, but a script has no better place to set the variable than here.
+        name, _, value = error.expected.partition(" ")[0].partition("=")
+        if name != "POCL_WORK_GROUP_METHOD" or name in os.environ:
+            raise
+        os.environ[name] = value
+        return _multum.Device(selector)
 
 
 def _array(values: np.ndarray, name: str) -> np.ndarray:
