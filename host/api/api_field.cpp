@@ -105,7 +105,16 @@ void play_frames(const multum_field& field, const std::vector<std::vector<double
                                       "1",
                                       "--exr"};
   if (is_linear) command.emplace_back("--linear");
-  run_viewer(command, fmt::format("drawing {} frames of {}", points.size(), field.path()), progress);
+  try {
+    run_viewer(command, fmt::format("drawing {} frames of {}", points.size(), field.path()), progress);
+  } catch (const Error& error) {
+    // The viewer has drawn the frames without the damaged parts, but this function returns no incomplete frames. The
+    // first line says what was drawn. The next lines name the file and each damaged part.
+    if (error.code() != ErrorCode::kVerification) throw;
+    const std::string text = error.what();
+    const std::size_t parts = text.find_first_not_of("\n ", text.find('\n'));
+    throw Error(ErrorCode::kInput, parts == std::string::npos ? field.path() + ": " + text : text.substr(parts));
+  }
   for (std::size_t i = 0; i < points.size(); ++i)
     copy_frame(field, fmt::format("{}/frames/frame_{:04}.exr", folder->path(), i), rgba + i * field.frame_values());
 }

@@ -390,7 +390,7 @@ MULTUM_API multum_status multum_field_texture(multum_field* field, int layer, co
  * multum_field_texture(). Cameras and objects move continuously between samples. Textures are those of the nearest
  * sample, or are interpolated linearly if `is_linear` is not 0. `rgba` needs room for count * height * width * 4
  * values, and receives linear radiance and the share of each pixel that objects cover, [frame][row][column][channel].
- * Draws by multum-view, as multum_infer() does. */
+ * Draws by multum-view, as multum_infer() does. Returns MULTUM_BAD_INPUT if a part that the frames need is damaged. */
 MULTUM_API multum_status multum_field_play(multum_field* field, const double* points, int count, int is_linear,
                                            const multum_callbacks* callbacks, float* rgba, multum_error** error);
 

@@ -155,6 +155,18 @@ class FieldTest(unittest.TestCase):
         self.assertNotIn("--alpha", str(alpha.exception))
         self.assertFalse((self.folder / "none.mpt").exists())
 
+    def test_damaged_parts_are_bad_input(self):
+        content = bytearray((self.folder / "field.mpt").read_bytes())
+        for at in range(len(content) * 3 // 4, len(content) * 3 // 4 + 16):
+            content[at] ^= 0x5a
+        damaged = self.folder / "damaged.mpt"
+        damaged.write_bytes(content)
+        field = multum.Field(damaged)
+        with self.assertRaises(multum.InputError) as played:
+            field.frames([[0, 0], [0, 1], [1, 0], [1, 1]])
+        self.assertIn("is damaged: its checksum differs", str(played.exception))
+        self.assertEqual(played.exception.file, str(damaged))
+
     def test_cancelling_leaves_no_file(self):
         with self.assertRaises(multum.Cancelled):
             multum.pack(self.folder / "inferred", self.folder / "stopped.mpt", progress=lambda stage, share: False)

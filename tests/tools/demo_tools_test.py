@@ -49,7 +49,9 @@ class ScriptsTest(unittest.TestCase):
 
     def test_help(self):
         for name in ("demo", "test", "lab/demo_page.py", "torus_mesh.py", "terrain_height.py", "lab/reproduce",
-                     "site"):
+                     "site", "install_dependencies", "format", "fuzz", "wasm_decoder", "debian_mirror",
+                     "parameter_documents", "packaging/try_packages", "cross/test_readers", "cross/windows_libraries",
+                     "lab/lobe_colours.py"):
             with self.subTest(script=name):
                 done = run(TOOLS / name, "--help")
                 self.assertEqual((done.returncode, done.stderr), (0, ""))

@@ -197,6 +197,9 @@ def print_highlight_cosine():
 
 
 def main():
+    if sys.argv[1:2] in (["-h"], ["--help"]):
+        print(__doc__)
+        return
     cases = list(blinn_phong_cases())
     print_blinn_phong(cases)
     print_kappa_inverse()

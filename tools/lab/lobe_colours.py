@@ -36,6 +36,9 @@ def error_of(view, file, source, colour, camera, folder, more=()):
 
 
 def main():
+    if sys.argv[1:2] in (["-h"], ["--help"]):
+        print(__doc__)
+        return
     if len(sys.argv) < 4 or len(sys.argv) % 2 != 0:
         sys.exit(__doc__)
     programs = pathlib.Path(sys.argv[1])

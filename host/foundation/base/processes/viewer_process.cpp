@@ -13,6 +13,24 @@
 #include "host/foundation/base/processes/child_process.h"
 
 namespace multum {
+namespace {
+
+// run_guarded() writes this before the error of multum-view, which is the last output of the program.
+constexpr const char* kErrorMark = "multum-view: ";
+
+// Throws the viewer's own error if it concerns a file: the caller then names this file and keeps the kind of error.
+void relay_file_error(const ChildResult& result) {
+  for (const ErrorCode code : {ErrorCode::kInput, ErrorCode::kVerification}) {
+    if (result.exit_code != exit_code(code)) continue;
+    const std::size_t line = ("\n" + result.output).rfind(std::string("\n") + kErrorMark);
+    if (line == std::string::npos) return;
+    std::string text = result.output.substr(line + std::string(kErrorMark).size());
+    text.erase(text.find_last_not_of('\n') + 1);
+    throw Error(code, text);
+  }
+}
+
+}  // namespace
 
 std::string find_viewer() {
   std::error_code error;
@@ -26,6 +44,7 @@ void run_viewer(const std::vector<std::string>& command, const std::string& what
   // Ctrl-C, and a SIGTERM that is sent to the group, reach both processes. The viewer can end before this process
   // notices the signal.
   if (result.signal == SIGINT || result.signal == SIGTERM) throw Cancelled();
+  relay_file_error(result);
   if (result.exit_code != 0)
     throw Error(ErrorCode::kEnvironment,
                 fmt::format("{} failed: {} {} {}:\n{}", what, command.front(),
