@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Draws two small models and two bumpy surfaces from `multum gltf --lobes` with three.js; with MULTUM_SWEEPS=all, four of
+// Draws two small models and two bumpy surfaces from `multum gltf --lobes` with three.js; with MULTUM_SWEEPS=all, four
 // each. Compares plain mips, points, one lobe, several lobes, and the rule that spends evaluations on points or on
 // lobes. All methods use the same number of evaluations. Checks which method has the lowest error, and by how much.
 // Exits with 77 (skipped) if something is missing.
