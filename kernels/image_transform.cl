@@ -104,8 +104,8 @@ static int mirrored(int i, int n) {
 //     predict        .   .   .   o   .   o   .   .   .     odd  +=  0.883 (...)
 //     update         .   .   .   .   o   .   .   .   .     even +=  0.444 (...)
 //
-// Lines are rows or columns of a rectangle at each image's corner. A line has `length` samples, at least 2, which
-// are `stride` apart. Lines are `step` apart. One work-item handles one pair of one line of one image, which is low
+// Lines are rows or columns of a rectangle at each image's corner. A line has `length` samples, at least 2, which are
+// `stride` apart. Lines are `step` apart. One work-item handles one pair of one line of one image, which is low
 // coefficient 2k and high coefficient 2k + 1. The last pair of an odd length has no high coefficient. The global size
 // is image_count * line_count * ceil(length / 2). If lines are columns, neighbouring items are neighbouring columns.
 //   samples      [image][image_texels]

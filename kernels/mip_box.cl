@@ -30,8 +30,8 @@ __kernel void mip_texels(__global const float* planes, __global float* nodes, Mu
   nodes[(size_t)(item / band.map_width) * band.row_length + item % band.map_width] = planes[item];
 }
 
-// Copies three features to consecutive planes. One work-item handles one texel of the band. The global
-// size is row_count * map_width.
+// Copies three features to consecutive planes. One work-item handles one texel of the band. The global size is
+// row_count * map_width.
 //   value_x, value_y, value_z [row][map_width]
 //   nodes [plane][row][row_length]   written: the texels of planes first_plane to first_plane + 2
 // The kernel is memory bound.
@@ -47,8 +47,8 @@ __kernel void mip_features(__global const float* value_x, __global const float* 
   out[2 * plane_size] = value_z[item];
 }
 
-// Sums pairs of blocks. The kernel is launched for blocks of 2 texels, of 4 texels, and so on. One work-item
-// handles one block. The global size is plane_count * row_count * block_count.
+// Sums pairs of blocks. The kernel is launched for blocks of 2 texels, of 4 texels, and so on. One work-item handles
+// one block. The global size is plane_count * row_count * block_count.
 //   nodes   in place: block i, at first_block + i, is the sum of the two blocks at first_half + 2 i
 // The kernel is memory bound.
 __kernel void mip_blocks(__global float* nodes, MultumBoxBand band, int first_half, int first_block, int block_count) {

@@ -62,8 +62,8 @@ __kernel void movmf_bin_probe(__global const float* normal_x, __global const flo
   }
 }
 
-// Computes the axes of one texel's grid from its probes. One work-item handles one axis of one texel. The global
-// size is 2 * width.
+// Computes the axes of one texel's grid from its probes. One work-item handles one axis of one texel. The global size
+// is 2 * width.
 //   axes [texel][2][MULTUM_AXIS_FLOATS]  written: the low end, bins per unit of p, and the cell at each bin's edge
 __kernel void movmf_bin_axes(__global const float* probes, __global float* axes, MultumMovmfFit fit, int texel_row) {
   const int item = (int)get_global_id(0);
@@ -95,8 +95,8 @@ __kernel void movmf_bin_axes(__global const float* probes, __global float* axes,
   }
 }
 
-// Adds the values of normals to their cells. One work-item handles one of chunk_count chunks of columns of one
-// texel. The global size is width * chunk_count.
+// Adds the values of normals to their cells. One work-item handles one of chunk_count chunks of columns of one texel.
+// The global size is width * chunk_count.
 //   normal_x, normal_y, normal_z [map_window_rows * map_width]  choose the cell
 //   value_x, value_y, value_z                                   summed: the normals again, or colours
 //   cells [texel][chunk][fit.sample_capacity][MULTUM_CELL_SUMS]   added to
@@ -144,8 +144,8 @@ __kernel void movmf_bin_cells(__global const float* restrict normal_x, __global 
   }
 }
 
-// Adds the chunks of cells, and packs the cells that are not empty. One work-item handles one texel. The global
-// size is texel_count.
+// Adds the chunks of cells, and packs the cells that are not empty. One work-item handles one texel. The global size is
+// texel_count.
 //   cells [texel][chunk][cell_count][MULTUM_CELL_SUMS]
 //   samples [texel][cell_count][MULTUM_CONDENSED_SAMPLE]  written: mean values and weight
 //   sample_counts [texel]                                        written

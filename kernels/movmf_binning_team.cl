@@ -17,9 +17,9 @@ static void add_to_cell(__global long* cells, int cell, long4 value) {
 }
 
 // Does the work of movmf_bin_cells with one table per texel. Whole numbers are added atomically, so the order of the
-// additions does not matter. One work-item handles strip_rows rows of one column of one texel. The global
-// size is width * fit.sample_columns * strip_count. Neighbouring columns are in neighbouring items. Consecutive values
-// for one cell are summed first and added once, so that work-items of a flat map do not wait for one another.
+// additions does not matter. One work-item handles strip_rows rows of one column of one texel. The global size is width
+// * fit.sample_columns * strip_count. Neighbouring columns are in neighbouring items. Consecutive values for one cell
+// are summed first and added once, so that work-items of a flat map do not wait for one another.
 //   cells [texel][fit.sample_capacity][MULTUM_CELL_SUMS]   added to
 __kernel void movmf_bin_add(__global const float* restrict normal_x, __global const float* restrict normal_y,
                             __global const float* restrict normal_z, __global const float* restrict value_x,
@@ -60,8 +60,8 @@ __kernel void movmf_bin_add(__global const float* restrict normal_x, __global co
 #endif
 
 // Does the work of movmf_bin_means with a team of MULTUM_TEAM work-items per texel, and writes the same bytes. Each
-// member packs one cell. The cell's place is the number of earlier cells that are not empty. The local
-// size is MULTUM_TEAM, and the global size is MULTUM_TEAM * texel_count.
+// member packs one cell. The cell's place is the number of earlier cells that are not empty. The local size is
+// MULTUM_TEAM, and the global size is MULTUM_TEAM * texel_count.
 __attribute__((reqd_work_group_size(MULTUM_TEAM, 1, 1))) __kernel void movmf_bin_team_means(
     __global const long* cells, __global float* samples, __global int* sample_counts, int texel_count, int chunk_count,
     int cell_count, int are_normals) {

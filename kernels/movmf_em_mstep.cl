@@ -25,8 +25,8 @@ static void sum_chunks(__global const float* chunks, int lobe, int chunk_count, 
 
 #if MULTUM_PLANAR
 // movmf_em_cap computes the caps of texels' kappas after the first E-step. It runs before any M-step, because the caps
-// need the means of all lobes. One work-item handles one slot. The global size is slot_count. The kernel is
-// memory bound.
+// need the means of all lobes. One work-item handles one slot. The global size is slot_count. The kernel is memory
+// bound.
 __kernel void movmf_em_cap(__global const float* restrict partial, __global float* restrict start,
                            __global const int* restrict texel_list, MultumMovmfFit fit) {
   const int slot = (int)get_global_id(0);

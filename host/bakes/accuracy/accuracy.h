@@ -8,9 +8,9 @@
 // The error is relative L1, sum |model - reference| / sum reference, over footprints and a fixed set of lights and
 // views.
 //
-// The table of levels shows the error at texel centres, midway between texels and between levels. The
-// reference of the table is the BRDF averaged over the normals that each texel covers, filtered as in the model. The
-// table measures only the convolution of the BRDF f, without the factor n . l.
+// The table of levels shows the error at texel centres, midway between texels and between levels. The reference of the
+// table is the BRDF averaged over the normals that each texel covers, filtered as in the model. The table measures only
+// the convolution of the BRDF f, without the factor n . l.
 //
 // Levels finer than the first stored level are float mips of the normal map. Each of their texels is one lobe, which is
 // the mean vector of the normals that the texel covers. Between such a level and a stored level, both levels are shaded

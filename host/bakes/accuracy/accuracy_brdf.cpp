@@ -4,8 +4,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstdlib>
 #include <string_view>
+
+#include "host/foundation/base/leading_number.h"
 
 namespace multum {
 namespace {
@@ -19,7 +20,7 @@ AccuracyBrdf parse_brdf_alone(const std::string& text) {
   if (text == kRoughnessText) return AccuracyBrdf::roughness();
   if (text.starts_with(kBlinnPhongText)) {
     const AccuracyBrdf blinn_phong =
-        AccuracyBrdf::blinn_phong(std::strtod(text.c_str() + kBlinnPhongText.size(), nullptr));
+        AccuracyBrdf::blinn_phong(leading_number(text.substr(kBlinnPhongText.size())).value_or(0.0));
     if (blinn_phong.brdf_text() == text) return blinn_phong;
   }
   return AccuracyBrdf::named(text);

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Chooses the footprints whose errors are measured. A footprint is the area of a map that a pixel of a picture covers.
-// The footprints
-// are spread evenly over sizes (by octaves), directions, elongations and the map. Also lists the texels
+// The footprints are spread evenly over sizes (by octaves), directions, elongations and the map. Also lists the texels
 // that the runtime's filter reads for each footprint (host/formats/asset/tap_filter.h).
 //
 //         ______             a footprint is a rectangle in texels of level 0: the pixel's square, projected onto a

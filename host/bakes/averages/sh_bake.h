@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bakes a normal map into a mip pyramid of spherical harmonics (host/formats/asset/averages/sh_mipmap.h). Each texel
-// is the plain average of Y_lm over the finest normals that it covers (Han et al. 2007, section 5;
+// Bakes a normal map into a mip pyramid of spherical harmonics (host/formats/asset/averages/sh_mipmap.h). Each texel is
+// the plain average of Y_lm over the finest normals that it covers (Han et al. 2007, section 5;
 // host/bakes/pyramid/average_pass.h).
 #pragma once
 

@@ -16,8 +16,7 @@ namespace multum {
 /// Makes values of bake_parameters(), as in bake_values({{"ndf", "vmf"}, {"lobes", 3}}).
 ParameterValues bake_values(std::initializer_list<std::pair<const char*, ParameterValue>> values = {});
 
-/// Replaces the job's values by the given values. If no storage encoding is given, uses the representation's
-/// default.
+/// Replaces the job's values by the given values. If no storage encoding is given, uses the representation's default.
 void apply(const ParameterValues& values, BakeJob& job);
 
 /// Sets the job's region and file from `region` and `onto`. Throws Error(kUsage) if only one of them is given, or if

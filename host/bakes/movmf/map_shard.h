@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Divides the fit of one map's lobes among processes. The first share fits the coarse levels, which need the whole
-// map. Each other share fits a band of rows of every finer level. A texel depends on a few rows around it and on its
+// Divides the fit of one map's lobes among processes. The first share fits the coarse levels, which need the whole map.
+// Each other share fits a band of rows of every finer level. A texel depends on a few rows around it and on its
 // parents. A band is therefore fitted with extra rows on both sides, which cover a larger part of the map on coarser
 // levels. The extra rows are dropped afterwards:
 //

@@ -39,9 +39,9 @@ class MovmfEmStep {
   /// Queues the fit of the texels (positions in the window, from step_texels()). kChunks reads the map once per
   /// iteration, in bands that fit into `normals`. Throws Cancelled.
   void run(FitMethod method, MultumMovmfFit fit, std::vector<int> texels, StepWindows& windows, Progress* progress);
-  /// Queues the refinement of texels that are fitted, and whose neighbours are fitted, into the window of refined
-  /// lobes (movmf_refine.cl). The fitted lobes do not change, so the order of texels does not matter. Applies to
-  /// kTexels and kBinned. Throws Cancelled.
+  /// Queues the refinement of texels that are fitted, and whose neighbours are fitted, into the window of refined lobes
+  /// (movmf_refine.cl). The fitted lobes do not change, so the order of texels does not matter. Applies to kTexels and
+  /// kBinned. Throws Cancelled.
   void refine(FitMethod method, MultumMovmfFit fit, std::vector<int> texels, StepWindows& windows, Progress* progress);
   /// Waits until all queued work is done. Throws Cancelled.
   void finish(Progress* progress);

@@ -12,6 +12,7 @@
 #include "host/bakes/scene/scene_difference.h"
 #include "host/formats/image/files/environment_file.h"
 #include "host/foundation/base/error.h"
+#include "host/foundation/base/leading_number.h"
 #include "host/foundation/base/stopwatch.h"
 
 namespace multum {
@@ -50,7 +51,7 @@ void fill_job(const MapNeeds& needs, const SceneBudget& budget, MapPlan& plan) {
   if (plan.source && job.albedo.empty()) plan.source->albedo.reset();
   if (plan.source && job.weights.empty()) plan.source->weights.reset();
   job.measured_exponents = needs.exponents();
-  for (double& exponent : job.measured_exponents) exponent = std::stod(fmt::format("{:.4g}", exponent));
+  for (double& exponent : job.measured_exponents) exponent = leading_number(fmt::format("{:.4g}", exponent)).value();
   job.stored_only = s.first_level > 0;
   const bool as_default = !budget.target_error && plan.chosen.name == plan.default_bake.name &&
                           s.encoding == plan.default_bake.shape.encoding;

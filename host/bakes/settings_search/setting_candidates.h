@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Lists the settings to try. Bakes to a target (host/bakes/settings_search/chosen_bake.h), the trade-off
-// (host/bakes/settings_search/tradeoff_sweep.h) and plans of scenes (host/bakes/scene/map_planner.h) each use a part
-// of this list.
+// (host/bakes/settings_search/tradeoff_sweep.h) and plans of scenes (host/bakes/scene/map_planner.h) each use a part of
+// this list.
 #pragma once
 
 #include <optional>

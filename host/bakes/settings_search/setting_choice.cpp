@@ -10,6 +10,7 @@
 #include "host/bakes/settings_search/map_mosaic.h"
 #include "host/formats/brdf/brdf_text.h"
 #include "host/foundation/base/error.h"
+#include "host/foundation/base/leading_number.h"
 #include "host/foundation/base/log.h"
 #include "host/foundation/base/processes/machine.h"
 
@@ -27,7 +28,7 @@ TargetBrdf parse_target_brdf(const std::string& text, const std::string& option)
   switch (brdf.kind) {
     case BrdfKind::kLambert: return {AccuracyBrdf::lambert(), text, brdf};
     case BrdfKind::kBlinnPhong:
-      return {AccuracyBrdf::blinn_phong(std::stod(text.substr(text.find(':') + 1))), text, brdf};
+      return {AccuracyBrdf::blinn_phong(leading_number(text.substr(text.find(':') + 1)).value()), text, brdf};
     default: return {AccuracyBrdf::named(text), text, brdf};
   }
 }

@@ -20,10 +20,10 @@ int sample_grid(int level);
 ///
 /// Neighbours on the grid have very different facets. Every aligned square of 2 x 2, 4 x 4, ... samples covers the
 /// distribution evenly. This is necessary because the samples of such a square are in only one or a few finest texels.
-/// The slopes are points
-/// of a (0, 2)-sequence in the order of the squares (Kollig and Keller 2002, "Efficient multidimensional sampling",
-/// section 3.1), mapped by tan theta = sqrt(u / (1 - u)). Finally, the slopes are changed by about 1 %, so that their
-/// maximum-likelihood alpha is exactly 1. A texel with a single normal then keeps its roughness.
+/// The slopes are points of a (0, 2)-sequence in the order of the squares (Kollig and Keller 2002, "Efficient
+/// multidimensional sampling", section 3.1), mapped by tan theta = sqrt(u / (1 - u)). Finally, the slopes are changed
+/// by about 1 %, so that their maximum-likelihood alpha is exactly 1. A texel with a single normal then keeps its
+/// roughness.
 std::vector<glm::vec2> facet_samples(int grid);
 
 /// Returns the row or column of the finest level for sample `sample` of texel `texel`. The finest level is `fine`

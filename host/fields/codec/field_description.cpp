@@ -16,6 +16,7 @@
 #include "host/fields/inferred/manifest_json.h"
 #include "host/foundation/base/error.h"
 #include "host/foundation/base/files/json_file.h"
+#include "host/foundation/base/leading_number.h"
 
 namespace multum {
 namespace {
@@ -36,7 +37,7 @@ void round_to_singles(json& value) {
   if (value.is_structured()) {
     for (json& child : value) round_to_singles(child);
   } else if (value.is_number_float()) {
-    const double shortest = std::stod(fmt::format("{}", static_cast<float>(value.get<double>())));
+    const double shortest = leading_number(fmt::format("{}", static_cast<float>(value.get<double>()))).value();
     if (shortest == std::floor(shortest) && std::abs(shortest) < 1e6) value = static_cast<int>(shortest);
     else value = shortest;
   }

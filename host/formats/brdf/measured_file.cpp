@@ -7,7 +7,9 @@
 #include <cstring>
 #include <iterator>
 #include <numbers>
+#include <optional>
 #include <sstream>
+#include <string_view>
 #include <vector>
 
 #include <fmt/format.h>
@@ -18,6 +20,7 @@
 #include "host/foundation/base/error.h"
 #include "host/foundation/base/files/json_file.h"
 #include "host/foundation/base/files/regular_file.h"
+#include "host/foundation/base/leading_number.h"
 
 namespace multum {
 namespace {
@@ -77,13 +80,13 @@ std::vector<double> numbers_of(const std::string& path, const std::string& text)
     ++row;
     std::istringstream words(line.substr(0, line.find('#')));
     for (std::string word; words >> word;) {
-      char* end = nullptr;
-      const double value = std::strtod(word.c_str(), &end);
-      if (*end != '\0' || !std::isfinite(value))
+      std::string_view rest;
+      const std::optional<double> value = leading_number(word, &rest);
+      if (!value || !rest.empty() || !std::isfinite(*value))
         refuse_file(
             path,
             fmt::format("line {}: expected numbers, or comments that begin with #; this is not a measured BRDF", row));
-      numbers.push_back(value);
+      numbers.push_back(*value);
     }
   }
   return numbers;

@@ -7,8 +7,7 @@
 // f(horizon) and multiplied by kHorizonWeight. Without this term, broad vMFs fill the rim of the hemisphere well, but
 // extend below the horizon and become visible under a lobe of kappa 3. A larger weight increases the error at the rim.
 // The largest relative L1 error over GGX with alpha 0.05 to 0.4, kappa 3 to 2000 and four terms is 2.9 % for weight
-// 0.1,
-// 3.2 % for weight 0.3, and 5.9 % for weight 1.
+// 0.1, 3.2 % for weight 0.3, and 5.9 % for weight 1.
 #include "host/formats/brdf/vmf_terms.h"
 
 #include <algorithm>

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Presents byte ranges of a file to OpenImageIO as if they were the whole file. The result is a picture without its
 // metadata, which is read on demand. The PNG reader of OpenImageIO 2.4 accepts this, but its JPEG reader accepts only
-// files
-// and memory.
+// files and memory.
 //   file       |signature IHDR|XMP ......|IDAT ........|text|IEND|
 //   presented  |signature IHDR|IDAT ........|IEND|
 #pragma once

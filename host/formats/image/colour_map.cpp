@@ -9,7 +9,6 @@
 #include <array>
 #include <atomic>
 #include <cmath>
-#include <cstdlib>
 #include <functional>
 #include <limits>
 #include <mutex>
@@ -19,6 +18,7 @@
 
 #include "host/formats/image/image_reader.h"
 #include "host/foundation/base/error.h"
+#include "host/foundation/base/leading_number.h"
 #include "host/foundation/base/processes/parallel.h"
 
 namespace multum {
@@ -36,7 +36,7 @@ TransferFunction transfer_function(const RawImageInfo& image, ColourEncoding enc
       image.colour_space == "linear" || image.colour_space == "Linear";  // both spellings occur in files
   if (is_float_type(image.sample_type) || is_linear) return {"linear", [](double v) { return v; }};
   if (image.colour_space.starts_with("Gamma")) {
-    const double gamma = std::strtod(image.colour_space.c_str() + 5, nullptr);
+    const double gamma = leading_number(image.colour_space.substr(5)).value_or(0.0);
     // An exponent of 2.2 means sRGB in PNG's gAMA (1 / 0.45455). Other exponents are used unchanged.
     if (gamma > 0.0 && std::abs(gamma - 2.2) > 0.05)
       return {fmt::format("gamma {:g}", gamma), [gamma](double v) { return std::pow(v, gamma); }};

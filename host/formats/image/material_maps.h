@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Maps of a material in addition to normals and colours: roughness, and linear blend weights of basis BRDFs (Han et
-// al. 2007, section 7.3). The values are data, never sRGB. Integers stand for 0 to 1, floats are used unchanged, and
-// values outside 0 to 1 are rejected.
+// Maps of a material in addition to normals and colours: roughness, and linear blend weights of basis BRDFs (Han et al.
+// 2007, section 7.3). The values are data, never sRGB. Integers stand for 0 to 1, floats are used unchanged, and values
+// outside 0 to 1 are rejected.
 //
 // Roughness becomes the length of normals. A normal n with a BRDF of half vectors around it is a lobe with mean vector
 // c n, where c is the mean cosine of those half vectors. Averages of c n over a texel then hold the spread of normals

@@ -3,11 +3,9 @@
 // surface. The normals of the interpolated surface have a smaller variance than the normals of the texels. For white
 // noise, the variance is (2/3)^2 times as large. A bake of the surface uses one of its points for each texel, 0.2113
 // texels from the centre of the texel along x and along y. These are the points of the two-point Gauss rule between
-// centres
-// (Abramowitz and Stegun 25.4.30), which is exact for polynomials up to degree 3. Therefore the means and variances of
-// the
-// interpolated surface are exact, and the bake takes no longer than a bake of the texels. The signs of x and y select
-// one of four points:
+// centres (Abramowitz and Stegun 25.4.30), which is exact for polynomials up to degree 3. Therefore the means and
+// variances of the interpolated surface are exact, and the bake takes no longer than a bake of the texels. The signs of
+// x and y select one of four points:
 //
 //   texels of one of level 1     (+, s)  (-, -s)     s alternates between 1 and -1 along x
 //                                (-, s)  (+, -s)

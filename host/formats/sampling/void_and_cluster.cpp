@@ -39,8 +39,8 @@ class Pattern {
   std::size_t tightest_cluster() const {
     return best([&](std::size_t a, std::size_t b) { return has_[a] && (!has_[b] || sums_[a] > sums_[b]); });
   }
-  /// Returns the empty texel with the smallest sum. On a torus, the Gaussians of all texels have a constant sum, so
-  /// the texel with the fewest points around it also has the most empty texels around it. This search therefore also
+  /// Returns the empty texel with the smallest sum. On a torus, the Gaussians of all texels have a constant sum, so the
+  /// texel with the fewest points around it also has the most empty texels around it. This search therefore also
   /// implements Ulichney's phase 3.
   std::size_t largest_void() const {
     return best([&](std::size_t a, std::size_t b) { return !has_[a] && (has_[b] || sums_[a] < sums_[b]); });

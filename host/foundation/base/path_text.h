@@ -5,8 +5,7 @@
 //   byte 80 .. FF   <->   U+EF80 .. U+EFFF        e.g. "caf\xe9.png" is "caf\uefe9.png"
 //
 // If a name contains a character of this range, each byte of that character is escaped too, so that no two names have
-// the
-// same text. All other names stay unchanged. In Python, this expression gives the name:
+// the same text. All other names stay unchanged. In Python, this expression gives the name:
 // os.fsencode(re.sub("[\uef80-\uefff]", lambda m: chr(ord(m[0]) - 0x1300), text))
 #pragma once
 

@@ -1,13 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Measures the run times of alternatives in order to compare them. The alternatives run in turn, so that other load on
-// the
-// machine affects all of them. The result is the minimum of several rounds, because other load only adds time.
-// Processor
-// time covers all threads of this process.
+// the machine affects all of them. The result is the minimum of several rounds, because other load only adds time.
+// Processor time covers all threads of this process.
 //
 // Elapsed time shows how long a user of this machine waits. The amount of work shows the cost of settings. Other
-// programs
-// hardly change the amount of work, so it can rank settings on a busy machine.
+// programs hardly change the amount of work, so it can rank settings on a busy machine.
 #pragma once
 
 #include <functional>

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Describes a numerical case, which tests one kernel or shader function with one hard input or a family of hard inputs.
 // A case compares results in single precision with results in double precision, and states a bound.
-// docs/contributing/STABILITY.md is generated from
-// the cases.
+// docs/contributing/STABILITY.md is generated from the cases.
 //
 // The cases cover the project's hard inputs, such as extreme kappa, dead lobes, and sums over 2^28 texels. Each case
 // names the guard of the formula. A case can be run without its guard. If the guard is not a single line, the case can

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Reads folders of renders in the layout that the scripts of the ray-traced fields write
-// (docs/reference/animation_jobs.md, "Supported folders"). scene.json lists the renders; file names follow
-// from the names of samples.
+// (docs/reference/animation_jobs.md, "Supported folders"). scene.json lists the renders; file names follow from the
+// names of samples.
 //   rad_vVV_pPP.exr   radiance by passes       geom_vVV.exr      depth, Cryptomatte
 //   scene.json        cameras, objects         id_vVV_pPP.png    object index, where an object moves
 #include <algorithm>

@@ -5,8 +5,8 @@
 // Both branches have value 0 and second derivative 2 / s^2 at l = s, so f is smooth enough for conjugate gradient. As
 // l^2 = e^T R^T R e, dl/dR = (R e) e^T / l, and
 //     grad f = sum W g'(l) / l (R e) e^T.
-// The search finds Q in R = Q R_0, starting at Q = 1, with edges R_0 e. The result then does not depend on how the
-// mesh scales u and v.
+// The search finds Q in R = Q R_0, starting at Q = 1, with edges R_0 e. The result then does not depend on how the mesh
+// scales u and v.
 #include "host/fields/inference/mapping/isometric_map.h"
 
 #include <algorithm>

@@ -4,8 +4,7 @@
 //   E[b], E[b b^T]   a Gaussian of slopes (LEAN: Olano and Baker 2010), in the layout of maketx --bumpslopes
 //   E[n]             whose length gives the spread in Toksvig's rule (Toksvig 2005)
 // If the width of a BRDF is included (BakedHeader::has_roughness), both describe microfacets. The diagonal of E[b b^T]
-// is
-// then larger by 1 - c, and n is scaled to c n.
+// is then larger by 1 - c, and n is scaled to c n.
 #pragma once
 
 #include <string>

@@ -41,9 +41,8 @@ struct ThreadCompressor {
 // levels 1 and 2 enters its third string into the hash table under a wrong hash (igzip_icf_body_h1_gr_bt.asm,
 // .write_first_byte). The loop hashes `rcx >> 16`, but at this point rcx is the address of the stream, not the data.
 // Therefore the same bytes found other matches if the stack had another address. This happened in 1 of 5000 tiles of 4
-// KiB
-// or more, and in 1 of 500 tiles of 40 bytes. The loop for the last bytes of a stream does not have this fault. With a
-// flush, that loop takes the first four bytes, at a cost of about 10 bytes per tile. Test:
+// KiB or more, and in 1 of 500 tiles of 40 bytes. The loop for the last bytes of a stream does not have this fault.
+// With a flush, that loop takes the first four bytes, at a cost of about 10 bytes per tile. Test:
 // ZlibCompressTest.SameBytesWhereverTheStackIs.
 std::size_t compress_quickly(const Bytef* source, uLong source_size, Bytef* destination, uLong destination_size) {
   constexpr uLong kFirstBytes = 4;

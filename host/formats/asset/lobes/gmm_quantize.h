@@ -6,10 +6,8 @@
 //
 // All are linear in the normals, so a filter T(.) mixes them exactly: 2 sigma^2 = T(third) / T(a) - |T(a mu)/T(a)|^2.
 // Near the rim, 2 sigma^2 is a small difference of two numbers near 1. If the two numbers were rounded independently,
-// most
-// of this difference would be lost. Therefore the third value is rounded last, about the rounded mean. The spread then
-// has
-// one rounding error instead of three (docs/reference/file_format.md, "Encodings of Gaussians").
+// most of this difference would be lost. Therefore the third value is rounded last, about the rounded mean. The spread
+// then has one rounding error instead of three (docs/reference/file_format.md, "Encodings of Gaussians").
 #pragma once
 
 #include "host/formats/asset/lobes/movmf_mipmap.h"

@@ -3,8 +3,7 @@
 // glossy
 // and flat places. If a r_x, a r_y, a r_z and a were rounded independently, |r| would change by up to 1/a steps of the
 // grid. On a tilted flat area, this would blur a highlight of roughness 0.1 so much that its peak is halved. Therefore
-// the
-// four values are rounded together:
+// the four values are rounded together:
 //   1. Amplitudes are rounded first. For snorm16, they sum to exactly 1, by largest remainder.
 //   2. r is multiplied by the ROUNDED amplitude, so that rounding a leaves |r| unchanged.
 //   3. Each of the three products is rounded down or up, which gives 8 candidates. The chosen one has the projection on
@@ -12,8 +11,7 @@
 //      a, so rounding never adds spread. Filtering adds none either, because projections of texels that share a
 //      direction add up.
 // If candidates were chosen by their length |a r| instead, a lobe with an amplitude of one step could keep its length,
-// but
-// turn by 60 degrees. After filtering with a neighbouring lobe of amplitude 0.7, the peak would then be 4 % lower
+// but turn by 60 degrees. After filtering with a neighbouring lobe of amplitude 0.7, the peak would then be 4 % lower
 // (QuantizeTest). Readers clamp |r| to 1.
 #include <half.h>
 

@@ -8,11 +8,9 @@
 //   NAME00.r .g | NAME00.b .a | NAME01.r .g | NAME01.b .a | ...
 // Departures from the specification: some renderers, and programs that repack files, write R, red or Red for r. Such
 // programs omit the view layer from the name in the metadata or from the channel names, or add it. Such programs also
-// lose
-// the metadata, or truncate manifests. Therefore the channels identify the layer, metadata are matched to the channels
-// by
-// name or by KEY, and names that are missing in a manifest are matched by their hash. A manifest in a separate file
-// (manif_file) is not read, because hashing the names gives the same identifiers.
+// lose the metadata, or truncate manifests. Therefore the channels identify the layer, metadata are matched to the
+// channels by name or by KEY, and names that are missing in a manifest are matched by their hash. A manifest in a
+// separate file (manif_file) is not read, because hashing the names gives the same identifiers.
 #include <algorithm>
 #include <array>
 #include <bit>

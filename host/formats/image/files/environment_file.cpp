@@ -11,12 +11,14 @@
 #include <cstdio>
 #include <filesystem>
 #include <iterator>
+#include <string_view>
 
 #include <fmt/format.h>
 
 #include "host/formats/image/image_reader.h"
 #include "host/foundation/base/error.h"
 #include "host/foundation/base/files/regular_file.h"
+#include "host/foundation/base/leading_number.h"
 
 namespace multum {
 namespace {
@@ -77,9 +79,10 @@ class RadianceReader {
   double read_header() {
     double exposure = 1.0;
     for (std::string text = line(); !text.empty(); text = line()) {
-      double value = 0.0;
-      if (std::sscanf(text.c_str(), "EXPOSURE=%lf", &value) == 1 && value > 0.0 && std::isfinite(value))
-        exposure *= value;
+      constexpr std::string_view kExposure = "EXPOSURE=";
+      const double value =
+          text.starts_with(kExposure) ? leading_number(text.substr(kExposure.size())).value_or(0.0) : 0.0;
+      if (value > 0.0 && std::isfinite(value)) exposure *= value;
       if (text.starts_with("FORMAT=") && text != "FORMAT=32-bit_rle_rgbe")
         refuse_file(path_, "found " + text + ", expected FORMAT=32-bit_rle_rgbe");
     }

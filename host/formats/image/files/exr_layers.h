@@ -26,10 +26,9 @@ std::vector<std::string> exr_channel_names(const std::string& path);
 /// For each of `names`, in order, returns the share (0..1) of each pixel that the named object covers. The result has
 /// width
 /// * height floats, with row 0 at the top. `layer` is the name of the Cryptomatte, such as "CryptoObject", with or
-/// without
-/// the view layer. Names that are missing in the manifest are matched by their MurmurHash3. Without a readable manifest
-/// or
-/// metadata, all names are matched in this way. Throws Error(kInput) if the file has no such Cryptomatte, or several.
+/// without the view layer. Names that are missing in the manifest are matched by their MurmurHash3. Without a readable
+/// manifest or metadata, all names are matched in this way. Throws Error(kInput) if the file has no such Cryptomatte,
+/// or several.
 std::vector<std::vector<float>> read_cryptomatte_coverage(const std::string& path, const std::string& layer,
                                                           const std::vector<std::string>& names);
 

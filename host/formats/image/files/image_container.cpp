@@ -240,8 +240,8 @@ void inspect_exr(const std::string& path, ByteFile& file, ImageContainer& contai
   keep(container, 0, file.size());
 }
 
-// Returns whether all words of a colour map are multiples of `unit`, and some of them are not 0. Some programs
-// multiply 8-bit values by 256 instead of 257.
+// Returns whether all words of a colour map are multiples of `unit`, and some of them are not 0. Some programs multiply
+// 8-bit values by 256 instead of 257.
 bool have_unit(ByteFile& file, const ByteRange& words, bool is_big_endian, int unit) {
   bool has_any = false;
   for (std::int64_t at = words.begin; at < words.end; at += 2) {

@@ -7,13 +7,13 @@
 
 #include <bit>
 #include <cmath>
-#include <cstdlib>
 #include <optional>
 #include <set>
 
 #include <fmt/format.h>
 
 #include "host/foundation/base/error.h"
+#include "host/foundation/base/leading_number.h"
 
 namespace multum {
 namespace {
@@ -72,9 +72,8 @@ class Directories {
     constexpr std::int64_t kLengthMax = 64;
     if (value.type != 2 || value.count > kLengthMax) return std::nullopt;
     const std::string text = file_.bytes(value.position, value.count, "a TIFF text");
-    char* end = nullptr;
-    const double number = std::strtod(text.c_str(), &end);
-    return end != text.c_str() && std::isfinite(number) ? std::optional(number) : std::nullopt;
+    const std::optional<double> number = leading_number(text);
+    return number && std::isfinite(*number) ? number : std::nullopt;
   }
   // Returns whether GeoTIFF's key directory says that x and y are in metres.
   bool is_in_metres(const Value& keys) {

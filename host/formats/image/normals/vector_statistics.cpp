@@ -2,12 +2,10 @@
 // Statistics of a normal map. The most reliable statistic is the agreement of gradients. The slopes p = dh/dx = -x/z
 // and q = dh/dy = -y/z of any surface satisfy dp/dy = dq/dx (Frankot & Chellappa 1988, "A method for enforcing
 // integrability"). Therefore both derivatives have a correlation of +1 on a map with green up, -1 with green down (q
-// has
-// the wrong sign), and 0 on colours. The correlation is averaged over scales of 1, 2 and 4 texels (2 x 2 means),
-// because
-// lossy compression destroys the correlation at 1 texel. Among 36 real normal maps, 29 are beyond +-0.31, and the
-// others (random facets, hard edges, lossy or hand-painted) are within 0.15. 19 colour images are within 0.14, and all
-// except one are within 0.09.
+// has the wrong sign), and 0 on colours. The correlation is averaged over scales of 1, 2 and 4 texels (2 x 2 means),
+// because lossy compression destroys the correlation at 1 texel. Among 36 real normal maps, 29 are beyond +-0.31, and
+// the others (random facets, hard edges, lossy or hand-painted) are within 0.15. 19 colour images are within 0.14, and
+// all except one are within 0.09.
 //
 // Two statistics show whether blue is z. One is the share of blue's variance that the tilt explains (correlation ratio
 // in bins of the tilt). The other is the scatter of lengths averaged over 4 x 4 texels. Lossy compression scatters

@@ -29,8 +29,7 @@ struct NamedPlace {
 NamedPlace open_place(const std::string& path);
 
 // A private working folder, created with mode 0700 and marked as a folder of multum. An existing folder must be marked
-// or
-// empty, belong to this user, be writable only by this user, be on the same device as the folder above, and not be a
+// or empty, belong to this user, be writable only by this user, be on the same device as the folder above, and not be a
 // link. Some mounts give all files one owner or one mode (FAT, shares of other systems, NFS that squashes root). Such
 // mounts are detected with a file created for this purpose.
 //

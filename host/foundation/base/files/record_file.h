@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Stores the results of a long task as records, so that interrupted work can be resumed and other processes can read
-// the
-// results.
+// the results.
 //
 //   multum records 1      a line
 //   KEY                   a line that identifies everything that the records depend on

@@ -8,8 +8,8 @@
 
 namespace multum {
 
-/// Makes stdout write only complete lines, as soon as they are complete, even to pipes and files. Call it
-/// once, before any output.
+/// Makes stdout write only complete lines, as soon as they are complete, even to pipes and files. Call it once, before
+/// any output.
 void begin_whole_lines();
 
 /// Gives this thread the exclusive right to write to stdout or stderr while the object exists. Erases the progress bar.

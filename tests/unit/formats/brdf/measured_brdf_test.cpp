@@ -18,6 +18,7 @@
 #include "host/formats/brdf/measured_file.h"
 #include "host/formats/image/files/environment_file.h"
 #include "host/foundation/base/error.h"
+#include "tests/unit/foundation/base/comma_locale.h"
 #include "tests/unit/foundation/base/test_folder.h"
 
 namespace multum {
@@ -163,6 +164,19 @@ TEST_F(MeasuredFileTest, RadianceRows) {
   refusal("-Y 999999 +X 1999998", packed, {"1999998", "999999", "wide"});
   expect_refusal(read_environment_map, write("xyz.hdr", "#?RADIANCE\nFORMAT=32-bit_rle_xyze\n\n-Y 4 +X 8\n"), {"xyze"});
   expect_refusal(read_environment_map, write("none.hdr", "#?"), {"header"});
+}
+
+TEST_F(MeasuredFileTest, DecimalCommaOfTheHostProgram) {
+  const testing::CommaLocale locale(folder_.string());
+  if (!locale.is_set()) GTEST_SKIP() << "no locale with a decimal comma, and localedef cannot make one";
+  // The numbers are read, because only the direction below the horizon is refused.
+  expect_refusal(read_measured_brdf, write("below.brdf", "5 400 475.5 550 625 700 3 0 3 0 .5 .5 .5 .5 .5"),
+                 {"horizon"});
+  std::string flat;
+  for (int i = 0; i < 8; ++i) flat += std::string("\x10\x20\x30\x80", 4);
+  const std::string head = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\nEXPOSURE=0.5\n\n-Y 4 +X 8\n";
+  const ColourMap map = read_environment_map(write("made.hdr", head + flat + flat + flat + flat));
+  EXPECT_EQ(map.r[0], 0.125f);  // 16 / 256, divided by the exposure
 }
 
 }  // namespace
