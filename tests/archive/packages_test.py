@@ -129,8 +129,12 @@ class PackagesTest(unittest.TestCase):
         files = [file for folder in self.unpacked.values() for file in folder.rglob("*")
                  if file.is_file() and not file.is_symlink() and is_elf(file)]
         self.assertEqual(len(files), 5, files)
-        made = subprocess.run(["hardening-check", *files], capture_output=True, text=True)
-        self.assertEqual(made.returncode, 0, made.stdout)
+        for file in files:
+            # No program of Debian 12 can have control-flow integrity, because its start-up code (crt1.o) has none. The
+            # Python module calls only functions whose sizes are unknown to the compiler, so none can be fortified.
+            left_out = ["--nocfprotection", *(["--nofortify"] if file.name.startswith("_multum.") else [])]
+            made = subprocess.run(["hardening-check", *left_out, file], capture_output=True, text=True)
+            self.assertEqual(made.returncode, 0, made.stdout)
 
     def test_no_file_contains_the_path_of_the_build(self):
         if not HARDENED:
