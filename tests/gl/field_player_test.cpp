@@ -98,7 +98,7 @@ TEST_P(FieldPlayerTest, WithoutWaitingTheCoarsestIsThereAndTheRestComes) {
   settings.playback.threads = 1;
   FieldPlayer player(gl(), path(), settings);
   SplitMix64 random(8);
-  std::size_t missing = 0, old = 0;
+  std::size_t missing = 0;
   for (int jump = 0; jump < 12; ++jump) {
     const std::size_t sample = random.next() % 24;
     for (int frame = 0; frame < 200; ++frame) {
@@ -107,7 +107,6 @@ TEST_P(FieldPlayerTest, WithoutWaitingTheCoarsestIsThereAndTheRestComes) {
       for (std::size_t l = 0; l < 3; ++l) {
         EXPECT_EQ(report.layers[l].is_drawn, description_.layers[l].is_seen(sample)) << "never a hole";
         missing_now += report.layers[l].missing + (report.layers[l].is_old ? 1 : 0);
-        old += report.layers[l].is_old ? 1 : 0;
         drawn += report.layers[l].is_drawn ? 1 : 0;
       }
       // At least one image of each layer is always uploaded.

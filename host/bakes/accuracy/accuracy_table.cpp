@@ -78,7 +78,7 @@ std::string table(const std::vector<AccuracyRow>& rows, const std::vector<Accura
   for (const auto& [level, confidence] : confidences) {
     text += fmt::format("  {:>5}  {:>8}", level, texels_text(confidence));
     for (const AccuracyBrdf& brdf : brdfs) {
-      const auto found = [&](AccuracyPoint point) { return find_row(rows, level, point, brdf); };
+      const auto found = [&, level = level](AccuracyPoint point) { return find_row(rows, level, point, brdf); };
       const AccuracyRow* centre = found(AccuracyPoint::kCentre);
       const AccuracyRow* midway = worse(found(AccuracyPoint::kMidX), found(AccuracyPoint::kMidY));
       text += fmt::format("{:>{}}", centre == nullptr ? "-" : percent_text(centre) + " | " + percent_text(midway),

@@ -279,7 +279,7 @@ class Survey {
       if (albedo_ != nullptr) texel.colours[pick->index] = {c[0][i], c[1][i], c[2][i]};
       for (int w = 0; weights_ != nullptr && w < weights_->count; ++w)
         texel.weights[pick->index][w] =
-            weights_->rgb_planes[size_of(w / 3)].texel(pick->column, pick->row)[size_of(w % 3)];
+            static_cast<double>(weights_->rgb_planes[size_of(w / 3)].texel(pick->column, pick->row)[size_of(w % 3)]);
     }
   }
 

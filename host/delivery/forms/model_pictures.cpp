@@ -156,7 +156,7 @@ class PictureTriangle {
       made.normal += weights[k] * glm::dvec3(mesh_.normals[i]);
       made.tangent += weights[k] * glm::dvec3(mesh_.tangents[i]);
       made.place += weights[k] * glm::dvec2(mesh_.uvs[i]);
-      handedness = mesh_.tangents[i].w;
+      handedness = static_cast<double>(mesh_.tangents[i].w);
     }
     made.place = surface_.place_of_uv(made.place);
     const double length = glm::length(made.normal);

@@ -130,7 +130,7 @@ nlohmann::ordered_json map_data(const LookMap& map, const BakedHeader& header, c
   material.reading = parse_reading_settings(header.provenance.settings);
   material.reading.wrap_s = header.wrap_s;
   material.reading.wrap_t = header.wrap_t;
-  material.lobe.base_roughness = static_cast<float>(job.base_roughness);
+  material.lobe.base_roughness = static_cast<double>(static_cast<float>(job.base_roughness));
   material.texels = MaterialTexels::kRg8;
   material.has_roughness_alone = true;
   material.measure = false;

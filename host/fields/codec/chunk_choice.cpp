@@ -130,12 +130,12 @@ ChosenChunk best_chunk(const ChunkSource& source, const WeightsOfLayout& weights
     settings.side = side;
     const auto try_settings = [&] {
       EncodedChunk chunk = encoder.encode(settings, step);
-      const double cost = comparable_cost(chunk, coder, lambda);
+      const double cost = comparable_cost(chunk, settings.coder, lambda);
       if (!best || cost < comparable_cost(best->chunk, best->settings.coder, lambda))
         best = {std::move(chunk), settings};
       return cost;
     };
-    const auto is_best = [&] { return best->settings.coder == coder && best->settings.side == side; };
+    const auto is_best = [&] { return best->settings.coder == settings.coder && best->settings.side == settings.side; };
     if (best) {
       try_settings();
       if (!is_best()) continue;

@@ -5,10 +5,15 @@
 #include "host/foundation/parameters/shared_parameters.h"
 
 namespace multum {
+namespace {
+
+using Kind = ParameterKind;
+
+constexpr unsigned kPlaces = kOnCommandLine | kInService;
+
+}  // namespace
 
 const ParameterTable& infer_parameters() {
-  using Kind = ParameterKind;
-  constexpr unsigned kJob = kOnCommandLine | kInService;
   static const ParameterTable table(
       "infer",
       {input_parameter("job", "animation.toml of `multum animation`", kInService),
@@ -18,39 +23,39 @@ const ParameterTable& infer_parameters() {
                 "these views",
         .low = 2,
         .high = 1000,
-        .surfaces = kJob},
+        .surfaces = kPlaces},
        {.name = "tolerance",
         .kind = Kind::kNumber,
         .help = "stop the fit of a texture when its relative gradient is at most this",
         .low = 1e-7,
         .high = 1,
         .default_text = "0.001",
-        .surfaces = kJob},
+        .surfaces = kPlaces},
        {.name = "iterations",
         .kind = Kind::kInteger,
         .help = "run at most this many iterations of conjugate gradients per texture",
         .low = 1,
         .high = 100000,
         .default_text = "400",
-        .surfaces = kJob},
-       {.name = "no_frames", .help = "do not draw the frames that the report measures and shows", .surfaces = kJob},
+        .surfaces = kPlaces},
+       {.name = "no_frames", .help = "do not draw the frames that the report measures and shows", .surfaces = kPlaces},
        {.name = "no_comparison",
         .help = "do not compare samplers, regularisation and forward mapping",
-        .surfaces = kJob},
+        .surfaces = kPlaces},
        {.name = "report_sample",
         .kind = Kind::kText,
         .help = "show the sample with these indices along the parameters, or with this name, in the report",
         .default_text = "the middle sample",
-        .surfaces = kJob},
+        .surfaces = kPlaces},
        {.name = "context",
         .kind = Kind::kChoice,
         .help = "use this OpenGL implementation for drawing: auto, osmesa (software) or egl",
         .default_text = "auto",
         .choices = choice_names(kContextBackends),
-        .surfaces = kJob},
+        .surfaces = kPlaces},
        {.name = "force", .help = "infer textures again even if they exist", .surfaces = kOnCommandLine},
        absolute_geometry_parameter(),
-       device_parameter(kJob)});
+       device_parameter(kPlaces)});
   return table;
 }
 

@@ -37,7 +37,7 @@ constexpr unsigned kEverywhere = kOnCommandLine | kInManifest | kInScene | kInSe
 enum class ParameterScope { kAll, kLobes, kHarmonics };
 
 /// The bound of numbers that have no other bound. It is the largest float.
-constexpr double kUnbounded = std::numeric_limits<float>::max();
+constexpr double kUnbounded = static_cast<double>(std::numeric_limits<float>::max());
 
 struct Parameter {
   std::string name;  // the name in snake case, which is the key in files and JSON; "--first-level" on a command line

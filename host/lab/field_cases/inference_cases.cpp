@@ -295,7 +295,7 @@ void unseen_texels(Device& device, WorstError& worst) {
       inference.solve(std::vector<float>(3 * matrix.row_count(), 0.6f),
                       std::vector<float>(3 * static_cast<std::size_t>(layout.texel_count), 0.1f));
   for (std::size_t t = 0; t < result.texels.size(); ++t)
-    worst.add(static_cast<double>(result.texels[t]), 0.6f, 1.0, fmt::format("texel {}", t / 3));
+    worst.add(static_cast<double>(result.texels[t]), static_cast<double>(0.6f), 1.0, fmt::format("texel {}", t / 3));
 }
 
 // Infers a texture from pictures of a known texture with nearly no regularisation, and expects the known texture.

@@ -115,7 +115,7 @@ void choice_without_normals(Device& device, WorstError& worst) {
     }
     ChosenRow row{{}, lobes, planar};
     for (std::size_t i = 0; i < 4 * kGroup; ++i) row.normals.push_back(tilted(37.0, 1.1 * static_cast<double>(i)));
-    row.normals[4 * kBad].x = NAN;
+    row.normals[4 * kBad].x = static_cast<double>(NAN);
     for (const int width : chosen_widths(device)) {
       std::vector<glm::dvec3> features;
       const std::vector<MultumVmfLobe> found = choose_row(device, row, width, &features);

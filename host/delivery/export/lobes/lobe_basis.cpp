@@ -43,7 +43,7 @@ LobeBasis fit_lobe_basis(const MovmfMipmap& mipmap, int first_level, int lobe) {
   each_lobe(mipmap, first_level, lobe, [&](const glm::vec4& one) {
     const glm::dvec4 m = moments_of(one);
     const glm::dvec3 known(m.x, m.y, m.w);
-    const double weight = weight_of(one);
+    const double weight = static_cast<double>(weight_of(one));
     normal += weight * glm::outerProduct(known, known);
     right += weight * m.z * known;
   });

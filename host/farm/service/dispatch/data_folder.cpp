@@ -202,7 +202,7 @@ void DataFolder::sweep_some(QueueThread& ledger, const std::shared_ptr<Sweep>& s
   const auto end = [sweep] {
     if (sweep->done) sweep->done();
   };
-  ledger.run([=, this](JobQueue& queue) { look(queue, *sweep); },
+  ledger.run([sweep](JobQueue& queue) { look(queue, *sweep); },
              [=, this, &ledger](const std::exception_ptr& error) {
                if (error) return end();  // left to the next sweep
                ledger.run([=, this](JobQueue& queue) { remove_found(queue, *sweep); },

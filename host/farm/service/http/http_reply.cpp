@@ -11,8 +11,11 @@
 #include "host/foundation/base/path_text.h"
 
 namespace multum {
+namespace {
 
 using Json = nlohmann::json;
+
+}  // namespace
 
 HttpResponse json_response(const Json& json, int status) {
   return {status, "application/json", json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n"};

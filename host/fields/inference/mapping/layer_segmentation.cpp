@@ -63,7 +63,8 @@ class Segmentation {
     return state_[pixel] == PixelState::kValid && coverage(object, pixel) >= settings_.coverage_whole;
   }
   Colour value(std::size_t pixel) const {
-    return {input_.rgb[3 * pixel], input_.rgb[3 * pixel + 1], input_.rgb[3 * pixel + 2]};
+    const float* const rgb = &input_.rgb[3 * pixel];
+    return {static_cast<double>(rgb[0]), static_cast<double>(rgb[1]), static_cast<double>(rgb[2])};
   }
   void count_whole(std::size_t object);
   bool whole_in_reach(std::size_t object, int x, int y, int radius) const;

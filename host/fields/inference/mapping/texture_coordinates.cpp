@@ -59,7 +59,7 @@ struct Interval {
 Interval triangle_extent(const ObjectMesh& mesh, std::uint32_t triangle, glm::length_t direction) {
   Interval extent{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
   for (std::size_t i = 0; i < 3; ++i) {
-    const double at = mesh.uvs[mesh.indices[3 * std::size_t{triangle} + i]][direction];
+    const double at = static_cast<double>(mesh.uvs[mesh.indices[3 * std::size_t{triangle} + i]][direction]);
     extent = {std::min(extent.low, at), std::max(extent.high, at)};
   }
   return extent;
@@ -97,8 +97,7 @@ bool is_joined(const SeenMesh& scene, glm::length_t direction) {
     glm::dvec2 uv;
   };
   double size = std::numeric_limits<double>::min();
-  for (const glm::vec3& p : scene.mesh.positions)
-    size = std::max({size, std::abs(double{p.x}), std::abs(double{p.y}), std::abs(double{p.z})});
+  for (const glm::dvec3 p : scene.mesh.positions) size = std::max({size, std::abs(p.x), std::abs(p.y), std::abs(p.z)});
   std::vector<Corner> corners;
   for (const std::uint32_t triangle : scene.visible_triangles)
     for (std::size_t i = 0; i < 3; ++i) {

@@ -82,7 +82,7 @@ JointError error_of(const Lobes& exact, const Lobes& found) {
       right += glm::dvec4(exact[j][i]), kept += glm::dvec4(found[j][i]);
       const glm::dvec4 difference(exact[j][i] - found[j][i]);
       error.lobe += glm::dot(difference, difference) / static_cast<double>(exact.size() * kLevelTexels);
-      const double amplitude = exact[j][i].w, stored_amplitude = found[j][i].w;
+      const auto amplitude = static_cast<double>(exact[j][i].w), stored_amplitude = static_cast<double>(found[j][i].w);
       const glm::dvec3 kept_lobe(found[j][i]), lobe(exact[j][i]);
       const glm::dvec3 shape = (kept_lobe - stored_amplitude / amplitude * lobe) / amplitude;
       error.shape += glm::dot(shape, shape) / static_cast<double>(exact.size() * kLevelTexels);

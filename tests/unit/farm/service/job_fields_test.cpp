@@ -86,7 +86,7 @@ std::string submit_refusal(const Json& body, const JobRoots& roots) {
 TEST(JobFields, AreRefusedAsEver) {
   const TemporaryFolder folder;
   const PathRoots all({folder / ""});
-  const JobRoots roots = {all, all, all, ResultSeal("")};
+  const JobRoots roots = {all, all, all, ResultSeal{""}};
   testing::write_bytes(folder / "job.toml", "x");
   const Json job = {{"type", "infer"}, {"parameters", {{"job", folder / "job.toml"}}}, {"output", folder / "made"}};
   EXPECT_EQ(submit_refusal(job, roots), "");

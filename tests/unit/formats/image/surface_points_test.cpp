@@ -51,7 +51,7 @@ std::vector<double> pattern() {
   std::mt19937 random(3);
   std::uniform_real_distribution<double> values(-1.0, 1.0);
   std::vector<double> texels(kPatternWidth * kPatternHeight);
-  for (double& texel : texels) texel = static_cast<float>(values(random));
+  for (double& texel : texels) texel = static_cast<double>(static_cast<float>(values(random)));
   return texels;
 }
 

@@ -47,8 +47,9 @@ class RegularFileTest : public ::testing::Test {
 };
 
 TEST_F(RegularFileTest, EveryReaderRefusesWhatIsNoFile) {
-  for (const auto& [path, kind] : special_) {
-    const std::vector<std::string> parts = {path, kind, "expected a regular file"};
+  for (const Special& special : special_) {
+    const std::string& path = special.path;
+    const std::vector<std::string> parts = {path, special.kind, "expected a regular file"};
     expect_error(ErrorCode::kInput, parts, [&] { open_regular_file(path); });
     expect_error(ErrorCode::kInput, parts, [&] { open_regular_file(path, StandardInput::kAllowed); });
     expect_error(ErrorCode::kInput, parts, [&] { open_file_beneath(folder_.path(), path); });
