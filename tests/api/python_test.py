@@ -389,9 +389,11 @@ class ErrorTest(FolderTest):
 
         thread = threading.Thread(target=tick)
         thread.start()
-        multum.bake(wavy_normals(256))
-        done.set()
-        thread.join()
+        try:
+            multum.bake(wavy_normals(256))
+        finally:  # without it, the thread would keep a failed test running
+            done.set()
+            thread.join()
         self.assertGreater(count[0], 5)
 
     def test_types(self):

@@ -75,10 +75,11 @@ std::string table(const std::vector<AccuracyRow>& rows, const std::vector<Accura
   };
   for (const AccuracyBrdf& brdf : brdfs) text += fmt::format("{:>{}}", brdf.brdf_text(), column(brdf));
   text += "\n";
-  for (const auto& [level, confidence] : confidences) {
+  for (const auto& [fitted_level, confidence] : confidences) {
+    const int level = fitted_level;  // C++20 with clang 14 captures no structured binding
     text += fmt::format("  {:>5}  {:>8}", level, texels_text(confidence));
     for (const AccuracyBrdf& brdf : brdfs) {
-      const auto found = [&, level = level](AccuracyPoint point) { return find_row(rows, level, point, brdf); };
+      const auto found = [&](AccuracyPoint point) { return find_row(rows, level, point, brdf); };
       const AccuracyRow* centre = found(AccuracyPoint::kCentre);
       const AccuracyRow* midway = worse(found(AccuracyPoint::kMidX), found(AccuracyPoint::kMidY));
       text += fmt::format("{:>{}}", centre == nullptr ? "-" : percent_text(centre) + " | " + percent_text(midway),

@@ -88,7 +88,7 @@ class OnGpuRun {
     for (const int size : sizes)
       for (const auto& [name, device] : devices_)
         step(fmt::format("bake {} on {}", size, name), size > 2048 ? 20 : 8,
-             [&, size = size, device = device](double left) { return bake(size, device, left); });
+             [&, size, used = device](double left) { return bake(size, used, left); });
     const auto em_step = [&](int size, double wanted, std::size_t d) {
       step(fmt::format("em {} on {}", size, devices_[d].first), wanted,
            [&, size, d](double left) { return em(size, devices_[d].second, d == 0, left); });
@@ -98,7 +98,7 @@ class OnGpuRun {
     step("texture inference", 30, [&](double left) { return infer(left); });
     for (const auto& [name, filter] : kTests)
       step(fmt::format("tests {}", name), 15,
-           [&, name = name, filter = filter](double left) { return tests(name, filter, left); });
+           [&, program = name, wanted = filter](double left) { return tests(program, wanted, left); });
     for (std::size_t i = 1; i < em_sizes.size(); ++i)
       for (std::size_t d = 0; d < devices_.size(); ++d) em_step(em_sizes[i], em_sizes[i] > 2048 ? 40 : 20, d);
     if (!options_.small) step("bake 16384", 90, [&](double left) { return bake(16384, options_.device, left); });

@@ -463,8 +463,8 @@ void SlurmPool::give_up(std::int64_t job, const WorkResult& result) {
     if (std::all_of(batch.parts.begin(), batch.parts.end(), is_its)) {
       batch.is_revoked = true;
       if (batch.slurm_job) targets.push_back({name_of(number), *batch.slurm_job});
-      beside(commands_thread_, [this, number = number]() -> std::function<void()> {
-        folder_.batch(number).revoke_order();
+      beside(commands_thread_, [this, batch_number = number]() -> std::function<void()> {
+        folder_.batch(batch_number).revoke_order();
         return [] {};
       });
     } else {

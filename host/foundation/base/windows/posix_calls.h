@@ -34,11 +34,15 @@ ssize_t readlink(const char* path, char* memory, std::size_t byte_count);
 /// Sets an environment variable of this process.
 int setenv(const char* name, const char* value, int replace);
 
-// Replaces a handler by signal(), which keeps no flags.
+// Replaces a handler by signal(), which keeps no flags. As in POSIX, the struct and the function have one name, so GCC
+// warns that the function hides the struct's constructor.
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wshadow"
 struct sigaction {
   void (*sa_handler)(int);
 };
 int sigaction(int number, const struct sigaction* action, struct sigaction* former);
+#pragma GCC diagnostic pop
 
 // Windows has no limit of the file size, so this signal is never raised. SIGINT is a number that signal() accepts.
 #define SIGXFSZ SIGINT

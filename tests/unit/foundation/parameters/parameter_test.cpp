@@ -245,7 +245,7 @@ TEST(ParameterTable, HashKeysAreTheSettingsThatFilesState) {
   }
   for (const auto& [key, value] : before.items()) {
     static const std::set<std::string> kDerived = {"kernels", "periodic"};
-    const auto has_it = [&key = key](const Parameter& row) { return row.hashed_as == key; };
+    const auto has_it = [&wanted = key](const Parameter& row) { return row.hashed_as == wanted; };
     const auto& rows = bake_parameters().rows();
     EXPECT_TRUE(kDerived.contains(key) || std::any_of(rows.begin(), rows.end(), has_it)) << key << " has no row";
   }

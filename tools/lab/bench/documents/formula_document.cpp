@@ -364,7 +364,7 @@ std::string tilted_table(ShadingKernels& kernels, const std::vector<Direction>& 
                                     std::pair(MULTUM_SHADE_LEAN_JACOBIAN, "LEAN with the Jacobian")};
   for (const auto& [shading, words] : kShadings)
     for (const double s : {20.0, 100.0, 500.0})
-      add(fmt::format("Gaussian of slopes, {}, Blinn-Phong {:g}", words, s), [&, shading = shading](double tilt) {
+      add(fmt::format("Gaussian of slopes, {}, Blinn-Phong {:g}", words, s), [&, method = shading](double tilt) {
         const Normals normals = gaussian_normals(-std::tan(tilt), kSigma, [](double x, double y, glm::dvec3& n) {
           n = glm::normalize(glm::dvec3(-x, -y, 1.0));
           return true;
@@ -378,7 +378,7 @@ std::string tilted_table(ShadingKernels& kernels, const std::vector<Direction>& 
           moments.ss += weighted(x * x), moments.tt += weighted(y * y);
         }
         moments.share = 1.0f;
-        return relative_l1(directions, kernels.moments(moments, shading, directions, s),
+        return relative_l1(directions, kernels.moments(moments, method, directions, s),
                            shaded(normals, directions, s));
       });
   return table.text();
