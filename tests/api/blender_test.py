@@ -116,10 +116,11 @@ class BlenderTest(unittest.TestCase):
         broken.write_bytes(b"no picture")
         output = self.blender(camera=FAR, engines=["unreal", "three"], program=str(PROGRAMS / "multum"),
                               lobes=str(self.baked), refused=[str(moments), str(broken)])
-        for engine, kind in (("unreal", "dds"), ("three", "ktx2")):
+        for engine, textures in (("unreal", ("T_unreal_N.dds", "T_unreal_ORM.dds")),
+                                 ("three", ("three_normal.ktx2", "three_orm.ktx2"))):
             self.assertIn(f"{engine} {{'FINISHED'}}", output)
-            for texture in ("normal", "orm"):
-                self.assertGreater((self.folder / f"{engine}_{texture}.{kind}").stat().st_size, 1000)
+            for texture in textures:
+                self.assertGreater((self.folder / texture).stat().st_size, 1000)
         self.assertIn("found moments, expected lobes", output)
         self.assertIn(f"cannot read {broken}", output)
         self.assertIn("expected a mesh with a UV map, and a camera in the scene", output)
@@ -133,7 +134,7 @@ class BlenderTest(unittest.TestCase):
         table = text[text.index("ENGINES = {"):text.index("def normal_map_file")]
         rows = json.loads(run(PROGRAMS / "multum", "parameters", "export", "--json"))["commands"]["export"]
         engines = next(row for row in rows if row["name"] == "for")["choices"]
-        self.assertEqual(sorted(re.findall(r'"(\w+)": \("', table)), sorted(engines))
+        self.assertEqual(sorted(re.findall(r'"([\w-]+)": "', table)), sorted(engines))
 
 
 if __name__ == "__main__":

@@ -23,6 +23,7 @@
 #include "host/foundation/base/system_failure.h"
 #include "host/foundation/base/work_shard.h"
 #include "host/foundation/parameters/bake_parameters.h"
+#include "host/foundation/parameters/engine_presets.h"
 #include "host/foundation/parameters/export_parameters.h"
 #include "tools/command_line/decoding_option.h"
 #include "tools/command_line/parameter_options.h"
@@ -64,6 +65,13 @@ void check_no_reading_is_given(const std::string& input, const ParameterValues& 
                   input + " is a baked file, whose normals are already decoded; expected no " + row.option());
 }
 
+// Returns a line for each engine.
+std::string presets_text() {
+  std::string text;
+  for (const auto& [name, engine] : kEngines) text += fmt::format("  {:<11} {}\n", name, preset_text(preset_of(engine)));
+  return text;
+}
+
 ExportReport export_with_page(ExportJob job, const std::string& page, const CommonOptions& common, Device& device) {
   const auto progress = make_progress(common);
   if (page.empty()) return export_file(job, device, progress.get());
@@ -83,6 +91,7 @@ void print_export(const ExportJob& job, const CommonOptions& common, const Expor
   if (!prints_text(common)) return;
   print_shown(stdout, "%s: %d levels of %d x %d, %zu files: %s\n", job.output.c_str(), report.level_count, report.width,
               report.height, report.files.size(), report.textures.c_str());
+  if (!report.preset_line.empty()) print_shown(stdout, "%s: %s\n", job.output.c_str(), report.preset_line.c_str());
   if (!report.engine_line.empty()) print_shown(stdout, "%s: %s\n", job.output.c_str(), report.engine_line.c_str());
   if (report.form) print_shown(stdout, "%s: %s\n", job.output.c_str(), report.form->to_text(false).c_str());
   print_shown(stdout, "%s", report.accuracy.to_text().c_str());
@@ -301,14 +310,14 @@ void add_export_command(CLI::App& app, int* exit_code) {
       "  multum export bricks_n.png -o bricks.ktx2 --zstd 15        # bricks_normal.ktx2, bricks_orm.ktx2, all levels\n"
       "  multum export bricks.ndf.exr --lobes -o bricks.ktx2        # lobes of multum bake for GPUs\n"
       "  multum export bricks_n.png -o bricks.dds --roughness bricks_orm.png --metalness bricks_orm.png\n"
-      "  multum export bricks_n.png -o bricks/ --write-green down   # for Unreal; for Unity: --smoothness\n"
+      "  multum export bricks_n.png --for unreal -o bricks.dds      # T_bricks_N.dds, T_bricks_ORM.dds, green down\n"
       "  multum export 'rock_<UDIM>.png' -o 'rock_<UDIM>.ktx2'      # all tiles of a set\n"
       "  multum export --manifest materials.toml                    # the changed maps of a project\n"
       "rg8 and bc store only x and y of normals; the shader computes z = sqrt(1 - x^2 - y^2). uastc is the format\n"
-      "of KHR_texture_basisu; Node.js encodes it with ktx2-encoder. DDS files have a DX10 header. The texture mask\n"
-      "of --smoothness contains metalness in red, occlusion in green, 1 in blue and smoothness in alpha. --page\n"
-      "bakes lobes for its comparison unless --beside names a baked file. --anisotropy needs --form one-lobe.\n"
-      "docs/how-to/export_to_engine.md lists the steps and formats for each engine.");
+      "of KHR_texture_basisu; Node.js encodes it with ktx2-encoder. DDS files have a DX10 header. --page bakes lobes\n"
+      "for its comparison unless --beside names a baked file. --anisotropy needs --form one-lobe.\n\n"
+      "Settings of --for:\n" +
+      presets_text() + "docs/how-to/export_to_engine.md lists the steps for each engine.");
   command->callback([options, exit_code] { *exit_code = run_export(*options); });
 }
 

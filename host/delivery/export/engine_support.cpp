@@ -8,14 +8,17 @@ std::vector<std::string> engines_that_fail(MaterialFormat format, MaterialTexels
     case MaterialFormat::kPng:
     case MaterialFormat::kExr: return {};
     case MaterialFormat::kKtx2:
-      if (texels == MaterialTexels::kUastc) return {"Unreal", "Godot 3", "Blender"};
-      return {"Babylon.js", "PlayCanvas", "Filament", "Unreal", "Godot 3", "Blender"};
+      if (texels == MaterialTexels::kUastc) return {"Unreal", "O3DE", "Godot 3", "Blender"};
+      return {"Babylon.js", "PlayCanvas", "Filament", "Unreal", "O3DE", "Godot 3", "Blender"};
     case MaterialFormat::kDds: break;
   }
   // These engines cannot load DDS files with a DX10 header.
-  if (texels == MaterialTexels::kRgba16f) return {"three.js", "PlayCanvas", "Filament", "Blender"};
-  if (texels == MaterialTexels::kBlocks) return {"three.js", "Babylon.js", "PlayCanvas", "Filament"};
-  return {"three.js", "Babylon.js", "PlayCanvas", "Filament", "Blender"};
+  if (texels == MaterialTexels::kRgba16f) return {"three.js", "PlayCanvas", "Filament", "Godot 3", "Blender"};
+  if (texels == MaterialTexels::kBlocks)
+    return {"three.js", "Babylon.js", "PlayCanvas", "Filament", "Unreal", "Godot 3"};
+  if (texels == MaterialTexels::kRg8)
+    return {"three.js", "Babylon.js", "PlayCanvas", "Filament", "Unreal", "Godot", "Blender"};
+  return {"three.js", "Babylon.js", "PlayCanvas", "Filament", "Godot 3", "Blender"};
 }
 
 std::string engine_line(MaterialFormat format, MaterialTexels texels, const std::string& uastc) {

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
@@ -10,6 +11,7 @@
 #include "host/delivery/export/export_key.h"
 #include "host/delivery/export/export_source.h"
 #include "host/delivery/export/fit_journal.h"
+#include "host/delivery/export/texture_names.h"
 #include "host/formats/asset/baked_file.h"
 #include "host/formats/opencl/device_counts.h"
 #include "host/foundation/base/error.h"
@@ -21,6 +23,7 @@
 #include "host/foundation/base/messages/option_words.h"
 #include "host/foundation/base/path_text.h"
 #include "host/foundation/base/stopwatch.h"
+#include "host/foundation/parameters/engine_presets.h"
 
 namespace multum {
 namespace {
@@ -32,21 +35,24 @@ MaterialFolderSettings output_of(const ExportJob& job) {
                 job.output + ": --format and the output name select different file types; expected the same type");
   MaterialFolderSettings settings;
   settings.folder = name.folder;
-  settings.name_prefix = name.stem.empty() ? "" : name.stem + "_";
-  settings.format = name.format.value_or(job.format.value_or(MaterialFormat::kPng));
-  settings.texels =
-      job.texels.value_or(settings.format == MaterialFormat::kExr ? MaterialTexels::kRgba16f : MaterialTexels::kRgba8);
+  settings.names = job.names;
+  settings.material = name.stem;
+  if (name.stem.empty() && job.names != TextureNames::kPlain) settings.material = material_of_file(job.input);
+  settings.format = format_of(job);
+  settings.texels = stored_texels(job);
   if (!can_store(settings.format, settings.texels))
     throw Error(
         ErrorCode::kUsage,
         "--texels: PNG files always have 8 bits per channel, EXR files always have half floats, and DDS files cannot "
         "store UASTC; expected --format ktx2 or --format dds for other texels, and --format ktx2 for uastc");
-  if (job.zstd_level > 0 && settings.format != MaterialFormat::kKtx2)
+  const bool is_ktx2 = settings.format == MaterialFormat::kKtx2;
+  if (job.zstd_level.value_or(0) > 0 && !is_ktx2)
     throw Error(ErrorCode::kUsage, "--zstd: only KTX2 files support this compression; add --format ktx2");
-  settings.zstd_level = job.zstd_level;
+  settings.zstd_level = job.zstd_level.value_or(job.engine && is_ktx2 ? preset_of(*job.engine).zstd_level : 0);
   settings.has_anisotropy = job.lobe.is_anisotropic;
-  settings.has_roughness_alone = job.has_roughness_alone;
-  settings.has_smoothness = job.has_smoothness;
+  settings.packing = job.packing;
+  settings.has_occlusion = !job.occlusion.empty();
+  settings.has_metalness = !job.metalness.empty();
   settings.green_is_down = job.write_green == GreenAxis::kDown;
   return settings;
 }
@@ -122,6 +128,20 @@ void make_files(const ExportJob& job, const ExportSource& source, const Material
   report.seconds.emplace_back("write", stopwatch.lap());
 }
 
+// Returns the settings of an export for an engine, and where to read on.
+std::string preset_line(const ExportJob& job, const MaterialFolderSettings& output) {
+  if (!job.engine) return "";
+  const EnginePreset& preset = preset_of(*job.engine);
+  std::string line = fmt::format("for {}: green {}, {}", preset.title, output.green_is_down ? "down" : "up",
+                                 packing_text(output.packing));
+  if (job.occlusion.empty()) line += ", no occlusion";
+  if (job.metalness.empty()) line += ", no metalness";
+  line += fmt::format(", {}, {}", choice_name(kMaterialFormats, output.format),
+                      choice_name(kMaterialTexels, output.texels));
+  if (*preset.note != '\0') line += fmt::format("; {}", preset.note);
+  return line + fmt::format("; import steps: docs/how-to/{}.md", preset.page);
+}
+
 std::vector<std::string> texts_of(const std::vector<std::string>& paths) {
   std::vector<std::string> texts;
   for (const std::string& path : paths) texts.push_back(text_of_path(path));
@@ -130,10 +150,24 @@ std::vector<std::string> texts_of(const std::vector<std::string>& paths) {
 
 }  // namespace
 
+MaterialFormat format_of(const ExportJob& job) {
+  if (const auto named = export_place(job.output).format) return *named;
+  if (job.format) return *job.format;
+  return job.engine ? preset_of(*job.engine).format : MaterialFormat::kPng;
+}
+
+MaterialTexels stored_texels(const ExportJob& job) {
+  if (job.texels) return *job.texels;
+  const MaterialFormat format = format_of(job);
+  if (job.engine && can_store(format, preset_of(*job.engine).texels)) return preset_of(*job.engine).texels;
+  return format == MaterialFormat::kExr ? MaterialTexels::kRgba16f : MaterialTexels::kRgba8;
+}
+
 FormSettings form_settings(const ExportJob& job, const std::string& scratch_folder) {
-  const bool has_two_channels = job.texels == MaterialTexels::kRg8 || job.texels == MaterialTexels::kBlocks;
+  const MaterialTexels texels = stored_texels(job);
+  const bool has_two_channels = texels == MaterialTexels::kRg8 || texels == MaterialTexels::kBlocks;
   return {job.form.value_or(MaterialForm::kOneLobe),
-          job.engine,
+          job.engine.value_or(Engine::kThree),
           has_two_channels,
           {job.scratch_folder.empty() ? scratch_folder : job.scratch_folder,
            static_cast<std::int64_t>(job.memory_bytes / 16)}};
@@ -177,10 +211,8 @@ std::string ExportReport::to_json(const ExportJob& job) const {
                                  {"launches", launches}};
   if (job.roughness.empty()) json["base_roughness"] = job.lobe.base_roughness;
   if (roughness) json["roughness"] = roughness->to_text();
-  if (form) {
-    json["for"] = choice_name(kEngines, job.engine);
-    json["forms"] = {form->to_json()};
-  }
+  if (job.engine) json["for"] = choice_name(kEngines, *job.engine);
+  if (form) json["forms"] = {form->to_json()};
   for (const auto& [stage, time] : seconds) json["seconds"][stage] = time;
   if (job.measure) json["accuracy"] = nlohmann::ordered_json::parse(accuracy.to_json());
   return json_text(json, 2) + "\n";
@@ -190,7 +222,7 @@ ExportReport export_file(const ExportJob& job, Device& device, Progress* progres
   check_export_job(job);
   MaterialFolderSettings output = output_of(job);
   const std::string place = existing_part(output.folder);
-  check_writable(place + "/" + (output.name_prefix.empty() ? "export" : output.name_prefix));
+  check_writable(place + "/" + (output.material.empty() ? "export" : output.material + "_"));
   const std::unique_ptr<WorkFolder> uastc_folder = make_uastc_folder(job, place, output);
   Stopwatch stopwatch;
   ExportReport report;
@@ -201,10 +233,15 @@ ExportReport export_file(const ExportJob& job, Device& device, Progress* progres
   report.width = source.map.normals.width();
   report.height = source.map.normals.height();
   report.level_count = mip_level_count(report.width, report.height);
+  check_sides(job.sides, job.input, report.width, report.height);
   report.textures = texture_list(output);
+  report.preset_line = preset_line(job, output);
   report.files = material_files(output, report.width, report.height);
   report.engines_failing = engines_that_fail(output.format, output.texels);
-  report.engine_line = engine_line(output.format, output.texels, "--texels uastc");
+  // With an engine, only this engine matters.
+  const auto is_asked = [&](const std::string& name) { return name == preset_of(*job.engine).title; };
+  if (!job.engine || std::any_of(report.engines_failing.begin(), report.engines_failing.end(), is_asked))
+    report.engine_line = engine_line(output.format, output.texels, "--texels uastc");
   report.side_warnings = side_warnings(output, report.width, report.height);
   for (const std::string& warning : report.side_warnings) log_warning(job.input, warning);
   check_paths_differ(input_files(job), report.files);

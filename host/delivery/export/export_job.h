@@ -35,14 +35,14 @@ struct ExportJob {
   MapSurface surface = MapSurface::kTexels;  // surface to which levels 1 and coarser are fitted
   OneLobeSettings lobe;
   std::optional<MaterialForm> form;      // one lobe if not set
-  Engine engine = Engine::kThree;        // engine whose pictures choose the form
-  std::optional<MaterialFormat> format;  // if not set, chosen by the output's name, otherwise PNG
-  std::optional<MaterialTexels> texels;  // if not set, half floats in EXR, otherwise RGBA8
-  int zstd_level = 0;                    // Zstandard level of KTX2 files, 1..kZstdLevelMax. If 0, files are not
-                                         // supercompressed.
-  // If true, stores a texture of roughness only, instead of a texture with occlusion, roughness and metalness.
-  bool has_roughness_alone = false;
-  bool has_smoothness = false;             // store 1 - roughness, as Unity reads it
+  std::optional<Engine> engine;          // engine that will load the files; its pictures choose the form
+  std::optional<MaterialFormat> format;  // if not set, see format_of()
+  std::optional<MaterialTexels> texels;  // if not set, see stored_texels()
+  std::optional<int> zstd_level;         // Zstandard level of KTX2 files, 1..kZstdLevelMax. If 0, files are not
+                                         // supercompressed. If not set, the engine's preset decides
+  MaterialPacking packing = MaterialPacking::kOrm;
+  TextureNames names = TextureNames::kPlain;
+  SideRule sides = SideRule::kAny;
   GreenAxis write_green = GreenAxis::kUp;  // green axis of written files; `reading` has the map's own axis
   int uastc_effort = 1;                    // effort of MaterialTexels::kUastc
   std::string encoder;                     // see UastcSettings::encoder
@@ -77,6 +77,13 @@ struct ExportPlace {
 /// Throws Error(kUsage) if the output is the name of a single image.
 ExportPlace export_place(const std::string& output);
 
+/// Returns the file type that follows from the output's name, the job's format, the engine's preset, or PNG, in this
+/// order.
+MaterialFormat format_of(const ExportJob& job);
+/// Returns the job's texels, those of the engine's preset if the file type can store them, or else half floats in EXR
+/// and RGBA8 in other files.
+MaterialTexels stored_texels(const ExportJob& job);
+
 struct ExportReport {
   int width = 0, height = 0, level_count = 0;
   NormalMapReport input;
@@ -88,6 +95,7 @@ struct ExportReport {
   std::vector<std::string> engines_failing;  // engines that cannot load the files
                                              // (host/delivery/export/engine_support.h)
   std::string engine_line;                   // the same engines as one line of text; empty if there are none
+  std::string preset_line;                   // the settings of the engine's preset; empty without an engine
   std::vector<std::string> side_warnings;    // warnings about readers that do not support textures of this size
   std::optional<ChosenForm> form;            // set only for MaterialForm::kAuto
   ExportAccuracy accuracy;

@@ -49,15 +49,14 @@ Json export_key(const ExportJob& job) {
   Json key = fit_key(job, hash_file);
   key["format"] = json_of(job.format);
   key["texels"] = json_of(job.texels);
-  key["zstd"] = job.zstd_level;
-  key["roughness_alone"] = job.has_roughness_alone;
-  key["smoothness"] = job.has_smoothness;
+  key["zstd"] = json_of(job.zstd_level);
+  key["packing"] = choice_name(kMaterialPackings, job.packing);
+  key["names"] = choice_name(kTextureNames, job.names);
   key["write_green"] = choice_name(kGreenAxes, job.write_green);
-  if (const MaterialForm form = job.form.value_or(MaterialForm::kOneLobe); form != MaterialForm::kOneLobe) {
+  if (const MaterialForm form = job.form.value_or(MaterialForm::kOneLobe); form != MaterialForm::kOneLobe)
     key["form"] = choice_name(kMaterialForms, form);
-    key["for"] = choice_name(kEngines, job.engine);
-  }
-  if (job.texels == MaterialTexels::kUastc) key["uastc_effort"] = job.uastc_effort;
+  if (job.engine) key["for"] = choice_name(kEngines, *job.engine);
+  if (stored_texels(job) == MaterialTexels::kUastc) key["uastc_effort"] = job.uastc_effort;
   return key;
 }
 

@@ -174,6 +174,17 @@ std::vector<std::string> material_files(const MaterialFolderSettings& settings, 
   return files;
 }
 
+void check_sides(SideRule rule, const std::string& path, int width, int height) {
+  const auto is_legal = [&](int side) {
+    return rule == SideRule::kAny || (rule == SideRule::kMultiplesOf4 ? side % 4 == 0 : is_power_of_two(side));
+  };
+  if (is_legal(width) && is_legal(height)) return;
+  refuse_file(path, fmt::format("found {} x {} texels, expected {} with --sides {}: the engine would load only level 0 "
+                                "of other sizes, or nothing. Resize the map, or use --sides any",
+                                width, height, rule == SideRule::kPowersOf2 ? "powers of 2" : "multiples of 4",
+                                choice_name(kSideRules, rule)));
+}
+
 std::vector<std::string> side_warnings(const MaterialFolderSettings& settings, int width, int height) {
   std::vector<std::string> warnings;
   const std::string sides = fmt::format("its sides are {} x {}: ", width, height);

@@ -3,7 +3,8 @@
 // orm_00.png and, with anisotropy, anisotropy_00.png. In KTX2 and DDS, each texture is one file with all its levels,
 // such as FOLDER/normal.ktx2. As in glTF, orm contains occlusion in red, roughness in green and metalness in blue. If
 // there are no maps, occlusion is 1 and metalness is 0. For Unity, orm is replaced by mask, which contains metalness in
-// red, occlusion in green, 1 in blue (HDRP's detail mask) and smoothness in alpha. As in KHR_materials_anisotropy,
+// red, occlusion in green, 1 in blue (HDRP's detail mask) and smoothness in alpha. Separate textures have one channel,
+// and exist only for the maps that the material has. As in KHR_materials_anisotropy,
 // anisotropy contains the direction in red and green, and the strength in blue. The alpha channel of all textures
 // except mask is 1.
 #pragma once
@@ -40,13 +41,14 @@ struct MaterialFolderSettings {
   MaterialFormat format = MaterialFormat::kPng;
   bool has_anisotropy = false;
   MaterialTexels texels = MaterialTexels::kRgba8;  // always kRgba16f for EXR and kRgba8 for PNG
-  std::string name_prefix;                         // prefix of the file names: "rock_" for rock_normal.ktx2
+  std::string material;                            // begins the file names: "rock" for rock_normal.ktx2; may be empty
+  TextureNames names = TextureNames::kPlain;       // only plain names may lack a material
   // Zstandard level of KTX2 files, 1..kZstdLevelMax. If 0, files are not supercompressed.
   int zstd_level = 0;
-  bool has_roughness_alone = false;  // write a texture of one channel, roughness or smoothness
-  bool has_smoothness = false;       // write smoothness instead of roughness, and mask instead of orm
-  bool green_is_down = false;        // negate the y component of normals and directions
-  UastcSettings uastc = {};          // settings of kUastc
+  MaterialPacking packing = MaterialPacking::kOrm;
+  bool has_occlusion = false, has_metalness = false;  // write separate textures of these maps
+  bool green_is_down = false;                         // negate the y component of normals and directions
+  UastcSettings uastc = {};                           // settings of kUastc
 };
 
 /// Returns whether an image format can store the texels. KTX2 and DDS store all texel formats.
@@ -57,6 +59,9 @@ std::string texture_list(const MaterialFolderSettings& settings);
 
 /// Returns the files of a map of this size, in the order of textures and levels.
 std::vector<std::string> material_files(const MaterialFolderSettings& settings, int width, int height);
+
+/// Throws Error(kInput) if the sides of the map at `path` break the rule.
+void check_sides(SideRule rule, const std::string& path, int width, int height);
 
 /// Returns human-readable warnings about readers that cannot handle textures of this size correctly.
 std::vector<std::string> side_warnings(const MaterialFolderSettings& settings, int width, int height);

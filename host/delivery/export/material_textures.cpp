@@ -21,7 +21,10 @@
 namespace multum {
 namespace {
 
-bool is_alone(TextureRole role) { return role == TextureRole::kRoughness || role == TextureRole::kSmoothness; }
+bool is_alone(TextureRole role) {
+  return role == TextureRole::kRoughness || role == TextureRole::kSmoothness || role == TextureRole::kOcclusion ||
+         role == TextureRole::kMetalness;
+}
 
 int image_channels(TextureRole role) { return role == TextureRole::kMask ? 4 : 3; }
 
@@ -58,8 +61,10 @@ glm::vec4 texel_of(TextureRole role, const MaterialFolderSettings& settings, con
     }
     case TextureRole::kOrm: return {occlusion(), rows.roughness[i], metalness(), 1.0f};
     case TextureRole::kMask: return {metalness(), occlusion(), 1.0f, 1.0f - rows.roughness[i]};
-    case TextureRole::kRoughness: return {rows.roughness[i], rows.roughness[i], rows.roughness[i], 1.0f};
+    case TextureRole::kRoughness: return {glm::vec3(rows.roughness[i]), 1.0f};
     case TextureRole::kSmoothness: return {glm::vec3(1.0f - rows.roughness[i]), 1.0f};
+    case TextureRole::kOcclusion: return {glm::vec3(occlusion()), 1.0f};
+    case TextureRole::kMetalness: return {glm::vec3(metalness()), 1.0f};
     case TextureRole::kAnisotropy: {
       const glm::vec3& a = rows.anisotropy[i];
       return {component(a.x), component(turned_y(settings, a.y)), a.z, 1.0f};
@@ -92,6 +97,8 @@ void set_texel(TextureRole role, const MaterialFolderSettings& settings, const g
       return;
     case TextureRole::kRoughness: rows.roughness[i] = texel.x; return;
     case TextureRole::kSmoothness: rows.roughness[i] = 1.0f - texel.x; return;
+    case TextureRole::kOcclusion: rows.occlusion[i] = texel.x; return;
+    case TextureRole::kMetalness: rows.metalness[i] = texel.x; return;
     case TextureRole::kAnisotropy:
       rows.anisotropy[i] = {component(texel.x), turned_y(settings, component(texel.y)), texel.z};
       return;
@@ -233,28 +240,24 @@ bool has_all_levels(MaterialFormat format) { return format == MaterialFormat::kK
 
 }  // namespace
 
-const char* name_of(TextureRole role) {
-  switch (role) {
-    case TextureRole::kNormal: return "normal";
-    case TextureRole::kOrm: return "orm";
-    case TextureRole::kMask: return "mask";
-    case TextureRole::kRoughness: return "roughness";
-    case TextureRole::kSmoothness: return "smoothness";
-    case TextureRole::kAnisotropy: return "anisotropy";
-  }
-  MULTUM_CHECK(false);
-}
-
 std::vector<TextureRole> roles_of(const MaterialFolderSettings& settings) {
-  const TextureRole alone = settings.has_smoothness ? TextureRole::kSmoothness : TextureRole::kRoughness;
-  const TextureRole packed = settings.has_smoothness ? TextureRole::kMask : TextureRole::kOrm;
-  std::vector<TextureRole> roles = {TextureRole::kNormal, settings.has_roughness_alone ? alone : packed};
+  std::vector<TextureRole> roles = {TextureRole::kNormal};
+  switch (settings.packing) {
+    case MaterialPacking::kOrm: roles.push_back(TextureRole::kOrm); break;
+    case MaterialPacking::kMask: roles.push_back(TextureRole::kMask); break;
+    case MaterialPacking::kSeparate: roles.push_back(TextureRole::kRoughness); break;
+    case MaterialPacking::kSmoothness: roles.push_back(TextureRole::kSmoothness); break;
+  }
+  if (settings.packing == MaterialPacking::kSeparate || settings.packing == MaterialPacking::kSmoothness) {
+    if (settings.has_occlusion) roles.push_back(TextureRole::kOcclusion);
+    if (settings.has_metalness) roles.push_back(TextureRole::kMetalness);
+  }
   if (settings.has_anisotropy) roles.push_back(TextureRole::kAnisotropy);
   return roles;
 }
 
 std::vector<std::string> texture_files(const MaterialFolderSettings& settings, TextureRole role, int level_count) {
-  const std::string stem = settings.folder + "/" + settings.name_prefix + name_of(role);
+  const std::string stem = settings.folder + "/" + texture_name(settings.names, settings.material, role);
   const char* const extension = choice_name(kMaterialFormats, settings.format);
   if (has_all_levels(settings.format)) return {fmt::format("{}.{}", stem, extension)};
   std::vector<std::string> files;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Defines the roles, the contents of the channels, and the files of the textures of an exported material.
+// Defines the contents of the channels and the files of the textures of an exported material.
 #pragma once
 
 #include <algorithm>
@@ -15,20 +15,11 @@
 #include "host/delivery/export/block_encoder.h"
 #include "host/delivery/export/material_folder.h"
 #include "host/delivery/export/material_rows.h"
+#include "host/delivery/export/texture_names.h"
 #include "host/foundation/base/progress.h"
 
 namespace multum {
 
-enum class TextureRole {
-  kNormal,
-  kOrm,         // occlusion, roughness, metalness, for glTF and Unreal
-  kMask,        // metalness, occlusion, 1, smoothness, for Unity
-  kRoughness,   // one channel
-  kSmoothness,  // one channel
-  kAnisotropy,  // direction x and y, strength, for KHR_materials_anisotropy
-};
-
-const char* name_of(TextureRole role);
 /// Returns the roles in the order of the files.
 std::vector<TextureRole> roles_of(const MaterialFolderSettings& settings);
 

@@ -35,6 +35,12 @@ constexpr EngineFilter kUnity{.rebuilds_z = true};
 // maps are BC5.
 constexpr EngineFilter kUnreal{.anisotropy_max = 8, .rebuilds_z = true};
 
+// O3DE: the samplers of MaterialSrg request an anisotropy of 16; specular anti-aliasing is off by default; normal maps
+// are BC5.
+constexpr EngineFilter kO3de{.anisotropy_max = 16, .rebuilds_z = true};
+// Blender: Cycles uses no mip levels, and no derivatives of normals.
+constexpr EngineFilter kBlender{};
+
 double squared(double v) { return v * v; }
 
 }  // namespace
@@ -46,8 +52,11 @@ const EngineFilter& filter_of(Engine engine) {
     case Engine::kPlayCanvas: return kPlayCanvas;
     case Engine::kFilament: return kFilament;
     case Engine::kGodot: return kGodot;
-    case Engine::kUnity: return kUnity;
+    case Engine::kUnity:
+    case Engine::kUnityHdrp: return kUnity;
     case Engine::kUnreal: return kUnreal;
+    case Engine::kO3de: return kO3de;
+    case Engine::kBlender: return kBlender;
   }
   MULTUM_CHECK(false);
 }

@@ -25,6 +25,7 @@
 #include "host/foundation/base/messages/option_words.h"
 #include "host/foundation/base/path_text.h"
 #include "host/foundation/base/stopwatch.h"
+#include "host/foundation/parameters/engine_presets.h"
 
 namespace multum {
 namespace {
@@ -411,9 +412,12 @@ std::string GltfReport::to_json(const GltfJob& job) const {
 }
 
 void apply(const ParameterValues& values, GltfJob& job) {
+  if (const auto engine = values.choice("for", kEngines)) {
+    job.engine = *engine;
+    job.format = preset_of(*engine).gltf_format;
+  }
   job.format = values.choice("format", kGltfTextureFormats).value_or(job.format);
   job.form = values.choice("form", kMaterialForms).value_or(job.form);
-  job.engine = values.choice("for", kEngines).value_or(job.engine);
   job.has_fallback = values.flag("png_fallback");
   job.uastc_effort = values.integer("uastc_effort").value_or(job.uastc_effort);
   job.encoder = values.text("encoder").value_or("");

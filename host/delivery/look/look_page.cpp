@@ -132,7 +132,7 @@ nlohmann::ordered_json map_data(const LookMap& map, const BakedHeader& header, c
   material.reading.wrap_t = header.wrap_t;
   material.lobe.base_roughness = static_cast<double>(static_cast<float>(job.base_roughness));
   material.texels = MaterialTexels::kRg8;
-  material.has_roughness_alone = true;
+  material.packing = MaterialPacking::kSeparate;
   material.measure = false;
   material.threads = job.threads;
   const ExportReport report = export_file(material, device, progress);

@@ -37,20 +37,32 @@ Rows export_rows() {
       "occlusion", "also average the only channel, or else the red channel, of this occlusion map of the same size");
   Parameter metalness = channel_parameter(
       "metalness", "also average the only channel, or else the blue channel, of this metalness map of the same size");
-  occlusion.excludes = metalness.excludes = {"roughness_alone"};
-  Parameter roughness_alone = {.name = "roughness_alone",
-                               .help =
-                                   "write roughness as its own texture instead of orm (occlusion, roughness, "
-                                   "metalness); the texture has one channel in KTX2 and DDS",
-                               .group = kStorageGroup,
-                               .excludes = {"occlusion", "metalness"},
-                               .surfaces = kExportJob};
-  Parameter smoothness = {.name = "smoothness",
-                          .help =
-                              "for Unity, write smoothness (1 - roughness) to the texture mask instead of orm; with "
-                              "--roughness-alone, to the texture smoothness",
-                          .group = kStorageGroup,
-                          .surfaces = kExportJob};
+  Parameter packing = {.name = "packing",
+                       .kind = Kind::kChoice,
+                       .help =
+                           "write one texture with occlusion, roughness and metalness (orm), one with metalness, "
+                           "occlusion, 1 and smoothness = 1 - roughness (mask), or one per map (separate; smoothness "
+                           "writes smoothness instead of roughness)",
+                       .default_text = "orm",
+                       .choices = choice_names(kMaterialPackings),
+                       .group = kStorageGroup,
+                       .surfaces = kExportJob};
+  Parameter names = {.name = "names",
+                     .kind = Kind::kChoice,
+                     .help =
+                         "name the files rock_normal and rock_orm (plain), T_rock_N and T_rock_ORM (unreal), or "
+                         "rock_Normal and rock_MaskMap (unity)",
+                     .default_text = "plain",
+                     .choices = choice_names(kTextureNames),
+                     .group = kStorageGroup,
+                     .surfaces = kExportJob};
+  Parameter sides = {.name = "sides",
+                     .kind = Kind::kChoice,
+                     .help = "reject a map whose width or height an engine would not load with all levels",
+                     .default_text = "any",
+                     .choices = choice_names(kSideRules),
+                     .group = kStorageGroup,
+                     .surfaces = kExportJob};
   Parameter write_green = {.name = "write_green",
                            .kind = Kind::kChoice,
                            .help =
@@ -83,7 +95,9 @@ Rows export_rows() {
           surface_parameter("; level 0 does not change", kExportJob),
           form_parameter("for each level the form with the lower error in pictures of a plane and a sphere", "one-lobe",
                          kExportJob),
-          engine_parameter(kExportJob),
+          engine_parameter("write the files that this engine loads: sets --format, --texels, --zstd, --packing, "
+                           "--names, --sides and --write-green, unless they are given",
+                           kExportJob),
           {.name = "format",
            .kind = Kind::kChoice,
            .help = "set the file format: png (8 bits, one file per level), exr (half floats, one file per level), or "
@@ -109,8 +123,9 @@ Rows export_rows() {
            .surfaces = kExportJob},
           uastc_effort_parameter(kExportJob),
           encoder_parameter(kOnCommandLine),
-          std::move(roughness_alone),
-          std::move(smoothness),
+          std::move(packing),
+          std::move(names),
+          std::move(sides),
           std::move(write_green)};
 }
 

@@ -33,7 +33,7 @@ std::vector<Parameter> gltf_rows() {
           form_parameter(
               "the cheapest textures, new or old, whose error in pictures is within 0.2 points of the lowest error",
               "auto", kOnCommandLine),
-          engine_parameter(kOnCommandLine),
+          engine_parameter("write images that this engine loads: sets --format, unless it is given", kOnCommandLine),
           uastc_effort_parameter(kOnCommandLine),
           encoder_parameter(kOnCommandLine),
           {.name = "lobes",

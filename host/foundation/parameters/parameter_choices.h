@@ -134,12 +134,42 @@ enum class MaterialForm {
 inline constexpr Choices<MaterialForm> kMaterialForms = {
     {"auto", MaterialForm::kAuto}, {"averages", MaterialForm::kAverages}, {"one-lobe", MaterialForm::kOneLobe}};
 
-/// for: the engine whose pictures the choice imitates when `form` is auto (host/delivery/forms/engine_filter.h).
-enum class Engine { kThree, kBabylon, kPlayCanvas, kFilament, kGodot, kUnity, kUnreal };
-inline constexpr Choices<Engine> kEngines = {{"three", Engine::kThree},           {"babylon", Engine::kBabylon},
-                                             {"playcanvas", Engine::kPlayCanvas}, {"filament", Engine::kFilament},
-                                             {"godot", Engine::kGodot},           {"unity", Engine::kUnity},
-                                             {"unreal", Engine::kUnreal}};
+/// for: the engine that will load the files (host/foundation/parameters/engine_presets.h). When `form` is auto, the
+/// pictures imitate this engine (host/delivery/forms/engine_filter.h).
+enum class Engine { kThree, kBabylon, kPlayCanvas, kFilament, kGodot, kUnity, kUnityHdrp, kUnreal, kO3de, kBlender };
+inline constexpr Choices<Engine> kEngines = {{"three", Engine::kThree},
+                                             {"babylon", Engine::kBabylon},
+                                             {"playcanvas", Engine::kPlayCanvas},
+                                             {"filament", Engine::kFilament},
+                                             {"godot", Engine::kGodot},
+                                             {"unity", Engine::kUnity},
+                                             {"unity-hdrp", Engine::kUnityHdrp},
+                                             {"unreal", Engine::kUnreal},
+                                             {"o3de", Engine::kO3de},
+                                             {"blender", Engine::kBlender}};
+
+/// packing of an export: how roughness, occlusion and metalness are divided into textures.
+enum class MaterialPacking {
+  kOrm,         // one texture: occlusion in red, roughness in green, metalness in blue
+  kMask,        // one texture: metalness in red, occlusion in green, 1 in blue, smoothness in alpha
+  kSeparate,    // a texture of one channel for each of roughness, occlusion and metalness that the material has
+  kSmoothness,  // like kSeparate, with smoothness instead of roughness
+};
+inline constexpr Choices<MaterialPacking> kMaterialPackings = {{"orm", MaterialPacking::kOrm},
+                                                               {"mask", MaterialPacking::kMask},
+                                                               {"separate", MaterialPacking::kSeparate},
+                                                               {"smoothness", MaterialPacking::kSmoothness}};
+
+/// names of an export: whose names the textures have (host/delivery/export/texture_names.h).
+enum class TextureNames { kPlain, kUnreal, kUnity };
+inline constexpr Choices<TextureNames> kTextureNames = {
+    {"plain", TextureNames::kPlain}, {"unreal", TextureNames::kUnreal}, {"unity", TextureNames::kUnity}};
+
+/// sides of an export: the widths and heights of maps that an engine loads with all their levels.
+enum class SideRule { kAny, kMultiplesOf4, kPowersOf2 };
+inline constexpr Choices<SideRule> kSideRules = {{"any", SideRule::kAny},
+                                                 {"multiples-of-4", SideRule::kMultiplesOf4},
+                                                 {"powers-of-2", SideRule::kPowersOf2}};
 
 /// pyramid of `multum pack`: how the samples of a chunk are divided into images.
 enum class PyramidChoice {

@@ -101,13 +101,12 @@ Parameter form_parameter(const std::string& choice, const std::string& default_t
       .surfaces = surfaces};
 }
 
-Parameter engine_parameter(unsigned surfaces) {
+Parameter engine_parameter(const std::string& effect, unsigned surfaces) {
   return {.name = "for",
           .kind = ParameterKind::kChoice,
-          .help =
-              "draw the pictures of --form auto like this engine, with the engine's texture filter and the roughness "
-              "that the engine adds where normals change between pixels",
-          .default_text = "three",
+          .help = effect +
+                  "; --form auto draws its pictures with the texture filter of this engine, and with the roughness that "
+                  "it adds where normals change between pixels",
           .choices = choice_names(kEngines),
           .group = kStorageGroup,
           .surfaces = surfaces};

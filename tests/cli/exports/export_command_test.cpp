@@ -108,10 +108,10 @@ std::vector<Stored> stored_kinds() {
   using enum TexelFormat;
   return {{{"--anisotropy"}, false, {{"normal", kRgba8}, {"orm", kRgba8}, {"anisotropy", kRgba8}}},
           {{"--texels", "rgba16f", "--zstd", "3"}, true, {{"normal", kRgba16f}, {"orm", kRgba16f}}},
-          {{"--texels", "rg8", "--roughness-alone"}, false, {{"normal", kRg8}, {"roughness", kR8}}},
+          {{"--texels", "rg8", "--packing", "separate"}, false, {{"normal", kRg8}, {"roughness", kR8}}},
           {{"--texels", "rg8", "--zstd", "19"}, true, {{"normal", kRg8}, {"orm", kRgba8}}},
           {{"--texels", "bc", "--anisotropy"}, false, {{"normal", kBc5}, {"orm", kBc7}, {"anisotropy", kBc7}}},
-          {{"--texels", "bc", "--roughness-alone", "--zstd", "10"}, true, {{"normal", kBc5}, {"roughness", kBc4}}}};
+          {{"--texels", "bc", "--packing", "separate", "--zstd", "10"}, true, {{"normal", kBc5}, {"roughness", kBc4}}}};
 }
 
 // The independent reader ktx-parse finds the expected format in each KTX2 file, and the same texels as in the images.
@@ -484,7 +484,7 @@ TEST_F(ExportCommandTest, RefusesWhatCannotBe) {
   expect_refused({"--format", "exr", "--texels", "rgba8"}, kUsage, {"--texels", "half floats"});
   expect_refused({"--zstd", "3"}, kUsage, {"--zstd", "KTX2"});
   expect_refused({"--zstd", "20", "--format", "ktx2"}, kUsage, {"--zstd", "20", "19"});
-  expect_refused({"--roughness-alone", "--metalness", path("map.png")}, kUsage, {"--roughness-alone", "--metalness"});
+  expect_refused({"--packing", "rma"}, kUsage, {"--packing", "rma", "orm"});
   expect_refusal(multum({"export", path("map.png"), "-o", path("a.png")}), kUsage, {"a.png", "a folder", "NAME.ktx2"});
   expect_refusal(multum({"export", path("map.png"), "-o", path("a.dds"), "--format", "ktx2"}), kUsage,
                  {"a.dds", "--format"});

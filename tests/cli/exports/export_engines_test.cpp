@@ -146,7 +146,7 @@ TEST_F(ExportEnginesTest, SmoothnessIsInTheMasksAlpha) {
   };
   for (const std::string format : {"png", "exr"}) {
     expect_done("orm", with({format}));
-    expect_done("mask", with({format, "--smoothness"}));
+    expect_done("mask", with({format, "--packing", "mask"}));
     EXPECT_FALSE(std::filesystem::exists(path("mask/orm_00." + format)));
     for (int l = 0; l < kLevels; ++l) {
       const Picture orm = image("orm", "orm", l, format), mask = image("mask", "mask", l, format);
@@ -163,7 +163,7 @@ TEST_F(ExportEnginesTest, SmoothnessIsInTheMasksAlpha) {
   }
   // Compares the roughness in blocks with alpha, as OpenImageIO decodes them, with the roughness of the images.
   expect_done("orm", with({"png"}));
-  expect_done("blocks.dds", with({"dds", "--smoothness", "--texels", "bc"}));
+  expect_done("blocks.dds", with({"dds", "--packing", "mask", "--texels", "bc"}));
   for (int l = 0; l < kLevels; ++l) {
     const Picture orm = image("orm", "orm", l, "png"), mask = dds_level("blocks_mask.dds", l);
     ASSERT_EQ(mask.channels, 4);
@@ -178,7 +178,7 @@ TEST_F(ExportEnginesTest, SmoothnessIsInTheMasksAlpha) {
     EXPECT_LT(error / static_cast<float>(orm.width * orm.height), 0.02f) << "level " << l;
   }
   // Here roughness is a texture of its own.
-  expect_done("alone", {"--roughness", path("maps.png"), "--roughness-alone", "--smoothness"});
+  expect_done("alone", {"--roughness", path("maps.png"), "--metalness", path("maps.png"), "--packing", "smoothness"});
   const Picture orm = image("orm", "orm", 1, "png"), alone = image("alone", "smoothness", 1, "png");
   for (int x = 0; x < alone.width; ++x) EXPECT_NEAR(alone.at(x, 2, 0), 1.0f - orm.at(x, 2, 1), 1e-6f);
 }
@@ -186,7 +186,7 @@ TEST_F(ExportEnginesTest, SmoothnessIsInTheMasksAlpha) {
 // Without a metalness map the metalness is 0.
 TEST_F(ExportEnginesTest, WithoutAMetalnessMapNothingIsMetal) {
   expect_done("orm", {});
-  expect_done("mask", {"--smoothness"});
+  expect_done("mask", {"--packing", "mask"});
   expect_done("half.ktx2", {"--texels", "rgba16f"});
   for (int l = 0; l < kLevels; ++l) {
     const Picture orm = image("orm", "orm", l, "png"), mask = image("mask", "mask", l, "png");
@@ -212,9 +212,9 @@ TEST_F(ExportEnginesTest, ThreeReadsUastc) {
     return last;
   };
   expect_done("plain", with({"--anisotropy"}));
-  expect_done("packed", with({"--smoothness", "--zstd", "5"}));
+  expect_done("packed", with({"--packing", "mask", "--zstd", "5"}));
   expect_done("images", {"--anisotropy"});
-  expect_done("masks", {"--smoothness"});
+  expect_done("masks", {"--packing", "mask"});
   const std::pair<std::string, std::string> files[] = {
       {"plain", "normal"}, {"plain", "orm"}, {"plain", "anisotropy"}, {"packed", "mask"}};
   std::vector<std::string> command = {"node", script, browser};
@@ -284,16 +284,16 @@ TEST_F(ExportEnginesTest, ManifestsHaveThem) {
                     keys);
     return path("maps.toml");
   };
-  const std::string manifest = with("write_green = \"down\"\nsmoothness = true\n");
+  const std::string manifest = with("write_green = \"down\"\npacking = \"mask\"\n");
   const ProgramResult first = multum({"export", "--manifest", manifest, "--no-measure"});
   ASSERT_EQ(first.exit_code, 0) << first.err;
   EXPECT_EQ(first.out.find("Unreal"), std::string::npos) << "it was measured: " << first.out;
-  expect_done("direct", {"--write-green", "down", "--smoothness"});
+  expect_done("direct", {"--write-green", "down", "--packing", "mask"});
   for (const char* texture : {"normal", "mask"})
     EXPECT_EQ(image("out", texture, 1, "png").values, image("direct", texture, 1, "png").values);
   expect_says(multum({"export", "--manifest", manifest, "--no-measure"}).out, {"0 exported, 1 unchanged"});
   expect_says(multum({"export", "--manifest", manifest, "--no-measure", "--force"}).out, {"1 exported, 0 unchanged"});
-  with("smoothness = true\n");
+  with("packing = \"mask\"\n");
   const ProgramResult stale = multum({"export", "--manifest", manifest, "--check", "--dry-run"});
   EXPECT_EQ(stale.exit_code, kVerification);
   expect_says(stale.err, {"stale", "write_green"});

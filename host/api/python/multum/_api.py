@@ -107,7 +107,7 @@ def _values(command: str, given: "dict[str, Any]") -> "_multum.Values":
         if not isinstance(value, (bool, int, float, str, type(None))):
             raise SettingError(f"{name} is {value!r}, expected a number, a text or True or False", "", repr(value),
                                "a number, a text or True or False")
-        plain[name] = value
+        plain[name.removesuffix("_")] = value  # for_="unreal", because `for` is a keyword
     return _multum.Values(command, plain)
 
 
@@ -176,7 +176,8 @@ def export(normals: Image, output: PathLike, *, device: Union[str, int] = "", pr
 
     normals   a file (a map or a baked file) or an array, as for bake()
     output    a folder, or NAME.ktx2 or NAME.dds
-    settings  see multum.settings("export"); `roughness` takes an array as well as a file
+    settings  see multum.settings("export"); `roughness` takes an array as well as a file, and `for_` is the setting
+              `for`, which is a keyword of Python: export("rock.png", "rock.dds", for_="unreal")
 
     Returns the report of the export: "files", the errors of each level, and more.
     """

@@ -204,11 +204,9 @@ def add_lobes(thing, path, scene=None, nearest=None):
     return material
 
 
-# File type and options of multum export per engine, as in docs/how-to/export_to_engine.md.
-ENGINES = {"three": (".ktx2", ["--zstd", "15"]), "babylon": (".ktx2", ["--texels", "uastc"]),
-           "playcanvas": (".ktx2", ["--texels", "uastc"]), "filament": (".ktx2", ["--texels", "uastc"]),
-           "unreal": (".dds", ["--write-green", "down"]), "unity": (".dds", ["--texels", "bc", "--smoothness"]),
-           "godot": (".dds", ["--texels", "bc"])}
+# The extension of the textures per engine. For Blender, multum writes a folder of PNG files.
+ENGINES = {"three": ".ktx2", "babylon": ".ktx2", "playcanvas": ".ktx2", "filament": ".ktx2", "unreal": ".dds",
+           "unity": ".dds", "unity-hdrp": ".dds", "godot": ".dds", "o3de": ".dds", "blender": ""}
 
 
 def normal_map_file(material):
@@ -228,10 +226,9 @@ def normal_map_file(material):
 def export_material(material, path, engine, program="multum"):
     """Writes the textures of a material with fitted mip levels, in the form that multum chooses for the engine."""
     normals, roughness = normal_map_file(material)
-    ending, options = ENGINES[engine]
-    output = str(pathlib.Path(path).with_suffix(ending))
+    output = str(pathlib.Path(path).with_suffix(ENGINES[engine]))
     command = [program, "export", normals, "-o", output, "--green", "up", "--base-roughness", f"{roughness:.6g}",
-               "--form", "auto", "--for", engine, "--force", *options]
+               "--form", "auto", "--for", engine, "--force"]
     run = subprocess.run(command, capture_output=True, text=True, check=False)
     if run.returncode != 0:
         raise ValueError(run.stderr.strip())

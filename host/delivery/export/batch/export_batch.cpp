@@ -9,6 +9,7 @@
 #include "host/formats/image/normals/tile_set.h"
 #include "host/foundation/base/error.h"
 #include "host/foundation/base/files/udim_set.h"
+#include "host/foundation/parameters/engine_presets.h"
 #include "host/foundation/parameters/export_parameters.h"
 
 namespace multum {
@@ -17,8 +18,9 @@ namespace {
 // Returns the output name of a map in a folder for several maps. File names begin with this name. If each level is an
 // image, it is the name of a folder.
 std::string output_suffix(const ExportJob& job) {
-  if (job.format == MaterialFormat::kKtx2) return ".ktx2";
-  return job.format == MaterialFormat::kDds ? ".dds" : "";
+  const MaterialFormat format = format_of(job);
+  if (format == MaterialFormat::kKtx2) return ".ktx2";
+  return format == MaterialFormat::kDds ? ".dds" : "";
 }
 
 }  // namespace
@@ -30,16 +32,24 @@ void apply(const ParameterValues& values, ExportJob& job) {
   job.lobe.is_anisotropic = job.lobe.is_anisotropic || values.flag("anisotropy");
   job.lobe.is_fast = job.lobe.is_fast || values.flag("fast");
   if (const auto form = values.choice("form", kMaterialForms)) job.form = form;
-  job.engine = values.choice("for", kEngines).value_or(job.engine);
+  if (const auto engine = values.choice("for", kEngines)) {
+    job.engine = engine;
+    const EnginePreset& preset = preset_of(*engine);
+    job.packing = preset.packing;
+    job.names = preset.names;
+    job.sides = preset.sides;
+    job.write_green = preset.green;
+  }
   job.roughness = values.text("roughness").value_or(job.roughness);
   if (const auto gloss = values.text("gloss")) job.roughness = *gloss, job.roughness_is_gloss = true;
   job.occlusion = values.text("occlusion").value_or(job.occlusion);
   job.metalness = values.text("metalness").value_or(job.metalness);
   job.format = values.choice("format", kMaterialFormats);
   job.texels = values.choice("texels", kMaterialTexels);
-  job.zstd_level = values.integer("zstd").value_or(job.zstd_level);
-  job.has_roughness_alone = job.has_roughness_alone || values.flag("roughness_alone");
-  job.has_smoothness = job.has_smoothness || values.flag("smoothness");
+  if (const auto level = values.integer("zstd")) job.zstd_level = level;
+  job.packing = values.choice("packing", kMaterialPackings).value_or(job.packing);
+  job.names = values.choice("names", kTextureNames).value_or(job.names);
+  job.sides = values.choice("sides", kSideRules).value_or(job.sides);
   job.write_green = values.choice("write_green", kGreenAxes).value_or(job.write_green);
   job.uastc_effort = values.integer("uastc_effort").value_or(job.uastc_effort);
   job.encoder = values.text("encoder").value_or(job.encoder);
