@@ -2,7 +2,7 @@
 """Draws a plane in Blender for tests/api/blender_test.py. The plane, the camera and the light are those of multum-view.
 
 blender -b --python blender_scene.py -- JOB.json. The job contains the map and the pictures. A picture with `lobes` uses
-the add-on; with `width`, the normal map scaled by Blender; otherwise, the normal map itself. A job with `engines` tests
+the add-on, and so does a picture with `textures`; with `width`, the normal map scaled by Blender; otherwise, the normal map itself. A job with `engines` tests
 the operators.
 """
 import json
@@ -81,6 +81,8 @@ def draw(picture):
     plane.data.materials.append(metal(picture.get("width")))
     if "lobes" in picture:
         blender_lobes.add_lobes(plane, picture["lobes"])
+    if "textures" in picture:
+        blender_lobes.add_textures(plane, picture["textures"])
     if "blend" in picture:  # the material must survive in a saved file
         bpy.ops.wm.save_as_mainfile(filepath=picture["blend"])
         bpy.ops.wm.open_mainfile(filepath=picture["blend"])
@@ -111,6 +113,10 @@ def use_operators():
         names = {node.image.name.split(" lobe")[0] for node in plane.active_material.node_tree.nodes
                  if node.type == "TEX_IMAGE" and "lobe" in node.image.name}
         print("levels", sorted(int(name.split()[-1]) for name in names), "of", len(bpy.data.images), "images")
+    print("textures", bpy.ops.multum.import_textures(filepath=JOB["textures"]))
+    names = [node.image.name for node in plane.active_material.node_tree.nodes
+             if node.type == "TEX_IMAGE" and node.get("multum")]
+    print("levels of textures", sorted(names))
     scene.camera = None
     try:
         bpy.ops.multum.import_lobes(filepath=JOB["lobes"])

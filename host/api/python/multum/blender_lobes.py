@@ -1,13 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Draws baked lobes, NAME.ndf.exr, with Cycles, Blender's path tracer, and exports materials to engines.
+"""Draws baked lobes, NAME.ndf.exr, or the textures of `multum export --for blender` with Cycles, Blender's path tracer,
+and exports materials to engines.
 
 This file is an add-on for Blender 3.4: install it in Edit > Preferences > Add-ons. It is also a module:
 
 >>> import bpy, multum.blender_lobes
 >>> multum.blender_lobes.add_lobes(bpy.context.object, "rock.ndf.exr")
+>>> multum.blender_lobes.add_textures(bpy.context.object, "rock/")
 
 Each lobe becomes a copy of the material's Principled BSDF, whose roughness is widened by the lobe. The copies are mixed
-by the amplitudes of the lobes. Each point of the surface mixes two mip levels, which depend on the distance from the
+by the amplitudes of the lobes. Textures need only one copy. Each point of the surface mixes two mip levels, which depend on the distance from the
 camera: their texels are about as large as the part of the pixel that one of the scene's samples covers.
 """
 import math
@@ -111,13 +113,18 @@ def lobe_image(name, amplitude, mean):
     return image
 
 
+def shares_of(nodes, level, levels):
+    """Adds nodes that compute the share of each level, and yields the level's number and the socket of its share."""
+    level = nodes.math("MINIMUM", nodes.math("MAXIMUM", level, float(levels[0])), float(levels[-1]))
+    for number in levels:
+        away = nodes.math("ABSOLUTE", nodes.math("SUBTRACT", level, float(number)))
+        yield number, nodes.math("SUBTRACT", 1.0, away, clamp=True)
+
+
 def filtered_lobes(nodes, path, level, levels):
     """Adds nodes that filter the lobes, and returns sockets of (a r, a) per lobe."""
-    level = nodes.math("MINIMUM", nodes.math("MAXIMUM", level, float(levels[0])), float(levels[-1]))
     lobes = []
-    for number in levels:
-        share = nodes.math("ABSOLUTE", nodes.math("SUBTRACT", level, float(number)))
-        share = nodes.math("SUBTRACT", 1.0, share, clamp=True)
+    for number, share in shares_of(nodes, level, levels):
         amplitudes, means, _, _ = reader.read_lobes(str(path), number)
         lobes = lobes or [((0.0, 0.0, 0.0), 0.0)] * len(amplitudes)
         for j, (vector, amplitude) in enumerate(lobes):
@@ -128,25 +135,46 @@ def filtered_lobes(nodes, path, level, levels):
     return lobes
 
 
-def lobe_surface(nodes, surface, vector, amplitude):
-    """Copies the Principled BSDF `surface` for one lobe."""
-    length = nodes.math("DIVIDE", nodes.vector("LENGTH", vector), nodes.math("MAXIMUM", amplitude, 1e-6))
-    square = nodes.math("MINIMUM", nodes.math("MULTIPLY", length, length), 1.0)
-    variance = nodes.math("DIVIDE", nodes.math("SUBTRACT", 1.0, square), nodes.math("SUBTRACT", 3.0, square))
-    inputs = {i.name: i.links[0].from_socket if i.is_linked else None if i.hide_value else i.default_value
-              for i in surface.inputs}
-    alpha_square = nodes.math("MULTIPLY_ADD", variance, SPREAD_FACTOR, nodes.math("POWER", inputs["Roughness"], 4.0))
-    inputs["Roughness"] = nodes.math("POWER", alpha_square, 0.25, clamp=True)
-    half = (0.5, 0.5, 0.5)
-    coded = nodes.vector("MULTIPLY_ADD", nodes.vector("NORMALIZE", vector), half, half)
-    inputs["Normal"] = nodes.add("ShaderNodeNormalMap", None, coded).outputs["Normal"]
+def filtered_texture(nodes, files, level, levels):
+    """Adds nodes that filter one texture, whose levels are the files, and returns the socket of its colour."""
+    colour = (0.0, 0.0, 0.0)
+    for number, share in shares_of(nodes, level, levels):
+        image = bpy.data.images.load(str(files[number]), check_existing=True)
+        image.colorspace_settings.name = "Non-Color"
+        texel = nodes.add("ShaderNodeTexImage", image=image, interpolation="Linear").outputs["Color"]
+        colour = nodes.vector("MULTIPLY_ADD", texel, share, colour)
+    return colour
+
+
+def inputs_of(surface):
+    """Returns the constants and sockets that a Principled BSDF uses, by name."""
+    return {i.name: i.links[0].from_socket if i.is_linked else None if i.hide_value else i.default_value
+            for i in surface.inputs}
+
+
+def surface_like(nodes, surface, inputs):
+    """Copies the Principled BSDF `surface` with other inputs, and returns the socket of its shader."""
     copy = nodes.add("ShaderNodeBsdfPrincipled", distribution=surface.distribution)
     for name, value in inputs.items():
         nodes.put(value, copy.inputs[name])
     return copy.outputs[0]
 
 
-def take_out_lobes(tree):
+def lobe_surface(nodes, surface, vector, amplitude):
+    """Copies the Principled BSDF `surface` for one lobe."""
+    length = nodes.math("DIVIDE", nodes.vector("LENGTH", vector), nodes.math("MAXIMUM", amplitude, 1e-6))
+    square = nodes.math("MINIMUM", nodes.math("MULTIPLY", length, length), 1.0)
+    variance = nodes.math("DIVIDE", nodes.math("SUBTRACT", 1.0, square), nodes.math("SUBTRACT", 3.0, square))
+    inputs = inputs_of(surface)
+    alpha_square = nodes.math("MULTIPLY_ADD", variance, SPREAD_FACTOR, nodes.math("POWER", inputs["Roughness"], 4.0))
+    inputs["Roughness"] = nodes.math("POWER", alpha_square, 0.25, clamp=True)
+    half = (0.5, 0.5, 0.5)
+    coded = nodes.vector("MULTIPLY_ADD", nodes.vector("NORMALIZE", vector), half, half)
+    inputs["Normal"] = nodes.add("ShaderNodeNormalMap", None, coded).outputs["Normal"]
+    return surface_like(nodes, surface, inputs)
+
+
+def take_out_nodes(tree):
     """Removes the nodes of an earlier call, and returns the material's Principled BSDF, or None."""
     marked = [node for node in tree.nodes if node.get(MARK)]
     targets = [link.to_socket for link in tree.links if link.from_node.get(MARK) and not link.to_node.get(MARK)]
@@ -163,6 +191,37 @@ def take_out_lobes(tree):
     return surface
 
 
+class Target:
+    """The material that a call changes, and the levels that the scene needs."""
+
+    def __init__(self, thing, name, scene):
+        if scene.camera is None or thing.type != "MESH" or not thing.data.uv_layers:
+            raise ValueError(f"{thing.name}: expected a mesh with a UV map, and a camera in the scene")
+        self.thing, self.scene, self.material = thing, scene, thing.active_material
+        if self.material is None or not self.material.use_nodes:
+            self.material = thing.active_material = bpy.data.materials.new(name)
+            self.material.use_nodes = True  # makes a Principled BSDF
+        self.surface = take_out_nodes(self.material.node_tree)
+        if self.surface is None:
+            raise ValueError(f"{self.material.name}: expected a Principled BSDF that is linked to an output")
+        self.nodes = Nodes(self.material.node_tree)
+
+    def levels(self, size, first_level, nearest):
+        """Adds nodes that compute the level of a point. Returns the socket of the level, and the levels to load."""
+        pixel, grows = pixel_size(self.scene)
+        # Each of n samples stands for 1 / n of the pixel's area.
+        texels = pixel * texels_per_unit(self.thing, size) / math.sqrt(max(self.scene.cycles.samples, 1))
+        nearest = camera_distance(self.scene, self.thing) if nearest is None else nearest
+        last = int(math.log2(max(size)))
+        finest = math.floor(math.log2(max(texels * nearest if grows else texels, 1e-6)))
+        return level_of(self.nodes, texels, grows), range(min(max(first_level, finest), last), last + 1)
+
+    def show(self, shader):
+        for link in list(self.surface.outputs[0].links):
+            self.nodes.put(shader, link.to_socket)
+        return self.material
+
+
 def add_lobes(thing, path, scene=None, nearest=None):
     """Adds the lobes of a baked file to the active material of an object, or replaces the lobes of an earlier call.
     Returns the material. Levels that are finer than a pixel at the distance `nearest` are not loaded. By default,
@@ -175,33 +234,32 @@ def add_lobes(thing, path, scene=None, nearest=None):
     if spec.get("multum:representation") != "movmf":
         raise ValueError(f"{path}: found {spec.get('multum:representation', 'no baked map')}, expected lobes. Bake the "
                          "map with multum bake --ndf vmf")
-    if scene.camera is None or thing.type != "MESH" or not thing.data.uv_layers:
-        raise ValueError(f"{thing.name}: expected a mesh with a UV map, and a camera in the scene")
-    material = thing.active_material
-    if material is None or not material.use_nodes:
-        material = thing.active_material = bpy.data.materials.new(path.name)
-        material.use_nodes = True  # makes a Principled BSDF
-    tree = material.node_tree
-    surface = take_out_lobes(tree)
-    if surface is None:
-        raise ValueError(f"{material.name}: expected a Principled BSDF that is linked to an output")
+    target = Target(thing, path.name, scene)
+    nodes, shader, total = target.nodes, None, 0.0
     size = (spec["multum:mapWidth"], spec["multum:mapHeight"])
-    pixel, grows = pixel_size(scene)
-    # Each of n samples stands for 1 / n of the pixel's area.
-    texels = pixel * texels_per_unit(thing, size) / math.sqrt(max(scene.cycles.samples, 1))
-    nearest = camera_distance(scene, thing) if nearest is None else nearest
-    last = int(math.log2(max(size)))
-    finest = math.floor(math.log2(max(texels * nearest if grows else texels, 1e-6)))
-    levels = range(min(max(spec["multum:firstLevel"], finest), last), last + 1)
-    nodes, targets = Nodes(tree), [link.to_socket for link in surface.outputs[0].links]
-    shader, total = None, 0.0
-    for vector, amplitude in filtered_lobes(nodes, path, level_of(nodes, texels, grows), levels):
-        lobe, total = lobe_surface(nodes, surface, vector, amplitude), nodes.math("ADD", amplitude, total)
+    for vector, amplitude in filtered_lobes(nodes, path, *target.levels(size, spec["multum:firstLevel"], nearest)):
+        lobe, total = lobe_surface(nodes, target.surface, vector, amplitude), nodes.math("ADD", amplitude, total)
         share = nodes.math("DIVIDE", amplitude, nodes.math("MAXIMUM", total, 1e-6))
         shader = lobe if shader is None else nodes.add("ShaderNodeMixShader", share, shader, lobe).outputs[0]
-    for target in targets:
-        nodes.put(shader, target)
-    return material
+    return target.show(shader)
+
+
+def add_textures(thing, folder, scene=None, nearest=None):
+    """Adds the normals and the roughness of `multum export --for blender -o FOLDER` to the active material of an object,
+    with their levels, or replaces what an earlier call added. Arguments and result are those of add_lobes()."""
+    folder = pathlib.Path(folder)
+    files = {role: sorted(folder.glob(f"{role}_[0-9][0-9].png")) for role in ("normal", "roughness")}
+    if not files["normal"] or len(files["normal"]) != len(files["roughness"]):
+        raise ValueError(f"{folder}: found {len(files['normal'])} levels of normals and {len(files['roughness'])} of "
+                         "roughness, expected the output of multum export --for blender")
+    target = Target(thing, folder.name, scene or bpy.context.scene)
+    size = tuple(bpy.data.images.load(str(files["normal"][0]), check_existing=True).size)
+    level, levels = target.levels(size, 0, nearest)
+    inputs = inputs_of(target.surface)
+    normal = filtered_texture(target.nodes, files["normal"], level, levels)
+    inputs["Normal"] = target.nodes.add("ShaderNodeNormalMap", None, normal).outputs["Normal"]
+    inputs["Roughness"] = filtered_texture(target.nodes, files["roughness"], level, levels)
+    return target.show(surface_like(target.nodes, target.surface, inputs))
 
 
 # The extension of the textures per engine. For Blender, multum writes a folder of PNG files.
@@ -251,6 +309,24 @@ class ImportLobes(bpy.types.Operator, ImportHelper):
         return {"FINISHED"}
 
 
+class ImportTextures(bpy.types.Operator, ImportHelper):
+    """Draw the active object with the textures of multum export --for blender; choose any file of their folder"""
+    bl_idname, bl_label, bl_options = "multum.import_textures", "multum textures (folder)", {"REGISTER", "UNDO"}
+    filter_glob: bpy.props.StringProperty(default="*.png", options={"HIDDEN"})
+    nearest: bpy.props.FloatProperty(name="Nearest view", default=-1.0, min=-1.0,
+                                     description="Smallest distance of the camera; -1: the distance now")
+
+    def execute(self, context):
+        path = pathlib.Path(self.filepath)
+        try:
+            add_textures(context.object, path if path.is_dir() else path.parent, context.scene,
+                         None if self.nearest < 0 else self.nearest)
+        except (ValueError, RuntimeError) as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        return {"FINISHED"}
+
+
 class ExportMaterial(bpy.types.Operator, ExportHelper):
     """Export the normal map and roughness of the active material to an engine"""
     bl_idname, bl_label, filename_ext = "multum.export_material", "Material for an engine (multum)", ""
@@ -269,6 +345,7 @@ class ExportMaterial(bpy.types.Operator, ExportHelper):
 
 def import_entry(menu, _context):
     menu.layout.operator(ImportLobes.bl_idname)
+    menu.layout.operator(ImportTextures.bl_idname)
 
 
 def export_entry(menu, _context):
@@ -276,7 +353,7 @@ def export_entry(menu, _context):
 
 
 def register():
-    for kind in (ImportLobes, ExportMaterial):
+    for kind in (ImportLobes, ImportTextures, ExportMaterial):
         bpy.utils.register_class(kind)
     bpy.types.TOPBAR_MT_file_import.append(import_entry)
     bpy.types.TOPBAR_MT_file_export.append(export_entry)
@@ -285,5 +362,5 @@ def register():
 def unregister():
     bpy.types.TOPBAR_MT_file_export.remove(export_entry)
     bpy.types.TOPBAR_MT_file_import.remove(import_entry)
-    for kind in (ExportMaterial, ImportLobes):
+    for kind in (ExportMaterial, ImportTextures, ImportLobes):
         bpy.utils.unregister_class(kind)
