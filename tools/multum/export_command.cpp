@@ -313,10 +313,8 @@ void add_export_command(CLI::App& app, int* exit_code) {
       "  multum export bricks_n.png --for unreal -o bricks.dds      # T_bricks_N.dds, T_bricks_ORM.dds, green down\n"
       "  multum export 'rock_<UDIM>.png' -o 'rock_<UDIM>.ktx2'      # all tiles of a set\n"
       "  multum export --manifest materials.toml                    # the changed maps of a project\n"
-      "rg8 and bc store only x and y of normals; the shader computes z = sqrt(1 - x^2 - y^2). uastc is the format\n"
-      "of KHR_texture_basisu; Node.js encodes it with ktx2-encoder. DDS files have a DX10 header. --page bakes lobes\n"
-      "for its comparison unless --beside names a baked file. --anisotropy needs --form one-lobe.\n\n"
-      "Settings of --for:\n" +
+      "--page bakes lobes for its comparison unless --beside names a baked file.\n\n"
+      "Settings of --for, which other options replace:\n" +
       presets_text() + "docs/how-to/export_to_engine.md lists the steps for each engine.");
   command->callback([options, exit_code] { *exit_code = run_export(*options); });
 }

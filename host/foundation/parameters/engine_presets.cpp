@@ -58,7 +58,7 @@ std::string packing_text(MaterialPacking packing) {
 std::string preset_text(const EnginePreset& preset) {
   std::string text = fmt::format("{}, {}, green {}, {}", choice_name(kMaterialFormats, preset.format),
                                  choice_name(kMaterialTexels, preset.texels), choice_name(kGreenAxes, preset.green),
-                                 packing_text(preset.packing));
+                                 choice_name(kMaterialPackings, preset.packing));
   if (preset.sides != kAny) text += fmt::format(", sides {}", choice_name(kSideRules, preset.sides));
   if (*preset.note != '\0') text += fmt::format("; {}", preset.note);
   return text;

@@ -28,7 +28,7 @@ struct EnginePreset {
 
 const EnginePreset& preset_of(Engine engine);
 
-/// Returns the settings of `multum export` as text, such as "dds, rgba8, green down, roughness in green of orm".
+/// Returns the settings of `multum export` as text, such as "dds, rgba8, green down, orm".
 std::string preset_text(const EnginePreset& preset);
 
 /// Returns what a packing puts where, such as "roughness in green of orm" or "smoothness in alpha of mask".

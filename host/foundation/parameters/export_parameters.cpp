@@ -40,9 +40,9 @@ Rows export_rows() {
   Parameter packing = {.name = "packing",
                        .kind = Kind::kChoice,
                        .help =
-                           "write one texture with occlusion, roughness and metalness (orm), one with metalness, "
-                           "occlusion, 1 and smoothness = 1 - roughness (mask), or one per map (separate; smoothness "
-                           "writes smoothness instead of roughness)",
+                           "write occlusion, roughness and metalness in one texture (orm), metalness, occlusion, 1 "
+                           "and smoothness (1 - roughness) in one texture (mask), or one texture per map (separate, or "
+                           "smoothness with smoothness instead of roughness)",
                        .default_text = "orm",
                        .choices = choice_names(kMaterialPackings),
                        .group = kStorageGroup,
@@ -95,8 +95,7 @@ Rows export_rows() {
           surface_parameter("; level 0 does not change", kExportJob),
           form_parameter("for each level the form with the lower error in pictures of a plane and a sphere", "one-lobe",
                          kExportJob),
-          engine_parameter("write the files that this engine loads: sets --format, --texels, --zstd, --packing, "
-                           "--names, --sides and --write-green, unless they are given",
+          engine_parameter("write the files that this engine loads (see below)",
                            kExportJob),
           {.name = "format",
            .kind = Kind::kChoice,

@@ -473,6 +473,20 @@ class GltfTest(FolderCase):
         self.assertTrue(after.image(0).startswith(b"\x89PNG"))
         self.assertNotIn("extensionsRequired", after.json)
 
+    def test_an_engine_selects_the_format(self):
+        self.write("in.glb", plain_model().glb())
+        run = self.run_gltf("--for", "blender", "--report", self.path("report.json"))
+        self.assertEqual(run.returncode, 0, run.stderr)
+        self.assertEqual([i["mimeType"] for i in Glb(self.read("out.glb")).json["images"]], ["image/png"] * 2)
+        self.assertEqual(json.loads(self.read("report.json"))["for"], "blender")
+        run = self.run_gltf("--for", "blender", "--format", "rgba8")  # an option replaces the engine's format
+        self.assertEqual([i["mimeType"] for i in Glb(self.read("out.glb")).json["images"]], ["image/ktx2"] * 2)
+        os.mkdir(self.path("none"))
+        for engine in ("babylon", "godot", "unity-hdrp"):
+            run = self.run_gltf("--for", engine, "--encoder", self.path("none"))
+            self.assertEqual(run.returncode, 4)
+            self.assertIn("ktx2-encoder", run.stderr)
+
     def test_the_same_bytes_for_any_threads_and_memory(self):
         self.write("in.glb", plain_model(normal=bumps(128, 64), surface=packed(64, 64)).glb())
         found = set()
