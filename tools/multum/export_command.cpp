@@ -309,7 +309,6 @@ void add_export_command(CLI::App& app, int* exit_code) {
       "  multum export bricks_n.png -o bricks/                      # normal_00.png, orm_00.png and so on\n"
       "  multum export bricks_n.png -o bricks.ktx2 --zstd 15        # bricks_normal.ktx2, bricks_orm.ktx2, all levels\n"
       "  multum export bricks.ndf.exr --lobes -o bricks.ktx2        # lobes of multum bake for GPUs\n"
-      "  multum export bricks_n.png -o bricks.dds --roughness bricks_orm.png --metalness bricks_orm.png\n"
       "  multum export bricks_n.png --for unreal -o bricks.dds      # T_bricks_N.dds, T_bricks_ORM.dds, green down\n"
       "  multum export 'rock_<UDIM>.png' -o 'rock_<UDIM>.ktx2'      # all tiles of a set\n"
       "  multum export --manifest materials.toml                    # the changed maps of a project\n"
