@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Draws a plane in Blender for tests/api/blender_test.py. The plane, the camera and the light are those of multum-view.
 
-blender -b --python blender_scene.py -- JOB.json. The job contains the map and the pictures. A picture with `lobes` uses
-the add-on, and so does a picture with `textures`; with `width`, the normal map scaled by Blender; otherwise, the normal map itself. A job with `engines` tests
-the operators.
+blender -b --python blender_scene.py -- JOB.json. The job contains the map and the pictures. A picture with `lobes` or
+`textures` uses the add-on; with `width`, the normal map scaled by Blender; otherwise, the normal map itself. A job with
+`engines` tests the operators.
 """
 import json
 import math

@@ -120,7 +120,8 @@ class BlenderTest(unittest.TestCase):
         run(PROGRAMS / "multum", "bake", self.map, "-o", moments, "--ndf", "moments", "--green", "up", "--force")
         broken.write_bytes(b"no picture")
         output = self.blender(camera=FAR, engines=["unreal", "three"], program=str(PROGRAMS / "multum"),
-                              lobes=str(self.baked), textures=str(self.textures / "normal_00.png"), refused=[str(moments), str(broken)])
+                              lobes=str(self.baked), textures=str(self.textures / "normal_00.png"),
+                              refused=[str(moments), str(broken)])
         for engine, textures in (("unreal", ("T_unreal_N.dds", "T_unreal_ORM.dds")),
                                  ("three", ("three_normal.ktx2", "three_orm.ktx2"))):
             self.assertIn(f"{engine} {{'FINISHED'}}", output)

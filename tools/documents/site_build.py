@@ -24,8 +24,9 @@ TITLES = {"tutorials": "Tutorials", "how-to": "How to", "reference": "Reference"
 ORDER = {
     "tutorials": ("engine_mips", "gltf_model", "lobes_in_three", "ci_job", "farm", "ray_traced_textures"),
     "how-to": ("green_is_wrong", "choose_lobes", "does_my_map_gain", "reduce_memory", "terrain_and_udim",
-               "export_to_engine", "web_engines", "unreal", "unity", "godot", "o3de", "blender", "draw_lobes", "plain_pyramids", "error_numbers", "service_behind_proxy",
-               "clusters", "install_packages", "upgrade", "caches_and_removal"),
+               "export_to_engine", "web_engines", "unreal", "unity", "godot", "o3de", "blender", "draw_lobes",
+               "plain_pyramids", "error_numbers", "service_behind_proxy", "clusters", "install_packages", "upgrade",
+               "caches_and_removal"),
     "reference": ("commands", "exit_codes", "input_maps", "file_format", "lobe_textures", "gltf", "scenes", "manifests",
                   "animation_jobs", "inferred_textures", "packed_fields", "service", "c_and_python", "glossary"),
     "explanation": ("how_it_works", "accuracy", "limits"),

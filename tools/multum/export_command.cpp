@@ -68,7 +68,8 @@ void check_no_reading_is_given(const std::string& input, const ParameterValues& 
 // Returns a line for each engine.
 std::string presets_text() {
   std::string text;
-  for (const auto& [name, engine] : kEngines) text += fmt::format("  {:<11} {}\n", name, preset_text(preset_of(engine)));
+  for (const auto& [name, engine] : kEngines)
+    text += fmt::format("  {:<11} {}\n", name, preset_text(preset_of(engine)));
   return text;
 }
 

@@ -7,11 +7,11 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "host/delivery/export/engine_support.h"
+#include "host/delivery/export/engines/engine_support.h"
+#include "host/delivery/export/engines/texture_names.h"
 #include "host/delivery/export/export_key.h"
 #include "host/delivery/export/export_source.h"
 #include "host/delivery/export/fit_journal.h"
-#include "host/delivery/export/texture_names.h"
 #include "host/formats/asset/baked_file.h"
 #include "host/formats/opencl/device_counts.h"
 #include "host/foundation/base/error.h"

@@ -93,7 +93,7 @@ struct ExportReport {
   std::string textures;            // names of the textures, such as "normal, orm"
   std::vector<std::string> files;
   std::vector<std::string> engines_failing;  // engines that cannot load the files
-                                             // (host/delivery/export/engine_support.h)
+                                             // (host/delivery/export/engines/engine_support.h)
   std::string engine_line;                   // the same engines as one line of text; empty if there are none
   std::string preset_line;                   // the settings of the engine's preset; empty without an engine
   std::vector<std::string> side_warnings;    // warnings about readers that do not support textures of this size

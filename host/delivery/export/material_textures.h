@@ -13,9 +13,9 @@
 #include <glm/vec4.hpp>
 
 #include "host/delivery/export/block_encoder.h"
+#include "host/delivery/export/engines/texture_names.h"
 #include "host/delivery/export/material_folder.h"
 #include "host/delivery/export/material_rows.h"
-#include "host/delivery/export/texture_names.h"
 #include "host/foundation/base/progress.h"
 
 namespace multum {

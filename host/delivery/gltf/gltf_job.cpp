@@ -8,7 +8,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "host/delivery/export/engine_support.h"
+#include "host/delivery/export/engines/engine_support.h"
 #include "host/delivery/gltf/gltf_rewrite.h"
 #include "host/delivery/gltf/source_fit.h"
 #include "host/delivery/gltf/source_lobes.h"

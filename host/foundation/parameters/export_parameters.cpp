@@ -95,8 +95,7 @@ Rows export_rows() {
           surface_parameter("; level 0 does not change", kExportJob),
           form_parameter("for each level the form with the lower error in pictures of a plane and a sphere", "one-lobe",
                          kExportJob),
-          engine_parameter("write the files that this engine loads (see below)",
-                           kExportJob),
+          engine_parameter("write the files that this engine loads (see below)", kExportJob),
           {.name = "format",
            .kind = Kind::kChoice,
            .help = "set the file format: png (8 bits, one file per level), exr (half floats, one file per level), or "

@@ -116,8 +116,7 @@ inline constexpr Choices<LobeTexels> kLobeTexels = {
 enum class GltfTextureFormat {
   kAuto,   // kUastc if its error is small; otherwise kRgba8, with a PNG for loaders that lack KHR_texture_basisu
   kUastc,  // KHR_texture_basisu
-  kRgba8,  // uncompressed KTX2, without KHR_texture_basisu (host/delivery/export/engine_support.h lists the loaders
-           // that reject it)
+  kRgba8,  // uncompressed KTX2, without KHR_texture_basisu; engine_support.h lists the loaders that reject it
   kPng,    // PNG, which stores only level 0
 };
 inline constexpr Choices<GltfTextureFormat> kGltfTextureFormats = {{"auto", GltfTextureFormat::kAuto},
@@ -137,16 +136,11 @@ inline constexpr Choices<MaterialForm> kMaterialForms = {
 /// for: the engine that will load the files (host/foundation/parameters/engine_presets.h). When `form` is auto, the
 /// pictures imitate this engine (host/delivery/forms/engine_filter.h).
 enum class Engine { kThree, kBabylon, kPlayCanvas, kFilament, kGodot, kUnity, kUnityHdrp, kUnreal, kO3de, kBlender };
-inline constexpr Choices<Engine> kEngines = {{"three", Engine::kThree},
-                                             {"babylon", Engine::kBabylon},
-                                             {"playcanvas", Engine::kPlayCanvas},
-                                             {"filament", Engine::kFilament},
-                                             {"godot", Engine::kGodot},
-                                             {"unity", Engine::kUnity},
-                                             {"unity-hdrp", Engine::kUnityHdrp},
-                                             {"unreal", Engine::kUnreal},
-                                             {"o3de", Engine::kO3de},
-                                             {"blender", Engine::kBlender}};
+inline constexpr Choices<Engine> kEngines = {
+    {"three", Engine::kThree},          {"babylon", Engine::kBabylon}, {"playcanvas", Engine::kPlayCanvas},
+    {"filament", Engine::kFilament},    {"godot", Engine::kGodot},     {"unity", Engine::kUnity},
+    {"unity-hdrp", Engine::kUnityHdrp}, {"unreal", Engine::kUnreal},   {"o3de", Engine::kO3de},
+    {"blender", Engine::kBlender}};
 
 /// packing of an export: how roughness, occlusion and metalness are divided into textures.
 enum class MaterialPacking {
@@ -160,16 +154,15 @@ inline constexpr Choices<MaterialPacking> kMaterialPackings = {{"orm", MaterialP
                                                                {"separate", MaterialPacking::kSeparate},
                                                                {"smoothness", MaterialPacking::kSmoothness}};
 
-/// names of an export: whose names the textures have (host/delivery/export/texture_names.h).
+/// names of an export: whose names the textures have (host/delivery/export/engines/texture_names.h).
 enum class TextureNames { kPlain, kUnreal, kUnity };
 inline constexpr Choices<TextureNames> kTextureNames = {
     {"plain", TextureNames::kPlain}, {"unreal", TextureNames::kUnreal}, {"unity", TextureNames::kUnity}};
 
 /// sides of an export: the widths and heights of maps that an engine loads with all their levels.
 enum class SideRule { kAny, kMultiplesOf4, kPowersOf2 };
-inline constexpr Choices<SideRule> kSideRules = {{"any", SideRule::kAny},
-                                                 {"multiples-of-4", SideRule::kMultiplesOf4},
-                                                 {"powers-of-2", SideRule::kPowersOf2}};
+inline constexpr Choices<SideRule> kSideRules = {
+    {"any", SideRule::kAny}, {"multiples-of-4", SideRule::kMultiplesOf4}, {"powers-of-2", SideRule::kPowersOf2}};
 
 /// pyramid of `multum pack`: how the samples of a chunk are divided into images.
 enum class PyramidChoice {

@@ -102,14 +102,15 @@ Parameter form_parameter(const std::string& choice, const std::string& default_t
 }
 
 Parameter engine_parameter(const std::string& effect, unsigned surfaces) {
-  return {.name = "for",
-          .kind = ParameterKind::kChoice,
-          .help = effect +
-                  "; --form auto draws its pictures with the texture filter of this engine, and with the roughness that "
-                  "it adds where normals change between pixels",
-          .choices = choice_names(kEngines),
-          .group = kStorageGroup,
-          .surfaces = surfaces};
+  return {
+      .name = "for",
+      .kind = ParameterKind::kChoice,
+      .help = effect +
+              "; --form auto draws its pictures with the texture filter of this engine, and with the roughness that "
+              "it adds where normals change between pixels",
+      .choices = choice_names(kEngines),
+      .group = kStorageGroup,
+      .surfaces = surfaces};
 }
 
 Parameter uastc_effort_parameter(unsigned surfaces) {

@@ -16,8 +16,8 @@ Parameter surface_parameter(const std::string& more, unsigned surfaces);
 /// Makes `anisotropy` and `fast`, for commands that fit one lobe per texel.
 Parameter lobe_anisotropy_parameter(unsigned surfaces);
 Parameter fast_lobe_parameter(unsigned surfaces);
-/// Makes `form` and `for`, for commands that choose the form of a material's normals. `choice` says how auto chooses, and
-/// `effect` what an engine changes.
+/// Makes `form` and `for`, for commands that choose the form of a material's normals. `choice` says how auto chooses,
+/// and `effect` what an engine changes.
 Parameter form_parameter(const std::string& choice, const std::string& default_text, unsigned surfaces);
 Parameter engine_parameter(const std::string& effect, unsigned surfaces);
 /// Makes `uastc_effort` and `encoder`, for commands that encode textures as UASTC.

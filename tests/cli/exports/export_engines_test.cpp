@@ -9,7 +9,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "host/delivery/export/engine_support.h"
+#include "host/delivery/export/engines/engine_support.h"
 #include "host/foundation/base/base64.h"
 #include "tests/cli/exports/exported_levels.h"
 #include "tests/cli/program.h"

@@ -42,7 +42,8 @@ TEST_F(ExportFormsTest, PicturesOfSimpleShapesChooseTheForm) {
   write("map.png", normal_image(96, 64));
   write("rough.png", rough_image(96, 64));
   const std::vector<std::string> more = {
-      "--form", "auto", "--for", "godot", "--format", "png", "--sides", "any", "--no-measure", "--roughness", path("rough.png"), "--report", path("r.json")};
+      "--form", "auto",         "--for",       "godot",           "--format", "png",         "--sides",
+      "any",    "--no-measure", "--roughness", path("rough.png"), "--report", path("r.json")};
   const ProgramResult result = run(more);
   ASSERT_EQ(result.exit_code, 0) << result.err;
   EXPECT_NE(result.out.find(" texels per pixel plain "), std::string::npos) << result.out;

@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "host/delivery/export/texture_names.h"
+#include "host/delivery/export/engines/texture_names.h"
 #include "tests/cli/exports/exported_levels.h"
 #include "tests/cli/program.h"
 #include "tests/unit/formats/image/image_test_files.h"
@@ -29,8 +29,8 @@ class ExportPresetsTest : public CliTest {
 
   ProgramResult run(const std::string& output, std::vector<std::string> more,
                     const std::string& input = "rock_normal.png") const {
-    more.insert(more.begin(), {"export", path(input), "-o", path(output), "--bumpformat", "normal", "--green", "up",
-                               "--no-measure"});
+    more.insert(more.begin(),
+                {"export", path(input), "-o", path(output), "--bumpformat", "normal", "--green", "up", "--no-measure"});
     return multum(more);
   }
   ProgramResult run_with_maps(const std::string& output, std::vector<std::string> more) const {
@@ -152,9 +152,8 @@ TEST_F(ExportPresetsTest, ManifestsHaveThem) {
 
 TEST(TextureNames, FollowTheMapsName) {
   const std::pair<const char*, const char*> names[] = {
-      {"maps/rock_normal.png", "rock"}, {"T_Rock_N.tga", "Rock"}, {"wall-height.exr", "wall"},
-      {"plain.png", "plain"},           {"normal.png", "normal"}, {"_n.png", "_n"},
-      {"rock.ndf.exr", "rock"},         {"T_N.png", "T"}};
+      {"maps/rock_normal.png", "rock"}, {"T_Rock_N.tga", "Rock"}, {"wall-height.exr", "wall"}, {"plain.png", "plain"},
+      {"normal.png", "normal"},         {"_n.png", "_n"},         {"rock.ndf.exr", "rock"},    {"T_N.png", "T"}};
   for (const auto& [file, material] : names) EXPECT_EQ(material_of_file(file), material) << file;
   EXPECT_EQ(texture_name(TextureNames::kPlain, "", TextureRole::kNormal), "normal");
   EXPECT_EQ(texture_name(TextureNames::kUnity, "rock", TextureRole::kMask), "rock_MaskMap");

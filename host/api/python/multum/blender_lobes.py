@@ -9,8 +9,9 @@ This file is an add-on for Blender 3.4: install it in Edit > Preferences > Add-o
 >>> multum.blender_lobes.add_textures(bpy.context.object, "rock/")
 
 Each lobe becomes a copy of the material's Principled BSDF, whose roughness is widened by the lobe. The copies are mixed
-by the amplitudes of the lobes. Textures need only one copy. Each point of the surface mixes two mip levels, which depend on the distance from the
-camera: their texels are about as large as the part of the pixel that one of the scene's samples covers.
+by the amplitudes of the lobes. Textures need only one copy. Each point of the surface mixes two mip levels, which
+depend on the distance from the camera: their texels are about as large as the part of the pixel that one of the scene's
+samples covers.
 """
 import math
 import pathlib
@@ -245,8 +246,8 @@ def add_lobes(thing, path, scene=None, nearest=None):
 
 
 def add_textures(thing, folder, scene=None, nearest=None):
-    """Adds the normals and the roughness of `multum export --for blender -o FOLDER` to the active material of an object,
-    with their levels, or replaces what an earlier call added. Arguments and result are those of add_lobes()."""
+    """Adds the normals and the roughness of `multum export --for blender -o FOLDER` to the active material of an
+    object, with their levels, or replaces what an earlier call added. See add_lobes()."""
     folder = pathlib.Path(folder)
     files = {role: sorted(folder.glob(f"{role}_[0-9][0-9].png")) for role in ("normal", "roughness")}
     if not files["normal"] or len(files["normal"]) != len(files["roughness"]):

@@ -378,8 +378,7 @@ std::string tilted_table(ShadingKernels& kernels, const std::vector<Direction>& 
           moments.ss += weighted(x * x), moments.tt += weighted(y * y);
         }
         moments.share = 1.0f;
-        return relative_l1(directions, kernels.moments(moments, method, directions, s),
-                           shaded(normals, directions, s));
+        return relative_l1(directions, kernels.moments(moments, method, directions, s), shaded(normals, directions, s));
       });
   return table.text();
 }

@@ -10,9 +10,9 @@ namespace multum {
 
 enum class TextureRole {
   kNormal,
-  kOrm,         // occlusion, roughness, metalness, for glTF and Unreal
-  kMask,        // metalness, occlusion, 1, smoothness, for Unity
-  kRoughness,   // this role and the next three have one channel
+  kOrm,        // occlusion, roughness, metalness, for glTF and Unreal
+  kMask,       // metalness, occlusion, 1, smoothness, for Unity
+  kRoughness,  // this role and the next three have one channel
   kSmoothness,
   kOcclusion,
   kMetalness,

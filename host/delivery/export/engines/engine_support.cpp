@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/delivery/export/engine_support.h"
+#include "host/delivery/export/engines/engine_support.h"
 
 namespace multum {
 

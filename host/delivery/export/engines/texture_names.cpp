@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/delivery/export/texture_names.h"
+#include "host/delivery/export/engines/texture_names.h"
 
 #include <algorithm>
 #include <cctype>
@@ -35,8 +35,8 @@ const Words& words_of(TextureRole role) {
 }
 
 // The ends of names of normal maps and height fields.
-constexpr const char* kEnds[] = {"normalmap", "normals", "normal", "nrm", "norm", "nor", "nml",
-                                 "bump",      "height",  "heightmap", "disp", "n", "h"};
+constexpr const char* kEnds[] = {"normalmap", "normals", "normal",    "nrm",  "norm", "nor", "nml",
+                                 "bump",      "height",  "heightmap", "disp", "n",    "h"};
 
 std::string lower(std::string text) {
   for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
