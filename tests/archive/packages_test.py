@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: Apache-2.0
-"""Makes the Debian packages, the wheel and the package for npm from a finished build, and checks them.
+"""Makes the Debian packages, the wheel and the packages for npm from a finished build, and checks them.
 
   packages_test.py BUILD
 
@@ -158,19 +158,21 @@ class PackagesTest(unittest.TestCase):
         self.assertEqual(len(hashes), 2)
         self.assertEqual(hashes[0], hashes[1])
 
-    def test_npm_package_contains_its_modules(self):
-        source = ROOT / "runtime_gl/web/three"
-        with tarfile.open(self.file("multum-three-*.tgz")) as tar:
-            names = {name.removeprefix("package/") for name in tar.getnames()}
-            description = json.load(tar.extractfile("package/package.json"))
-        self.assertEqual(names, {path.name for path in source.iterdir()})
-        self.assertEqual((description["name"], description["version"]), ("@multum/three", VERSION))
+    def test_npm_packages_contain_their_modules(self):
         place = self.folder / "npm"
         place.mkdir()
-        # three itself is not installed; npm must not search for it.
-        run("npm", "install", "--offline", "--legacy-peer-deps", "--no-audit", "--no-fund", "--prefix", place,
-            self.file("multum-three-*.tgz"))
-        self.assertTrue((place / "node_modules/@multum/three/index.js").is_file())
+        for name in ("three", "gltf-transform"):
+            source = ROOT / "runtime_gl/web" / name.replace("-", "_")
+            archive = self.file(f"multum-{name}-*.tgz")
+            with tarfile.open(archive) as tar:
+                names = {file.removeprefix("package/") for file in tar.getnames()}
+                description = json.load(tar.extractfile("package/package.json"))
+            self.assertEqual(names, {str(path.relative_to(source)) for path in source.rglob("*") if path.is_file()})
+            self.assertEqual((description["name"], description["version"]), (f"@multum/{name}", VERSION))
+            # The packages that it extends are not installed; npm must not search for them.
+            run("npm", "install", "--offline", "--legacy-peer-deps", "--no-audit", "--no-fund", "--prefix", place,
+                archive)
+            self.assertTrue((place / "node_modules/@multum" / name / "index.js").is_file())
 
     def test_bill_lists_every_licence_of_the_wheel(self):
         bill = json.loads(self.file("*.spdx.json").read_text())
