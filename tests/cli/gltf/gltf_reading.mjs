@@ -37,8 +37,9 @@ for (const path of process.argv.slice(2)) {
   const fileOf = (uri) => join(dirname(path), decodeURIComponent(uri));
   const report = await validator.validateBytes(bytes, { uri: path,
     externalResourceFunction: async (uri) => new Uint8Array(readFileSync(fileOf(uri))) });
+  const issues = (isOf) => report.issues.messages.filter(isOf).map((one) => `${one.code} ${one.pointer}`);
   found.push({ errors: report.issues.numErrors, warnings: report.issues.numWarnings,
-    messages: report.issues.messages.filter((one) => one.severity < 2).map((one) => `${one.code} ${one.pointer}`),
+    messages: issues(({ severity }) => severity < 2), infos: issues(({ severity }) => severity === 2),
     textures: texturesOf(bytes) });
 }
 console.log(JSON.stringify(found));
