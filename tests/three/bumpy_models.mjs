@@ -151,7 +151,8 @@ function mesh(columns, rows, repeat, at) {
   return made;
 }
 
-const sphere = (radius, repeat) => mesh(128, 64, [2 * repeat, repeat], (u, v) => {
+/** Makes a sphere around the origin, with maps that repeat 2 * `repeat` times around it. */
+export const sphere = (radius, repeat) => mesh(128, 64, [2 * repeat, repeat], (u, v) => {
   const [turn, fall] = [2 * Math.PI * u, Math.PI * v];
   const normal = [Math.sin(fall) * Math.cos(turn), Math.cos(fall), -Math.sin(fall) * Math.sin(turn)];
   return { position: normal.map((value) => radius * value), normal };

@@ -12,7 +12,8 @@ const crc32 = (data) => (data.reduce((sum, byte) => CRC_STEPS[(sum ^ byte) & 255
   0xffffffff) >>> 0;
 const wide = (...values) => Buffer.from(Uint32Array.from(values).buffer);
 
-function pngOf({ width, height, rgb }) {
+/** Returns the bytes of a PNG file. */
+export function pngOf({ width, height, rgb }) {
   const chunk = (type, data) => {
     const body = Buffer.concat([Buffer.from(type, "latin1"), data]), head = Buffer.alloc(4), sum = Buffer.alloc(4);
     head.writeUInt32BE(data.length);

@@ -18,12 +18,12 @@ using Gltf = GltfTextureFormat;
 
 // Columns: format, texels, green, packing, names, sides, Zstandard level, format of `multum gltf`, note.
 constexpr EnginePreset kPresets[] = {
-    {Engine::kThree, "three.js", "three", kKtx2, kRgba8, kUp, kOrm, Names::kPlain, kAny, 15, Gltf::kAuto},
-    {Engine::kBabylon, "Babylon.js", "babylon", kKtx2, kUastc, kUp, kOrm, Names::kPlain, kMultiplesOf4, 0,
+    {Engine::kThree, "three.js", "web_engines", kKtx2, kRgba8, kUp, kOrm, Names::kPlain, kAny, 15, Gltf::kAuto},
+    {Engine::kBabylon, "Babylon.js", "web_engines", kKtx2, kUastc, kUp, kOrm, Names::kPlain, kMultiplesOf4, 0,
      Gltf::kUastc},
-    {Engine::kPlayCanvas, "PlayCanvas", "playcanvas", kKtx2, kUastc, kUp, kOrm, Names::kPlain, kMultiplesOf4, 0,
+    {Engine::kPlayCanvas, "PlayCanvas", "web_engines", kKtx2, kUastc, kUp, kOrm, Names::kPlain, kMultiplesOf4, 0,
      Gltf::kUastc},
-    {Engine::kFilament, "Filament", "filament", kKtx2, kUastc, kUp, kOrm, Names::kPlain, kMultiplesOf4, 0,
+    {Engine::kFilament, "Filament", "web_engines", kKtx2, kUastc, kUp, kOrm, Names::kPlain, kMultiplesOf4, 0,
      Gltf::kUastc},
     {Engine::kGodot, "Godot", "godot", kDds, kBlocks, kUp, kOrm, Names::kPlain, kPowersOf2, 0, Gltf::kUastc},
     // Unity imports BC7 upside down.
