@@ -4,8 +4,9 @@
 //
 //   node tools/lab/engine_pictures.mjs BIN_FOLDER PAGE.md IMAGES [ENGINE...]
 //
-// BIN_FOLDER contains multum. With names of engines, only these engines are drawn and no page is written. Needs
-// Node.js, npm, Chromium and the packages of tests/service/web. The engines are installed into tools/lab/engines.
+// BIN_FOLDER contains multum. With names of engines, only these engines are drawn, and the page keeps the other results
+// from engine_rows.json, which is next to the page. Needs Node.js, npm, Chromium and the packages of tests/service/web.
+// The engines are installed into tools/lab/engines.
 import { execFileSync } from "node:child_process";
 import { existsSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import os from "node:os";
@@ -134,7 +135,9 @@ async function main() {
   const engines = ENGINES.filter(({ name }) => only.length === 0 || only.includes(name));
   install();
   const folder = mkdtempSync(path.join(os.tmpdir(), "multum-engines-"));
-  const server = await serve(folder), browser = await launch(), rows = [], references = {};
+  const rowsFile = path.join(path.dirname(pageFile), "engine_rows.json");
+  const rows = existsSync(rowsFile) ? JSON.parse(readFileSync(rowsFile, "utf8")) : {};
+  const server = await serve(folder), browser = await launch(), references = {};
   try {
     makeFiles(folder, engines);
     for (const engine of engines) {
@@ -143,15 +146,17 @@ async function main() {
       const version = JSON.parse(readFileSync(engine.package, "utf8")).version;
       try {
         const { row, pictures } = await measure(browser, server, folder, engine, references[light]);
-        rows.push({ ...row, version });
+        rows[engine.name] = { ...row, version };
         writeFileSync(path.join(images, `engine_${engine.name}.jpg`),
           await stripOf(browser, server, `${engine.title} ${version}`, pictures));
       } catch (error) {
-        rows.push({ name: engine.name, version, error: String(error.message ?? error) });
+        rows[engine.name] = { name: engine.name, version, error: String(error.message ?? error) };
       }
-      console.log(JSON.stringify(rows.at(-1)));
+      console.log(JSON.stringify(rows[engine.name]));
+      writeFileSync(rowsFile, `${JSON.stringify(rows, null, 1)}\n`);
+      const inOrder = ENGINES.filter(({ name }) => name in rows).map(({ name }) => rows[name]);
+      writeFileSync(pageFile, documentOf(inOrder, path.basename(images)));
     }
-    if (only.length === 0) writeFileSync(pageFile, documentOf(rows, path.basename(images)));
   } finally {
     await browser.close();
     server.close();

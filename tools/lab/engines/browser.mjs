@@ -53,7 +53,9 @@ export async function open(browser, server, { module, scripts = [], before = "" 
   const complaints = [];
   page.on("pageerror", (error) => complaints.push(String(error)));
   page.on("requestfailed", (request) => complaints.push(`failed: ${request.url()}`));
-  page.on("response", (response) => { if (response.status() >= 400) complaints.push(`${response.status()}: ${response.url()}`); });
+  page.on("response", (response) => {
+    if (response.status() >= 400) complaints.push(`${response.status()}: ${response.url()}`);
+  });
   page.on("console", (message) => {
     if (["error", "warning"].includes(message.type()) && !/GL Driver|GPU stall|favicon/.test(message.text()))
       complaints.push(message.text());

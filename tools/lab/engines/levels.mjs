@@ -33,14 +33,14 @@ async function levelsOf(browser, server, bytes) {
 
 export const levelsOfFile = (browser, server, file) => levelsOf(browser, server, readFileSync(file));
 
-/** Returns the levels of each KTX2 image of a GLB. */
+/** Returns the levels of a GLB's normal map and of its map of roughness and metalness. */
 export async function levelsOfModel(browser, server, folder, name) {
   const glb = readFileSync(path.join(folder, name)), size = glb.readUInt32LE(12), found = [];
-  const json = JSON.parse(glb.subarray(20, 20 + size));
-  for (const { mimeType, bufferView } of json.images) {
-    if (mimeType !== "image/ktx2") continue;
-    const { byteOffset = 0, byteLength } = json.bufferViews[bufferView], from = 28 + size + byteOffset;
-    found.push(await levelsOf(browser, server, glb.subarray(from, from + byteLength)));
+  const json = JSON.parse(glb.subarray(20, 20 + size)), [material] = json.materials;
+  for (const { index } of [material.normalTexture, material.pbrMetallicRoughness.metallicRoughnessTexture]) {
+    const texture = json.textures[index], source = texture.extensions?.KHR_texture_basisu?.source ?? texture.source;
+    const { byteOffset = 0, byteLength } = json.bufferViews[json.images[source].bufferView];
+    found.push(await levelsOf(browser, server, glb.subarray(28 + size + byteOffset).subarray(0, byteLength)));
   }
   return found;
 }
@@ -52,9 +52,9 @@ const meanDifference = (a, b) => {
 };
 
 /**
- * Finds each file's levels among the textures of texture_levels.js. Returns, by file, { stored, read, generated,
- * difference, format }: the numbers of levels in the file and on the GPU, and the largest mean difference of a level, in
- * codes of 8 bits.
+ * Finds each file's levels among the textures of texture_levels.js. Returns, by file, { stored, read, filtered,
+ * difference, format }: the numbers of levels in the file and on the GPU, and the largest mean difference of a level
+ * (in codes of 8 bits).
  */
 export function matchedLevels(textures, files) {
   const uploaded = textures.filter(({ generated }) => !generated).map((one) => ({ ...one,

@@ -42,8 +42,8 @@ async function load({ model, normal, orm }) {
   for (const { material } of normal ? shown.findComponents("render").flatMap((one) => one.meshInstances) : []) {
     const [normalMap, surface] = [await loaded(normal, "texture"), await loaded(orm, "texture")];
     for (const map of [normalMap, surface]) map.minFilter = pc.FILTER_LINEAR_MIPMAP_LINEAR;
-    Object.assign(material, { normalMap, metalnessMap: surface, metalnessMapChannel: "b", metalness: 1, glossMap: surface,
-      glossMapChannel: "g", gloss: 1, glossInvert: true });
+    Object.assign(material, { normalMap, metalnessMap: surface, metalnessMapChannel: "b", metalness: 1,
+      glossMap: surface, glossMapChannel: "g", gloss: 1, glossInvert: true });
     material.update();
   }
 }

@@ -73,8 +73,8 @@
   }
 
   /**
-   * Returns the textures of at least `side` texels whose levels were uploaded: { generated, minFilter, maxLevel, levels }
-   * with the texels of each level in base64. Changes the state of the context, so draw nothing afterwards.
+   * Returns the textures of at least `side` texels whose levels were uploaded, with the texels of each level in base64:
+   * { generated, minFilter, maxLevel, levels }. Changes the state of the context, so draw nothing afterwards.
    */
   globalThis.uploadedTextures = (side) => [...made].filter(([texture, { gl, levels }]) =>
     gl.isTexture(texture) && levels.get(0)?.width >= side).map(([texture, { gl, levels, generated }]) => {
