@@ -34,7 +34,10 @@ export async function serve(files) {
 
 /** Starts Chromium with software rendering. */
 export async function launch() {
-  const { chromium } = await import("../../../tests/service/web/node_modules/playwright-core/index.mjs");
+  if (executablePath === undefined) throw new Error("no Chromium: install the package chromium-headless-shell");
+  const { chromium } = await import("../../../tests/service/web/node_modules/playwright-core/index.mjs").catch(() => {
+    throw new Error("no playwright-core: run tools/install_dependencies test");
+  });
   return chromium.launch({ executablePath, args: ["--no-sandbox", "--headless=new", "--disable-dev-shm-usage",
     "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist"] });
 }

@@ -2,10 +2,25 @@
 // Writes the page of engine_pictures.mjs.
 import { ENGINES, VIEW } from "./engine_list.mjs";
 
+const WIDTH = 120;
 const percent = (value) => `${(100 * value).toFixed(1)} %`;
 const list = (words) => (words.length < 2 ? words.join() : `${words.slice(0, -1).join(", ")} and ${words.at(-1)}`);
 const titleOf = (row) => ENGINES.find(({ name }) => name === row.name).title;
 const imageOf = (row, images) => `${images}/engine_${row.name}.jpg`;
+
+/** Breaks the lines of paragraphs and of list items again. Tables, headings and pictures stay unchanged. */
+function filled(text) {
+  return text.split(/\n(?=\n|- )/).map((part) => {
+    const [gap] = /^\n*/.exec(part), body = part.slice(gap.length), indent = body.startsWith("- ") ? "  " : "";
+    if (/^[|#!]/.test(body)) return part;
+    const lines = [];
+    for (const word of body.split(/\s+/)) {
+      if (lines.length > 0 && `${lines.at(-1)} ${word}`.length <= WIDTH) lines.push(`${lines.pop()} ${word}`);
+      else lines.push(lines.length > 0 ? indent + word : word);
+    }
+    return gap + lines.join("\n");
+  }).join("\n");
+}
 
 const HEAD = () => `# Pictures by the engines of the web
 
@@ -33,7 +48,7 @@ WebGL 2.
 - The light is one directional light without any environment, because the environments of engines differ. model-viewer
   has no directional light; its environment is black except for a sun with a radius of ${VIEW.sunRadius} degrees.
 - Filtering of textures is what the engine's glTF loader sets. Edges have four samples per pixel.
-- No picture has tone mapping, except for CesiumJS, which always applies Khronos PBR Neutral.
+- No picture has tone mapping, except for CesiumJS, which applies Khronos PBR Neutral by default.
 - The reference is the original model in three.js, without mips, with ${VIEW.samples} x ${VIEW.samples} samples per
   pixel. For model-viewer, the sky lights the reference; for CesiumJS, the reference has the same tone mapping.
 `;
@@ -88,7 +103,7 @@ export function documentOf(rows, images) {
     `and the reference, drawn by ${titleOf(one)}](${imageOf(one, images)})`).join("\n\n");
   const failures = failed.map((one) => `${titleOf(one)} ${one.version} failed: \`${one.error}\``).join("\n\n");
   const lower = drawn.filter(({ original, multum }) => multum.error < original.error).map(titleOf);
-  return `${HEAD()}
+  return `${filled(`${HEAD()}
 ## Errors of the far view
 
 *Error* is the relative L1 error of the displayed picture in linear light: the sum of |picture - reference| over pixels
@@ -104,6 +119,9 @@ The error with multum is lower in ${list(lower)}.${three?.original.linear === un
 of three.js, which are not clipped, the error is ${percent(three.original.linear)} for the original and
 ${percent(three.multum.linear)} with multum.`}
 
+The pictures with multum are brighter than the reference. The slopes of the dents are bounded, so the highlight of the
+reference ends sharply, but each texel has one GGX lobe, which has tails.
+
 \`multum gltf\` chooses the form of each level by pictures (\`--form auto\`). The column \`export\` is for textures of
 \`multum export\` with its default form, which does not subtract the roughness that engines add on curved surfaces.
 
@@ -111,7 +129,8 @@ ${percent(three.multum.linear)} with multum.`}
 
 After the far views were drawn, a shader read all levels of each texture in the WebGL context of the engine
 (\`texelFetch\`, \`tools/lab/engines/texture_levels.js\`). The script compared them with the levels of the KTX2 file,
-decoded without the engine. The table lists, for the normal map and for roughness, the number of levels that were read
+decoded without the engine by the transcoder of three.js. Babylon.js uses the same transcoder, because its own decoder
+is not in npm. The table lists, for the normal map and for roughness, the number of levels that were read
 back, the format on the GPU, and the largest mean difference of a level (in codes of 8 bits). WebGL did not generate
 mips for these textures. Level 0 of the roughness is the same as in the original, so pictures of the original and of
 multum can differ only by the stored levels and by the texel format.
@@ -127,6 +146,6 @@ ${changeTable(drawn)}
 
 The reference changes more, because single dents are visible in it. No mip level contains them.
 
-${pictures}
+${pictures}`)}
 ${failures ? `\n## Not drawn\n\n${failures}\n` : ""}`;
 }
