@@ -41,6 +41,13 @@ function install() {
     stdio: ["ignore", "ignore", "inherit"] });
 }
 
+/** Returns the version of multum, and the commit of this repository. */
+function madeBy() {
+  const said = (...words) => execFileSync(...words, { encoding: "utf8", cwd: HERE }).trim();
+  const commit = said("git", ["rev-parse", "--short=12", "HEAD"]);
+  return `${said(path.resolve(bin, "multum"), ["--version"])}, commit ${commit}`;
+}
+
 /** Returns an image of one colour. */
 function constantImage(rgb) {
   const { texels: width } = VIEW, height = width;
@@ -146,7 +153,7 @@ async function main() {
       const version = JSON.parse(readFileSync(engine.package, "utf8")).version;
       try {
         const { row, pictures } = await measure(browser, server, folder, engine, references[light]);
-        rows[engine.name] = { ...row, version };
+        rows[engine.name] = { ...row, version, made: madeBy() };
         writeFileSync(path.join(images, `engine_${engine.name}.jpg`),
           await stripOf(browser, server, `${engine.title} ${version}`, pictures));
       } catch (error) {
