@@ -122,8 +122,9 @@ of three.js, which are not clipped, the error is ${percent(three.original.linear
 ${percent(three.multum.linear)} with multum.`}
 
 In the pictures, the highlight of the reference ends sharply, because the slopes of the dents are bounded. The
-highlights with multum have a bright middle and wide tails, because each texel has one GGX lobe. Four engines draw them
-brighter than the reference.
+highlights with multum have a bright middle and wide tails, because each texel has one GGX lobe. In
+${drawn.filter(({ multum }) => multum.energy > 1.1).length} of ${drawn.length} engines, pictures with multum are more
+than 10 % brighter than the reference.
 
 \`multum gltf\` chooses the form of each level by pictures (\`--form auto\`). The column \`export\` is for textures of
 \`multum export\` with its default form, which is not chosen by pictures.
