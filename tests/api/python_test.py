@@ -123,6 +123,9 @@ class BakeTest(FolderTest):
         self.assertGreater(len(report["files"]), 3)
         for file in report["files"]:
             self.assertTrue((self.folder / "material" / os.path.basename(str(file))).exists(), file)
+        report = multum.export(normals, self.folder / "rock.dds", for_="unreal", no_measure=True)
+        self.assertEqual(sorted(os.path.basename(str(file)) for file in report["files"]),
+                         ["T_rock_N.dds", "T_rock_ORM.dds"])
         baked = multum.bake(normals, self.folder / "a.ndf.exr")
         self.assertEqual(multum.measure(self.folder / "a.ndf.exr", normals), baked.error())
 
