@@ -20,8 +20,10 @@ WIDTH, HEIGHT, SAMPLES = 480, 320, 8  # SAMPLES per side of a pixel
 TITLES = {"own": "Godot's mip levels", "fitted": "multum export --for godot", "reference": "64 samples per pixel"}
 
 
-def run(*words):
-    done = subprocess.run([str(word) for word in words], capture_output=True, text=True, timeout=600, check=False)
+def run(folder, *words):
+    """Runs a program in a temporary folder, because Godot writes its logs into the current folder."""
+    done = subprocess.run([str(word) for word in words], cwd=folder, capture_output=True, text=True, timeout=600,
+                          check=False)
     if done.returncode != 0:
         sys.exit(f"godot_pictures: {words[0]}: exit code {done.returncode}: {(done.stdout + done.stderr)[-800:]}")
 
@@ -29,9 +31,9 @@ def run(*words):
 def draw(folder, kind, scale):
     """Returns the linear light of a frame, (height, width, 3)."""
     picture = folder / f"{kind}.png"
-    run("xvfb-run", "-a", "-s", f"-screen 0 {WIDTH * scale + 64}x{HEIGHT * scale + 64}x24", "godot3", "--video-driver",
-        "GLES2", "--audio-driver", "Dummy", "-s", ROOT / "tools/lab/engines/godot3_scene.gd", folder, picture,
-        WIDTH * scale, HEIGHT * scale, kind)
+    run(folder, "xvfb-run", "-a", "-s", f"-screen 0 {WIDTH * scale + 64}x{HEIGHT * scale + 64}x24", "godot3",
+        "--video-driver", "GLES2", "--audio-driver", "Dummy", "-s", ROOT / "tools/lab/engines/godot3_scene.gd", folder,
+        picture, WIDTH * scale, HEIGHT * scale, kind)
     codes = np.asarray(Image.open(picture).convert("RGB")) / 255.0
     if codes.shape != (HEIGHT * scale, WIDTH * scale, 3):
         sys.exit(f"godot_pictures: {picture}: found {codes.shape}, expected {HEIGHT * scale} rows of {WIDTH * scale}")
@@ -42,13 +44,13 @@ def draw(folder, kind, scale):
 def main():
     if len(sys.argv) != 3 or sys.argv[1] in ("-h", "--help"):
         sys.exit(__doc__)
-    program = pathlib.Path(sys.argv[1]) / "multum"
+    program = pathlib.Path(sys.argv[1]).resolve() / "multum"
     with tempfile.TemporaryDirectory(prefix="multum_godot_") as name:
         folder = pathlib.Path(name)
-        run(program, "testmap", folder / "rock", "--size", 256, "--write-green", "up")
-        run(program, "export", folder / "rock_normal.png", "-o", folder, "--green", "up", "--for", "godot", "--format",
-            "png", "--base-roughness", 0.3, "--no-measure")
-        run("godot3-server", "-s", ROOT / "tools/engines/godot3_levels.gd", folder)
+        run(folder, program, "testmap", folder / "rock", "--size", 256, "--write-green", "up")
+        run(folder, program, "export", folder / "rock_normal.png", "-o", folder, "--green", "up", "--for", "godot",
+            "--format", "png", "--base-roughness", 0.3, "--no-measure")
+        run(folder, "godot3-server", "-s", ROOT / "tools/engines/godot3_levels.gd", folder)
         pictures = {"own": draw(folder, "own", 1), "fitted": draw(folder, "fitted", 1),
                     "reference": draw(folder, "none", SAMPLES)}
     reference = pictures["reference"]
