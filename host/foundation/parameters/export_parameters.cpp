@@ -25,6 +25,17 @@ Parameter channel_parameter(const char* name, const char* help) {
           .surfaces = kExportJob};
 }
 
+Parameter storage_choice(const char* name, const char* default_text, std::vector<std::string> choices,
+                         const char* help) {
+  return {.name = name,
+          .kind = Kind::kChoice,
+          .help = help,
+          .default_text = default_text,
+          .choices = std::move(choices),
+          .group = kStorageGroup,
+          .surfaces = kExportJob};
+}
+
 Rows export_rows() {
   Parameter roughness = channel_parameter("roughness",
                                           "read the perceptual roughness of the surface (0 to 1) from the only "
@@ -37,41 +48,21 @@ Rows export_rows() {
       "occlusion", "also average the only channel, or else the red channel, of this occlusion map of the same size");
   Parameter metalness = channel_parameter(
       "metalness", "also average the only channel, or else the blue channel, of this metalness map of the same size");
-  Parameter packing = {.name = "packing",
-                       .kind = Kind::kChoice,
-                       .help =
-                           "write occlusion, roughness and metalness in one texture (orm), metalness, occlusion, 1 "
-                           "and smoothness (1 - roughness) in one texture (mask), or one texture per map (separate, or "
-                           "smoothness with smoothness instead of roughness)",
-                       .default_text = "orm",
-                       .choices = choice_names(kMaterialPackings),
-                       .group = kStorageGroup,
-                       .surfaces = kExportJob};
-  Parameter names = {.name = "names",
-                     .kind = Kind::kChoice,
-                     .help =
-                         "name the files rock_normal and rock_orm (plain), T_rock_N and T_rock_ORM (unreal), or "
-                         "rock_Normal and rock_MaskMap (unity)",
-                     .default_text = "plain",
-                     .choices = choice_names(kTextureNames),
-                     .group = kStorageGroup,
-                     .surfaces = kExportJob};
-  Parameter sides = {.name = "sides",
-                     .kind = Kind::kChoice,
-                     .help = "reject a map whose width or height an engine would not load with all levels",
-                     .default_text = "any",
-                     .choices = choice_names(kSideRules),
-                     .group = kStorageGroup,
-                     .surfaces = kExportJob};
-  Parameter write_green = {.name = "write_green",
-                           .kind = Kind::kChoice,
-                           .help =
-                               "write normals and directions of anisotropy with green up (OpenGL, glTF, Unity, Godot, "
-                               "Blender) or down (DirectX, Unreal); --green sets the direction in the input",
-                           .default_text = "up",
-                           .choices = choice_names(kGreenAxes),
-                           .group = kStorageGroup,
-                           .surfaces = kExportJob};
+  Parameter packing = storage_choice(
+      "packing", "orm", choice_names(kMaterialPackings),
+      "write occlusion, roughness and metalness in one texture (orm), metalness, occlusion, 1 and smoothness (1 - "
+      "roughness) in one texture (mask), or one texture per map (separate, or smoothness with smoothness instead of "
+      "roughness)");
+  Parameter names = storage_choice(
+      "names", "plain", choice_names(kTextureNames),
+      "name the files rock_normal and rock_orm (plain), T_rock_N and T_rock_ORM (unreal), or rock_Normal and "
+      "rock_MaskMap (unity)");
+  Parameter sides = storage_choice("sides", "any", choice_names(kSideRules),
+                                   "reject a map whose width or height an engine would not load with all levels");
+  Parameter write_green = storage_choice("write_green", "up", choice_names(kGreenAxes),
+                                         "write normals and directions of anisotropy with green up (OpenGL, glTF, "
+                                         "Unity, Godot, Blender) or down (DirectX, "
+                                         "Unreal); --green sets the direction in the input");
   return {{.name = "lobes",
            .help = "write the lobes of a baked file as a texture for GPUs, NAME.ktx2; can be combined only with "
                    "--texels, --zstd, --device, --force and --report",
