@@ -31,6 +31,8 @@ static_assert(number_type::kUint64 == OIIO::TypeDesc::UINT64 && number_type::kIn
 static_assert(number_type::kHalf == OIIO::TypeDesc::HALF && number_type::kFloat == OIIO::TypeDesc::FLOAT);
 static_assert(number_type::kDouble == OIIO::TypeDesc::DOUBLE);
 
+constexpr const char* kLuminanceChroma[] = {"Y", "RY", "BY"};
+
 // Joins the byte ranges that form a file without its metadata.
 std::vector<unsigned char> joined_ranges(const std::string& path, const std::vector<ByteRange>& ranges) {
   std::vector<unsigned char> bytes;
@@ -102,6 +104,11 @@ ImagePart part_of(const OIIO::ImageSpec& spec, double gamma, bool with_texts) {
   part.is_deep = spec.deep;
   part.base_type = spec.format.basetype;
   part.channel_names = spec.channelnames;
+  // OpenImageIO 2.5 and later report red, green and blue for a luminance/chroma image. The reader rejects such images
+  // by the names in the file.
+  if (spec.get_int_attribute("openexr:luminancechroma", 0) != 0)
+    for (std::size_t c = 0; c < std::min(part.channel_names.size(), std::size(kLuminanceChroma)); ++c)
+      part.channel_names[c] = kLuminanceChroma[c];
   part.channel_names.resize(static_cast<std::size_t>(std::max(0, spec.nchannels)));
   for (const OIIO::TypeDesc& type : spec.channelformats) part.channel_types.push_back(type.basetype);
   part.colour_space = colour_space_of(spec, gamma);
