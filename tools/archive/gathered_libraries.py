@@ -23,11 +23,21 @@ OPENED = ("libEGL.so.1",)
 # The decoders that OpenImageIO links for formats that multum refuses (tools/archive/stand_in_libraries.py).
 NEVER_CALLED = re.compile(
     r"^lib(opencv_\w+|avcodec|avformat|avutil|swscale|openvdb|heif|raw_r|icuuc)\.so\b")
+
+
+def installed_as(name):
+    """Returns the installed package whose name has a version in the place of `*`."""
+    found = [path.name for path in pathlib.Path("/usr/share/doc").glob(name)
+             if re.fullmatch(re.escape(name).replace(r"\*", r"[\d.]+"), path.name)]
+    return max(found, key=lambda one: [int(part) for part in re.findall(r"\d+", one)], default=name)
+
+
 # The packages that contain only headers or are linked statically, also into the decoder for browsers. No file in the
 # archive shows that they are used.
 COMPILED_IN = ("libglm-dev", "libcli11-dev", "nlohmann-json3-dev", "libtomlplusplus-dev", "libgtest-dev",
-               "libeigen3-dev", "libboost1.81-dev", "librapidcheck-dev", "pybind11-dev", "opencl-clhpp-headers",
-               "wasi-libc", "libc++-14-dev-wasm32", "libc++abi-14-dev-wasm32", "libclang-rt-14-dev-wasm32")
+               "libeigen3-dev", installed_as("libboost*-dev"), "librapidcheck-dev", "pybind11-dev",
+               "opencl-clhpp-headers", "wasi-libc", installed_as("libc++-*-dev-wasm32"),
+               installed_as("libc++abi-*-dev-wasm32"), installed_as("libclang-rt-*-dev-wasm32"))
 
 
 def fail(text):
