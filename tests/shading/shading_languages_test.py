@@ -337,9 +337,6 @@ class ShadingLanguagesTest(unittest.TestCase):
                                   f"{fresnel};")
         print(f"instructions: one GGX {single}, over a lobe {whole}, each further {further}, its density {facets}, "
               f"each further light {light}")
-        tools = subprocess.run(["glslangValidator", "--version"], capture_output=True, text=True, check=True).stdout
-        if "Glslang Version: 11:12." not in tools:
-            self.skipTest(f"the page has the instructions of glslang 12, found {tools.splitlines()[0]}")
         self.assertLessEqual(whole, 2 * single)
         self.assertLess(further, 1.75 * single)
         self.assertLess(light, 1.65 * single)
