@@ -603,7 +603,7 @@ TEST(ContactSheet, PlacesPicturesUnderTheirLabels) {
 }
 
 TEST(ContactSheet, LabelsAreWholeHoweverSmallThePictures) {
-  // A dash has five white pixels, or ten by two at the larger scale. No other pixel is white.
+  // A dash has five white pixels at scale 1. No other pixel is white.
   const std::string label(20, '-');
   const auto ink = [&](int width) {
     const FloatImage dark{width, 4, std::vector<float>(static_cast<std::size_t>(16 * width), 0.0f)};
@@ -615,6 +615,17 @@ TEST(ContactSheet, LabelsAreWholeHoweverSmallThePictures) {
   EXPECT_EQ(ink(8), 2 * 20 * 5);
   EXPECT_EQ(ink(122), 2 * 20 * 5);
   EXPECT_EQ(ink(244), 2 * 20 * 10 * 2);
+  EXPECT_EQ(ink(1220), 2 * 20 * 15 * 3) << "twice as wide as a window, so letters are three times as large";
+}
+
+TEST(ContactSheet, ALegendShowsTheScaleOfDifferences) {
+  const FloatImage legend = difference_legend(400, 300, 4.0f, 2.0f);
+  ASSERT_EQ(legend.width, 400);
+  ASSERT_EQ(legend.height, 300);
+  const auto value = [&](int x) { return legend.rgba[4 * static_cast<std::size_t>(150 * 400 + x)]; };
+  EXPECT_LT(value(10), 0.1f);
+  EXPECT_NEAR(value(200), 1.0f, 0.02f);
+  EXPECT_GT(value(390), 1.9f);
 }
 
 }  // namespace

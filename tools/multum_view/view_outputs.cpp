@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <map>
 
 #include "host/formats/brdf/measured_brdf.h"
 #include "host/formats/image/material_maps.h"
@@ -24,17 +25,29 @@ namespace {
 
 bool has_reference(const std::vector<NamedPicture>& pictures) { return pictures[0].name == "reference"; }
 
+/// Returns the name of a picture on a sheet.
+std::string shown_name_of(const std::string& name) {
+  static const std::map<std::string, std::string> kNames = {
+      {"mip", "averaged normals"}, {"toksvig", "Toksvig"}, {"lean-jacobian", "LEAN"}, {"lean", "LEAN (no jacobian)"}};
+  const auto found = kNames.find(name);
+  return found == kNames.end() ? name : found->second;
+}
+
 /// Composes a sheet. The pictures are in the first row. If there is a reference, their errors are in the second row.
 gl::FloatImage compose(const std::vector<NamedPicture>& pictures, float exposure) {
   std::vector<std::vector<gl::SheetCell>> rows(has_reference(pictures) ? 2 : 1);
   for (const NamedPicture& one : pictures) {
-    rows[0].push_back({one.name, shown_image(one)});
+    rows[0].push_back({shown_name_of(one.name), shown_image(one)});
     if (!has_reference(pictures)) continue;
-    gl::FloatImage difference = gl::difference_image(one.picture.image, pictures[0].picture.image, gl::kDifferenceGain);
-    const double error = gl::picture_error(one.picture.image, pictures[0].picture.image).relative_l1;
-    const bool is_reference = &one == &pictures[0];
-    rows[1].push_back({is_reference ? "4 x difference" : fmt::format("{}: error {:.1f} %", one.name, 100.0 * error),
-                       std::move(difference)});
+    const gl::FloatImage& reference = pictures[0].picture.image;
+    if (&one == &pictures[0]) {
+      rows[1].push_back(
+          {"", gl::difference_legend(reference.width, reference.height, gl::kDifferenceGain, 1.0f / exposure)});
+      continue;
+    }
+    const double error = gl::picture_error(one.picture.image, reference).relative_l1;
+    rows[1].push_back({fmt::format("error {:.1f} %", 100.0 * error),
+                       gl::difference_image(one.picture.image, reference, gl::kDifferenceGain)});
   }
   return gl::make_contact_sheet(rows, 1.0f / exposure);
 }
