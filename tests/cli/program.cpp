@@ -233,4 +233,14 @@ void CliTest::make_map(const std::string& prefix, int size) {
   ASSERT_EQ(made.exit_code, 0) << made.err;
 }
 
+std::string measured_tables(const std::string& printed) {
+  const std::string heading = "measured error";
+  std::string tables;
+  std::istringstream lines(printed);
+  for (std::string line; std::getline(lines, line);)
+    if (line.starts_with(heading) || (!tables.empty() && line.starts_with("  "))) tables += line + "\n";
+    else if (!tables.empty()) break;
+  return tables;
+}
+
 }  // namespace multum::testing

@@ -57,6 +57,9 @@ std::string chromium_path();
 /// These are the exit codes of host/foundation/base/error.h.
 inline constexpr int kUsage = 2, kInput = 3, kEnvironment = 4, kVerification = 5;
 
+/// Returns the tables of measured errors in what a bake or `multum info` printed.
+std::string measured_tables(const std::string& printed);
+
 /// Expects that the program ended with `exit_code`, and that stderr contains all of `parts`.
 inline void expect_refusal(const ProgramResult& result, int exit_code, const std::vector<std::string>& parts) {
   EXPECT_EQ(result.exit_code, exit_code) << result.out << result.err;

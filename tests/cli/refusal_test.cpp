@@ -262,12 +262,12 @@ TEST_F(RefusalTest, TomlFilesBeyondTheLimits) {
 }
 
 TEST_F(RefusalTest, WrongCommandLines) {
-  expect_failure(
-      multum({}), kUsage,
-      {"no command",
-       "bake plan tradeoff info verify materials testmap mip reflectance lod export gltf look shaders animation infer "
-       "pack unpack player",
-       "--help"});
+  expect_failure(multum({}), kUsage,
+                 {"no command",
+                  "bake plan tradeoff info verify materials testmap mip reflectance lod export gltf check look shaders "
+                  "animation infer "
+                  "pack unpack player",
+                  "--help"});
   expect_failure(multum({"cook"}), kUsage, {"unknown command 'cook'", ": bake"});
   expect_failure(multum({"bake"}), kUsage, {"input", "required", "multum bake --help"});
   expect_failure(multum({"bake", path("map_normal.png")}), kUsage, {"--output", "required", "multum bake --help"});

@@ -32,7 +32,7 @@ TEST_F(ShCommandTest, BakesVerifiesAndSaysWhatItHolds) {
   for (const char* part : {"measured error, relative L1", "measured error with colours, relative L1",
                            "spherical harmonics to order 8 of 64 x 64: one pass in bands of"})
     EXPECT_TRUE(contains(result.out, part)) << part << " is not in\n" << result.out;
-  EXPECT_FALSE(contains(result.out, "lobes")) << result.out;
+  EXPECT_FALSE(contains(result.out, " lobes:")) << "no lobes are counted: " << result.out;
 
   const auto report = nlohmann::json::parse(read_bytes(path("map.json")));
   EXPECT_EQ(report["counts"]["nonfinite"], 0);

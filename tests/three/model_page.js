@@ -5,6 +5,7 @@ import * as THREE from "three";
 import { GLTFLoader } from "three/addons/loaders/GLTFLoader.js";
 import { KTX2Loader } from "three/addons/loaders/KTX2Loader.js";
 import { RoomEnvironment } from "three/addons/environments/RoomEnvironment.js";
+import { EXRLoader } from "three/addons/loaders/EXRLoader.js";
 import { addPoints, GltfLobes, lobesOf } from "@multum/three";
 import { compared } from "./linear_pictures.js";
 import { drawn, settled, strip } from "./model_drawing.js";
@@ -18,7 +19,7 @@ const NOISE_SHARE = 0.14, NOISE_SMALL = 0.005;
 const GRIDS_MAX = 16;
 const renderer = new THREE.WebGLRenderer({ antialias: false });
 const ktx2 = new KTX2Loader().setTranscoderPath("/modules/three/examples/jsm/libs/basis/").detectSupport(renderer);
-const room = new THREE.PMREMGenerator(renderer).fromScene(new RoomEnvironment(), 0.01).texture;
+let room = new THREE.PMREMGenerator(renderer).fromScene(new RoomEnvironment(), 0.01).texture; // the surroundings
 const views = new Map(); // by name: { shot, reference, shown }
 let begun = null, held = []; // { model, gltfs }; models that hold() loaded
 
@@ -152,6 +153,13 @@ const toText = (pixels) => {
 };
 const toPixels = (text) => new Float32Array(Uint8Array.from(atob(text), (one) => one.charCodeAt(0)).buffer);
 
+/** Replaces the room by an EXR picture of the surroundings, latitude and longitude. */
+async function surround(url) {
+  const picture = await new EXRLoader().loadAsync(url);
+  room = new THREE.PMREMGenerator(renderer).fromEquirectangular(picture).texture;
+  picture.dispose();
+}
+
 /** Begins with another model, { url, reach }, whose references are drawn next. */
 async function begin(model) {
   views.clear();
@@ -235,4 +243,4 @@ function repeat(number, name, count) {
   target.dispose();
 }
 
-globalThis.lab = { begin, refer, draw, side, motion, hold, repeat };
+globalThis.lab = { begin, surround, refer, draw, side, motion, hold, repeat };

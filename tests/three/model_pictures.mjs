@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Draws models by three.js and @multum/three in headless Chromium. PLAN.json: { reference, models: [{ file, lobes,
-// points, options }], reach, views: [of model_page.js, named], keep, strips }, with files next to the plan. The file
-// `reference`, or else the first model, gives the reference. `keep` maps views to files that keep their references.
+// points, options }], reach, views: [of model_page.js, named], keep, strips, surroundings }, with files next to the
+// plan. The file `reference`, or else the first model, gives the reference. `keep` maps views to files that keep their
+// references. `surroundings` is an EXR picture that replaces the room.
 // Writes NAME.jpg of each view to OUT unless `strips` is false. Prints JSON by view: error and energy of each model,
 // and with `grids` the floor and the reference's noise. Exits with 77 (skipped) without a browser.
 //
@@ -24,6 +25,7 @@ try {
   const models = plan.models.map(({ file, ...ways }) => ({ url: `/files/${file}`, reach: plan.reach, ...ways }));
   const reference = { url: `/files/${plan.reference ?? plan.models[0].file}`, reach: plan.reach };
   const found = {};
+  if (plan.surroundings) await page.evaluate((file) => globalThis.lab.surround(`/files/${file}`), plan.surroundings);
   await page.evaluate((model) => globalThis.lab.begin(model), reference);
   for (const view of plan.views) {
     const file = keep[view.name], isKept = file !== undefined && existsSync(file);

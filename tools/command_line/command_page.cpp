@@ -380,7 +380,7 @@ class Page {
     return text;
   }
 
-  // Returns usage, help and examples.
+  // Returns help and examples.
   std::string help_text(const CommandText& command) const {
     std::string help = command.help.substr(0, command.help.find("\n\n"));
     std::replace(help.begin(), help.end(), '\n', ' ');
@@ -391,7 +391,7 @@ class Page {
       if (line.starts_with("  multum")) examples += line.substr(2) + "\n";
       else if (!line.starts_with("Example")) notes += line + "\n";
     }
-    text += examples.empty() ? "\n" + code(command.usage()) + "\n" : "\n```sh\n" + examples + "```\n";
+    if (!examples.empty()) text += "\n```sh\n" + examples + "```\n";
     if (notes.find_first_not_of('\n') != std::string::npos) {
       notes.erase(0, notes.find_first_not_of('\n'));
       notes.erase(notes.find_last_not_of('\n') + 1);

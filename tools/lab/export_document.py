@@ -100,15 +100,8 @@ FORMS = """
 - `auto` draws pictures and chooses the data of each level. For each level, `auto` stores either the averaged or the
   fitted normal. To the base roughness, `auto` adds a fraction of the increase that the fit found.
 
-```sh
-multum export wool_n.png -o wool/ --metalness wool_m.png --form auto --for three
-```
-
-```text
-  wool/: on a sphere at 32 texels per pixel plain 16.0 %, one lobe 29.4 %, chosen 21.8 %: fitted normals and roughness
-```
-
-The printed line names the view in which plain mips and one lobe differ most. The report lists all views.
+With `-v`, the export prints the errors of the view in which plain mips and the written textures differ most. The report
+lists all views.
 
 The pictures that `--form auto` draws show a plane seen from above, a tilted plane and a sphere. They have 1 to 32
 texels per pixel, and are lit by three lights and by a room with lamps. The default form `one-lobe` is replaced only

@@ -18,6 +18,7 @@
 #include "tools/command_line/parameter_options.h"
 #include "tools/multum/bake_manifest_mode.h"
 #include "tools/multum/bake_print.h"
+#include "tools/multum/check/verdict_line.h"
 #include "tools/multum/commands.h"
 #include "tools/multum/openjd_lines.h"
 #include "tools/multum/scene_mode.h"
@@ -47,6 +48,13 @@ BakeReport bake_chosen(const BakeJob& job, const BakeOptions& o, Device& device)
   return chosen.report;
 }
 
+std::optional<GainVerdict> end_with_verdict(const BakeJob& job, const BakeReport& report, const BakeOptions& o,
+                                            Device& device) {
+  const std::optional<GainVerdict> verdict = verdict_of(job, report, device);
+  print_verdict(job.output, verdict, o.common);
+  return verdict;
+}
+
 // Bakes each map. If a map fails, the others are still baked. Returns the exit code of the first failure.
 int bake_several(const std::vector<BakeJob>& jobs, const BakeOptions& o, Device& device) {
   int code = 0;
@@ -64,7 +72,7 @@ int bake_several(const std::vector<BakeJob>& jobs, const BakeOptions& o, Device&
         print_report(job, printing(o), report);
       }
       unchanged += report.unchanged ? 1 : 0;
-      maps.push_back(bake_json(job, report));
+      maps.push_back(with_verdict(bake_json(job, report), end_with_verdict(job, report, o, device)));
     } catch (...) {
       const Error error = caught_error(job.input);
       print_shown(stderr, "multum: %s\n", error.what());
@@ -103,6 +111,7 @@ int run_bake(const CLI::App& bake, BakeOptions& o) {
   check_scopes(o.values);
   check_target_values(o.values);
   apply(o.values, job);
+  job.keeps_mosaic = job.measure && !o.common.quiet && !has_manifest && !has_scene;
   const DeviceChoice device_choice{o.values.text("device").value_or(""), o.values.flag("scalar")};
   if (!o.shard.empty() && o.merged_shards > 0)
     throw Error(ErrorCode::kUsage, "--shard and --merge are mutually exclusive");
@@ -138,7 +147,8 @@ int run_bake(const CLI::App& bake, BakeOptions& o) {
     report = bake_file(jobs[0], nullptr, device, progress.get());
     print_report(jobs[0], printing(o), report);
   }
-  if (o.common.json) print_json(bake_json(jobs[0], report));
+  const std::optional<GainVerdict> verdict = end_with_verdict(jobs[0], report, o, device);
+  if (o.common.json) print_json(with_verdict(bake_json(jobs[0], report), verdict));
   return 0;
 }
 

@@ -17,7 +17,8 @@ void print_report(const BakeJob& job, const BakePrinting& printing, const BakeRe
         job.output.c_str());
     return;
   }
-  print_shown(out, "%s: written\n%s%s", job.output.c_str(), report.choice.c_str(), report.to_text().c_str());
+  print_shown(out, "%s: written\n%s%s", job.output.c_str(), report.choice.c_str(),
+              report.to_text(printing.details).c_str());
   if (!printing.details) return;
   if (report.rows_resumed > 0)
     print_shown(out, "%llu level rows were reused from an interrupted bake\n",

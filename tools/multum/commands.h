@@ -42,6 +42,8 @@ const char* environment_variable(const char* name);
 void add_bake_command(CLI::App& app, int* exit_code);
 void add_export_command(CLI::App& app, int* exit_code);
 void add_gltf_command(CLI::App& app, int* exit_code);
+/// Adds check, which tells whether maps gain from multum.
+void add_check_command(CLI::App& app, int* exit_code);
 /// Adds look, which writes a page that shows lobes in a browser.
 void add_look_command(CLI::App& app, int* exit_code);
 void add_devices_command(CLI::App& app, int* exit_code);

@@ -27,6 +27,7 @@
 #include "host/foundation/parameters/export_parameters.h"
 #include "tools/command_line/decoding_option.h"
 #include "tools/command_line/parameter_options.h"
+#include "tools/multum/check/verdict_line.h"
 #include "tools/multum/commands.h"
 #include "tools/multum/compared_bake.h"
 #include "tools/multum/json_output.h"
@@ -94,14 +95,21 @@ void print_export(const ExportJob& job, const CommonOptions& common, const Expor
               report.height, report.files.size(), report.textures.c_str());
   if (!report.preset_line.empty()) print_shown(stdout, "%s: %s\n", job.output.c_str(), report.preset_line.c_str());
   if (!report.engine_line.empty()) print_shown(stdout, "%s: %s\n", job.output.c_str(), report.engine_line.c_str());
+  if (!common.verbose) return;
   if (report.form) print_shown(stdout, "%s: %s\n", job.output.c_str(), report.form->to_text(false).c_str());
   print_shown(stdout, "%s", report.accuracy.to_text().c_str());
-  if (!common.verbose) return;
   if (report.rows_resumed > 0)
     print_shown(stdout, "%llu level rows were reused from an interrupted export\n",
                 static_cast<unsigned long long>(report.rows_resumed));
   print_shown(stdout, "%s", report.plan.c_str());
   for (const auto& [stage, seconds] : report.seconds) print_shown(stdout, "%s %.2f s\n", stage.c_str(), seconds);
+}
+
+std::optional<GainVerdict> end_with_verdict(const ExportJob& job, const CommonOptions& common,
+                                            const ExportReport& report, Device& device) {
+  const std::optional<GainVerdict> verdict = verdict_of(job, report, device);
+  print_verdict(job.output, verdict, common);
+  return verdict;
 }
 
 // Returns "output", then the keys of --report.
@@ -122,7 +130,7 @@ int export_several(const std::vector<ExportJob>& jobs, const CommonOptions& comm
       const auto progress = make_progress(common);
       const ExportReport report = export_file(jobs[i], device, progress.get());
       print_export(jobs[i], common, report);
-      maps.push_back(export_json(jobs[i], report));
+      maps.push_back(with_verdict(export_json(jobs[i], report), end_with_verdict(jobs[i], common, report, device)));
     } catch (...) {
       const Error error = caught_error(jobs[i].input);
       print_shown(stderr, "multum: %s\n", error.what());
@@ -256,6 +264,7 @@ int run_export(ExportOptions& o) {
   o.job.threads = apply(o.common);
   keep_freed_memory();
   apply(o.values, o.job);
+  o.job.keeps_mosaic = o.job.measure && !o.common.quiet && !has_manifest;
   if (!o.shard_text.empty()) o.shard = parse_work_shard("--shard", o.shard_text);
   if (has_manifest) add_key_words(export_parameters().names(kInManifest));
   if (has_manifest) return run_export_manifest(o);
@@ -271,7 +280,8 @@ int run_export(ExportOptions& o) {
   if (all.size() > 1) return export_several(pieces_of(o.shard, all), o.common, device);
   const ExportReport report = export_with_page(all[0], page, o.common, device);
   print_export(all[0], o.common, report);
-  if (o.common.json) print_json(export_json(all[0], report));
+  const std::optional<GainVerdict> verdict = end_with_verdict(all[0], o.common, report, device);
+  if (o.common.json) print_json(with_verdict(export_json(all[0], report), verdict));
   return 0;
 }
 

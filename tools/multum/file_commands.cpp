@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Implements multum info, verify, devices and testmap.
+// Implements multum info, verify and devices.
 #include <fmt/format.h>
 
 #include <cstdio>
@@ -17,7 +17,6 @@
 #include "host/formats/asset/lobes/movmf_mipmap.h"
 #include "host/formats/asset/pyramid/pyramid_file.h"
 #include "host/formats/opencl/device.h"
-#include "host/formats/testmap/four_quarter_map.h"
 #include "host/foundation/base/error.h"
 #include "host/foundation/base/files/atomic_file.h"
 #include "host/foundation/base/files/json_file.h"
@@ -296,52 +295,6 @@ void add_devices_command(CLI::App& app, int* exit_code) {
   devices->add_option("--report", *report, "write the properties of the devices to this file as JSON");
   add_json_option(*devices, *json);
   devices->callback([report, json, exit_code] { *exit_code = run_devices(*report, *json); });
-}
-
-void add_testmap_command(CLI::App& app, int* exit_code) {
-  struct Options {
-    std::string prefix;
-    int size = 1024;
-    std::uint64_t seed = 7;
-    std::optional<Quarter> quarter;
-    GreenAxis green = GreenAxis::kDown;
-    bool json = false;
-  };
-  auto options = std::make_shared<Options>();
-  CLI::App* testmap =
-      app.add_subcommand("testmap", "make a test map with four quarters: scales, rings, grooves and noise");
-  testmap->footer(
-      "Example:\n"
-      "  multum testmap out/test     # writes out/test_normal.png and out/test_albedo.png");
-  testmap
-      ->add_option("prefix,-o,--output", options->prefix,
-                   "prefix of the files to write: PREFIX_normal.png and PREFIX_albedo.png")
-      ->required();
-  testmap->add_option("--size", options->size, "set the number of texels per side, which must be even")
-      ->check(CLI::Range(16, 32768))
-      ->capture_default_str();
-  testmap->add_option("--seed", options->seed, "set the seed of the noise quarter")->capture_default_str();
-  add_choice(*testmap, "--quarter", options->quarter, kQuarters,
-             "make only this quarter: armour, rings, grooves or noise");
-  add_choice(*testmap, "--write-green", options->green, kGreenAxes,
-             "write normals whose green points up (OpenGL, glTF) or down (DirectX)")
-      ->default_str("down");
-  add_json_option(*testmap, options->json);
-  testmap->callback([options, exit_code] {
-    if (options->size % 2 != 0)
-      throw Error(ErrorCode::kUsage, fmt::format("--size is {}, expected an even number", options->size));
-    for (const char* part : {"_normal.png", "_albedo.png"}) check_writable(options->prefix + part);
-    write_four_quarter_map(options->size, options->seed, options->prefix, options->quarter, options->green);
-    *exit_code = 0;
-    if (options->json) {
-      print_json({{"normal", path_json(options->prefix + "_normal.png")},
-                  {"albedo", path_json(options->prefix + "_albedo.png")}});
-      return;
-    }
-    const char* prefix = options->prefix.c_str();
-    print_shown(stdout, "%s_normal.png, %s_albedo.png: written; green points %s, which a bake detects\n", prefix,
-                prefix, options->green == GreenAxis::kUp ? "up (OpenGL)" : "down (DirectX)");
-  });
 }
 
 }  // namespace multum

@@ -55,6 +55,7 @@ void add_commands(CLI::App& app, int* exit_code) {
   add_group(app, "Deliver", [&] {
     add_export_command(app, exit_code);
     add_gltf_command(app, exit_code);
+    add_check_command(app, exit_code);
     add_look_command(app, exit_code);
     add_shaders_command(app, exit_code);
   });

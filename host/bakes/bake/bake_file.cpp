@@ -189,6 +189,8 @@ BakeReport bake_file(const BakeJob& asked, const BakeSource* given, Device& devi
     note_source(*given, report);
   }
   const BakeSource& source = read ? *read : *given;
+  if (asked.keeps_mosaic && !asked.shard)
+    report.mosaic = std::make_shared<const MapMosaic>(mosaic_of(source.map.normals, nullptr, kSmallMosaic));
   const BakeJob job = with_region(asked, source);
   ndf_bake(job.representation).check_map(job, source.map.normals.width(), source.map.normals.height());
   const DeviceCounts counts(device);

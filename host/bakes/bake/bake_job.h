@@ -38,6 +38,7 @@ struct BakeJob {
   StorageEncoding encoding = StorageEncoding::kSnorm16;
   BakedWriteOptions writing;
   bool measure = true;                                            // measure the error of the written file
+  bool keeps_mosaic = false;                                      // fill BakeReport::mosaic
   std::vector<double> measured_exponents = {20.0, 100.0, 500.0};  // Blinn-Phong exponents s; Lambert is always measured
   std::vector<Highlight> highlights;                              // further highlights, measured for the report
   bool measure_levels = true;                                     // true to measure single levels in addition to pixels

@@ -124,7 +124,7 @@ double BakeReport::bake_seconds() const {
   return seconds;
 }
 
-std::string BakeReport::to_text() const {
+std::string BakeReport::to_text(bool has_tables) const {
   std::string text = repairs_text(input);
   if (albedo_clamped > 0)
     text += fmt::format("{} albedo texels were negative or not finite, and were read as 0\n", albedo_clamped);
@@ -134,8 +134,9 @@ std::string BakeReport::to_text() const {
     times += fmt::format("{}{} {:.2f} s", times.empty() ? "" : ", ", stage.name, stage.seconds);
     total += stage.seconds;
   }
-  text += fmt::format("{}; {:.2f} s in total on {}\n", times, total, device) + footprint_error_text(error);
-  if (fit.lobe_count_total > 0)
+  text += fmt::format("{}; {:.2f} s in total on {}\n", times, total, device);
+  if (has_tables) text += footprint_error_text(error);
+  if (fit.lobe_count_total > 0 && (has_tables || fit.nonfinite > 0))
     text += fmt::format(
         "{} lobes: {} were not finite, {} were limited to the largest kappa, {} are empty (they represent no normals), "
         "{} have no direction (their normals cancel out), and {} are too sharp for the data format\n",
@@ -151,8 +152,8 @@ std::string BakeReport::to_text() const {
     text += fmt::format("levels finer than {} are never visible, so they are not stored\n", first_level);
   else if (first_level > 0)
     text += fmt::format("levels finer than {} are not stored, because renderers compute them from the normal map{}\n",
-                        first_level, has_finer ? ", as this table does" : "");
-  return text + accuracy_table(accuracy);
+                        first_level, has_finer && has_tables ? ", as this table does" : "");
+  return has_tables ? text + accuracy_table(accuracy) : text;
 }
 
 }  // namespace multum

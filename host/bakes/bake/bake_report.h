@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -13,6 +14,7 @@
 #include "host/bakes/pyramid/average_pass.h"
 #include "host/formats/image/material_maps.h"
 #include "host/formats/image/normals/normal_map.h"
+#include "host/formats/image/plane_mosaic.h"
 #include "host/formats/opencl/device.h"
 
 namespace multum {
@@ -56,18 +58,19 @@ struct BakeReport {
   std::map<std::string, int> builds;              // number of programs built or loaded from the cache, by
                                                   // kernels/FILE.cl
   std::vector<AccuracyRow> accuracy;
-  std::vector<FootprintError> error;    // pixel errors for each BRDF of `accuracy`
-  std::string choice;                   // reasons for the chosen settings, one per line; empty if no settings were
-                                        // chosen
-  std::optional<double> picture_error;  // relative L1 error of a picture with the chosen settings, if it was drawn
+  std::vector<FootprintError> error;        // pixel errors for each BRDF of `accuracy`
+  std::string choice;                       // reasons for the chosen settings, one per line; empty if no settings were
+                                            // chosen
+  std::shared_ptr<const MapMosaic> mosaic;  // set if BakeJob::keeps_mosaic is true and the whole map was baked
+  std::optional<double> picture_error;      // relative L1 error of a picture with the chosen settings, if it was drawn
 
   /// Returns the plan of the bands and levels, either of the fit or of the averages.
   const std::string& plan() const { return fit.plan.empty() ? average.plan : fit.plan; }
   /// Returns the total time of all stages, except for choosing settings and measuring.
   double bake_seconds() const;
   std::string to_json() const;
-  /// Formats a few lines for a terminal.
-  std::string to_text() const;
+  /// Formats a few lines for a terminal, or all tables if `has_tables` is true.
+  std::string to_text(bool has_tables) const;
 };
 
 }  // namespace multum

@@ -234,6 +234,9 @@ ExportReport export_file(const ExportJob& job, Device& device, Progress* progres
   report.height = source.map.normals.height();
   report.level_count = mip_level_count(report.width, report.height);
   check_sides(job.sides, job.input, report.width, report.height);
+  if (job.keeps_mosaic)
+    report.mosaic = std::make_shared<const MapMosaic>(
+        mosaic_of(source.map.normals, source.material ? &source.material->planes : nullptr, kSmallMosaic));
   report.textures = texture_list(output);
   report.preset_line = preset_line(job, output);
   report.files = material_files(output, report.width, report.height);

@@ -17,6 +17,7 @@
 #include "host/delivery/export/one_lobe_fit.h"
 #include "host/formats/image/material_maps.h"
 #include "host/formats/image/normals/normal_map.h"
+#include "host/formats/image/plane_mosaic.h"
 #include "host/formats/image/surface_points.h"
 #include "host/formats/opencl/device.h"
 #include "host/foundation/base/files/input_hashes.h"
@@ -47,6 +48,7 @@ struct ExportJob {
   int uastc_effort = 1;                    // effort of MaterialTexels::kUastc
   std::string encoder;                     // see UastcSettings::encoder
   bool measure = true;
+  bool keeps_mosaic = false;  // fill ExportReport::mosaic
   ExportAccuracySettings accuracy;
   std::uint64_t memory_bytes = std::uint64_t{256} << 20;  // memory for buffers and maps; does not change the result
   // Folder for data that does not fit in memory. If empty, the output folder is used.
@@ -99,6 +101,7 @@ struct ExportReport {
   std::vector<std::string> side_warnings;    // warnings about readers that do not support textures of this size
   std::optional<ChosenForm> form;            // set only for MaterialForm::kAuto
   ExportAccuracy accuracy;
+  std::shared_ptr<const MapMosaic> mosaic;              // set if ExportJob::keeps_mosaic is true
   std::map<std::string, std::uint64_t> launches;        // number of launches per kernel
   std::vector<std::pair<std::string, double>> seconds;  // seconds per stage
 

@@ -1,228 +1,35 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/delivery/export/formed_material.h"
 
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <cstdint>
-#include <functional>
-#include <glm/geometric.hpp>
-#include <utility>
 #include <vector>
 
+#include "host/delivery/export/held_material.h"
 #include "host/delivery/forms/simple_views.h"
 #include "host/formats/asset/baked_file.h"
 #include "host/foundation/base/error.h"
-#include "host/foundation/base/processes/parallel.h"
-#include "host/foundation/base/size_of.h"
 
 namespace multum {
 namespace {
 
 constexpr std::size_t kPixelsPerView = 140;
-constexpr int kRowsAtOnce = 64;
-constexpr double kColour = 0.5;      // assumed base colour, because exports have none
-constexpr float kMeanLeast = 0.01f;  // shortest usable mean; shorter means consist of rounding errors
+constexpr double kColour = 0.5;  // assumed base colour, because exports have none
 
-// A texture that computes each texel on request.
-class AskedTexture : public SharesTexture {
- public:
-  using Ask = std::function<glm::dvec4(int level, int x, int y)>;
-  AskedTexture(const TextureFrame& frame, Ask ask) : SharesTexture(frame), ask_(std::move(ask)) {}
-  glm::dvec4 texel(int level, int x, int y) const override { return ask_(level, x, y); }
-
- private:
-  const Ask ask_;
-};
-
-glm::dvec4 shares_of(const std::array<float, 3>& normal, double alpha) {
-  return {0.5 + 0.5 * glm::dvec3(normal[0], normal[1], normal[2]), alpha};
+// Draws pictures to choose the form.
+ChosenForm choose_form(const HeldMaterial& held, const OneLobeInputs& inputs, Engine engine) {
+  const HeldMaterial::Textures textures = held.textures();
+  const int width = inputs.normals->width(), height = inputs.normals->height();
+  const std::vector<ModelPicture> seen = simple_views(width, height, kPixelsPerView);
+  const FormMeter meter(textures.form_textures(inputs.has_metalness ? 1.0 : 0.0, kColour), seen,
+                        {engine, false, inputs.threads});
+  ChosenForm made;
+  made.views = meter.views();
+  made.normals = NormalForm::of(mip_level_count(width, height), {true, 1.0});
+  if (made.views.empty()) return made;
+  const ChosenNormalForm chosen = choose_normal_form(meter, made.normals);
+  made.normals = chosen.form;
+  made.errors = {{"plain", chosen.plain}, {"one_lobe", chosen.fitted}, {"chosen", chosen.chosen}};
+  return made;
 }
-
-// Holds levels 1 and coarser until their form is chosen. Level 0 is passed on immediately.
-class WaitingMaterial : public MaterialSink {
- public:
-  WaitingMaterial(const OneLobeInputs& inputs, const OneLobeSettings& settings, const FormSettings& form,
-                  MaterialSink& sink)
-      : inputs_(inputs),
-        form_(form),
-        sink_(sink),
-        is_unit_(form.has_two_channels || filter_of(form.engine).rebuilds_z),
-        base_(static_cast<float>(std::sqrt(std::max(kAlphaMin, settings.base_roughness * settings.base_roughness)))),
-        frame_{inputs.normals->width(), inputs.normals->height(),
-               mip_level_count(inputs.normals->width(), inputs.normals->height())} {
-    for (int level = 1; level < frame_.level_count; ++level) {
-      const int width = mip_level_size(frame_.width, level), height = mip_level_size(frame_.height, level);
-      levels_.push_back({make_plane_store(width, height, form.spill), make_plane_store(width, height, form.spill),
-                         make_plane_store(width, height, form.spill), std::nullopt});
-      if (inputs.has_metalness) levels_.back().metalness = make_plane_store(width, height, form.spill);
-    }
-  }
-
-  void add_level(int level, int first_row, MaterialRows rows) override {
-    if (level == 0) {
-      sink_.add_level(level, first_row, std::move(rows));
-      return;
-    }
-    Level& at = level_at(level);
-    for (std::size_t i = 0; i < rows.means.size(); ++i) {
-      const float length = glm::length(rows.means[i]);
-      if (length < kMeanLeast) rows.means[i] = rows.normals[i];
-      else if (is_unit_) rows.means[i] /= length;
-    }
-    write_vectors(at.normals, first_row, rows.height, rows.normals);
-    write_vectors(at.means, first_row, rows.height, rows.means);
-    const std::vector<float> plain(rows.roughness.size(), base_);
-    const std::vector<float>& occlusion = rows.occlusion.empty() ? plain : rows.occlusion;
-    at.values.write_rows(first_row, rows.height, {rows.roughness.data(), plain.data(), occlusion.data()});
-    if (at.metalness)
-      at.metalness->write_rows(first_row, rows.height,
-                               {rows.metalness.data(), rows.metalness.data(), rows.metalness.data()});
-  }
-
-  /// Draws pictures to choose the form, after all rows have arrived.
-  ChosenForm choose() {
-    average_roughness();
-    const AskedTexture averages(frame_, [this](int level, int x, int y) { return average_at(level, x, y); });
-    const AskedTexture normals(frame_, [this](int level, int x, int y) {
-      return level == 0 ? average_at(0, x, y) : shares_of(level_at(level).normals.texel(x, y), 1.0);
-    });
-    const AskedTexture surface(frame_, [this](int level, int x, int y) { return surface_at(level, x, y); });
-    const std::vector<ModelPicture> seen = simple_views(frame_.width, frame_.height, kPixelsPerView);
-    const FormMeter meter({&averages, &normals, &surface, inputs_.has_metalness ? 1.0 : 0.0, kColour}, seen,
-                          {form_.engine, false, inputs_.threads});
-    ChosenForm made;
-    made.views = meter.views();
-    made.normals = NormalForm::of(frame_.level_count, {true, 1.0});
-    if (made.views.empty()) return made;
-    const ChosenNormalForm chosen = choose_normal_form(meter, made.normals);
-    made.normals = chosen.form;
-    made.errors = {{"plain", chosen.plain}, {"one_lobe", chosen.fitted}, {"chosen", chosen.chosen}};
-    return made;
-  }
-
-  /// Passes all levels on.
-  void pass(const NormalForm& form, Progress* progress) {
-    for (int level = 1; level < frame_.level_count; ++level) {
-      const int height = mip_level_size(frame_.height, level);
-      for (int row = 0; row < height; row += kRowsAtOnce) {
-        progress_advance(progress, 0);
-        const int count = std::min(kRowsAtOnce, height - row);
-        sink_.add_level(level, row, formed_rows(form.levels[size_of(level)], level, row, count));
-      }
-    }
-  }
-
- private:
-  struct Level {
-    PlaneStore normals, means, values;    // `values` holds fitted roughness, mean roughness without normals, and
-                                          // occlusion
-    std::optional<PlaneStore> metalness;  // stored three times
-  };
-
-  Level& level_at(int level) { return levels_[size_of(level - 1)]; }
-  const Level& level_at(int level) const { return levels_[size_of(level - 1)]; }
-
-  static void write_vectors(PlaneStore& store, int first_row, int row_count, const std::vector<glm::vec3>& vectors) {
-    std::array<std::vector<float>, 3> planes;
-    for (std::size_t p = 0; p < 3; ++p) {
-      planes[p].reserve(vectors.size());
-      for (const glm::vec3& v : vectors) planes[p].push_back(v[static_cast<int>(p)]);
-    }
-    store.write_rows(first_row, row_count, {planes[0].data(), planes[1].data(), planes[2].data()});
-  }
-  static std::array<std::vector<float>, 3> read(const PlaneStore& store, int first_row, int row_count) {
-    std::array<std::vector<float>, 3> planes;
-    for (std::vector<float>& plane : planes) plane.resize(size_of(store.width()) * size_of(row_count));
-    store.read_rows(first_row, row_count, {planes[0].data(), planes[1].data(), planes[2].data()});
-    return planes;
-  }
-
-  double finest_roughness(int x, int y) const {
-    if (!inputs_.has_roughness) return static_cast<double>(base_);
-    const auto squared = static_cast<double>(inputs_.material->texel(x, y)[0]);  // alpha^2
-    return std::sqrt(std::max(kAlphaMin, std::sqrt(squared)));
-  }
-  glm::dvec4 average_at(int level, int x, int y) const {
-    if (level == 0) return shares_of(inputs_.normals->texel(x, y), finest_roughness(x, y));
-    const Level& at = level_at(level);
-    return shares_of(at.means.texel(x, y), static_cast<double>(at.values.texel(x, y)[1]));
-  }
-  glm::dvec4 surface_at(int level, int x, int y) const {
-    const double roughness =
-        level == 0 ? finest_roughness(x, y) : static_cast<double>(level_at(level).values.texel(x, y)[0]);
-    double metalness = 0.0;
-    if (inputs_.has_metalness)
-      metalness = static_cast<double>(level == 0 ? inputs_.material->texel(x, y)[2]
-                                                 : level_at(level).metalness->texel(x, y)[0]);
-    return {1.0, roughness, metalness, 1.0};
-  }
-
-  // If a map has roughness, averages perceptual roughness in the same way as a renderer's mips.
-  void average_roughness() {
-    if (!inputs_.has_roughness) return;
-    for (int level = 1; level < frame_.level_count; ++level) {
-      const int height = mip_level_size(frame_.height, level);
-      for_each_row_band(height, kRowsAtOnce, inputs_.threads,
-                        [&](int, int begin, int end) { average_rows(level, begin, end - begin); });
-    }
-  }
-
-  // Sets each texel to the average of the texels that it covers in the previous level.
-  void average_rows(int level, int first, int count) {
-    Level& at = level_at(level);
-    const int width = mip_level_size(frame_.width, level), height = mip_level_size(frame_.height, level);
-    const int finer_width = mip_level_size(frame_.width, level - 1),
-              finer_height = mip_level_size(frame_.height, level - 1);
-    const auto edge = [](int index, int from, int to) { return static_cast<int>(std::int64_t{index} * from / to); };
-    std::array<std::vector<float>, 3> values = read(at.values, first, count);
-    for (int y = first; y < first + count; ++y) {
-      const int top = edge(y, finer_height, height), bottom = edge(y + 1, finer_height, height);
-      std::vector<float> finer(size_of(finer_width) * size_of(bottom - top));
-      if (level > 1) level_at(level - 1).values.read_rows(1, top, bottom - top, finer.data());
-      else inputs_.material->read_rows(0, top, bottom - top, finer.data());
-      if (level == 1)
-        for (float& value : finer) value = std::sqrt(std::max(static_cast<float>(kAlphaMin), std::sqrt(value)));
-      for (int x = 0; x < width; ++x) {
-        const int left = edge(x, finer_width, width), right = edge(x + 1, finer_width, width);
-        float sum = 0.0f;
-        for (int v = 0; v < bottom - top; ++v)
-          for (int u = left; u < right; ++u) sum += finer[size_of(v) * size_of(finer_width) + size_of(u)];
-        values[1][size_of(y - first) * size_of(width) + size_of(x)] =
-            sum / static_cast<float>((bottom - top) * (right - left));
-      }
-    }
-    at.values.write_rows(first, count, {values[0].data(), values[1].data(), values[2].data()});
-  }
-
-  MaterialRows formed_rows(const LevelForm& form, int level, int first_row, int row_count) const {
-    const Level& at = level_at(level);
-    const int width = mip_level_size(frame_.width, level);
-    const std::size_t texels = size_of(width) * size_of(row_count);
-    MaterialRows rows{width, row_count, std::vector<glm::vec3>(texels), std::vector<float>(texels), {}, {}, {}};
-    const auto normals = read(form.has_fitted_normals ? at.normals : at.means, first_row, row_count);
-    auto values = read(at.values, first_row, row_count);
-    for (std::size_t i = 0; i < texels; ++i) {
-      rows.normals[i] = {normals[0][i], normals[1][i], normals[2][i]};
-      rows.roughness[i] =
-          form.fitted_share == 1.0
-              ? values[0][i]
-              : static_cast<float>(mixed_roughness(static_cast<double>(values[1][i]), static_cast<double>(values[0][i]),
-                                                   form.fitted_share));
-    }
-    if (inputs_.has_occlusion) rows.occlusion = std::move(values[2]);
-    if (at.metalness) rows.metalness = std::move(read(*at.metalness, first_row, row_count)[0]);
-    return rows;
-  }
-
-  const OneLobeInputs& inputs_;
-  const FormSettings form_;
-  MaterialSink& sink_;
-  const bool is_unit_;
-  const float base_;  // perceptual; used without a roughness map
-  const TextureFrame frame_;
-  std::vector<Level> levels_;  // from 1 on
-};
 
 }  // namespace
 
@@ -233,15 +40,17 @@ FormedReport fit_formed_material(Device& device, const OneLobeInputs& inputs, co
   MULTUM_CHECK(!settings.is_anisotropic);
   OneLobeInputs with_means = inputs;
   with_means.wants_means = true;
-  WaitingMaterial waiting(with_means, settings, form, sink);
-  FormedReport report{fit_one_lobe(device, with_means, settings, waiting, progress), std::nullopt};
+  HeldMaterial held(with_means, settings, form.has_two_channels || filter_of(form.engine).rebuilds_z, form.spill,
+                    &sink);
+  FormedReport report{fit_one_lobe(device, with_means, settings, held, progress), std::nullopt};
   progress_stage(progress, "form");
   NormalForm normals = NormalForm::of(mip_level_count(inputs.normals->width(), inputs.normals->height()), {false, 1.0});
   if (form.form == MaterialForm::kAuto) {
-    report.form = waiting.choose();
+    held.average_roughness();
+    report.form = choose_form(held, with_means, form.engine);
     normals = report.form->normals;
   }
-  waiting.pass(normals, progress);
+  held.pass(normals, sink, progress);
   return report;
 }
 

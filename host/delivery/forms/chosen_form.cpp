@@ -27,15 +27,13 @@ std::size_t most_different(const FormError& one, const FormError& other) {
 std::string ChosenForm::to_text(bool has_own_maps) const {
   if (views.empty()) return "the pictures do not show this material";
   const bool has_candidates = errors.contains("lobes_4");
-  const FormError &before = errors.at(has_candidates ? "points_4" : "plain"),
-                  &after = errors.at(has_candidates ? "lobes_4" : "one_lobe");
+  const FormError &before = errors.at("plain"), &after = errors.at(has_candidates ? "lobes_4" : "chosen");
   const std::size_t at = most_different(before, after);
   const auto percent = [&](const char* name) { return fmt::format("{:.1f} %", errors.at(name).by_view[at]); };
-  std::string text = fmt::format("{} plain {}, one lobe {}", text_of(views[at]), percent("plain"), percent("one_lobe"));
-  if (!normals.is_plain()) text += fmt::format(", chosen {}", percent("chosen"));
-  if (has_candidates)
-    text += fmt::format("; with 4 evaluations points {}, lobes {}", percent("points_4"), percent("lobes_4"));
-  text += ": ";
+  std::string text =
+      fmt::format("{}: plain mips {}, export {}", text_of(views[at]), percent("plain"), percent("chosen"));
+  if (has_candidates) text += fmt::format(", with 4 evaluations {}, lobes {}", percent("points_4"), percent("lobes_4"));
+  text += "; ";
   if (normals.has_fitted_normals()) text += "fitted normals and roughness";
   else if (normals.is_plain()) text += has_own_maps ? "its own maps stay" : "averages";
   else text += has_own_maps ? "keeps its normals, fitted roughness" : "averaged normals, fitted roughness";

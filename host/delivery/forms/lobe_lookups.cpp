@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <iterator>
 
 #include "host/formats/asset/lobes/movmf_reader.h"
 
@@ -32,6 +33,13 @@ LobeLevels::LobeLevels(const std::string& path, WrapMode wrap_s, WrapMode wrap_t
     levels_[size_of(level)] = reader.read_level(first + level, 0, size.height);
     finest_held_ = level;
   }
+}
+
+LobeLevels::LobeLevels(MovmfMipmap baked, WrapMode wrap_s, WrapMode wrap_t) {
+  const int first = baked.header.first_level, last = static_cast<int>(baked.levels.size()) - 1;
+  count_ = static_cast<int>(baked.levels.back().lobes.size());
+  frame_ = {baked.levels[size_of(first)].width, baked.levels[size_of(first)].height, last - first + 1, wrap_s, wrap_t};
+  levels_.assign(std::make_move_iterator(baked.levels.begin() + first), std::make_move_iterator(baked.levels.end()));
 }
 
 glm::dvec4 LobeLevels::Layer::texel(int level, int x, int y) const {

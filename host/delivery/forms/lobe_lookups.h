@@ -20,6 +20,8 @@ class LobeLevels {
  public:
   /// Loads as many levels of a baked file as fit together into `bytes_max`. Throws Error(kInput).
   LobeLevels(const std::string& path, WrapMode wrap_s, WrapMode wrap_t, std::uint64_t bytes_max);
+  /// Takes the levels of a bake in memory.
+  LobeLevels(MovmfMipmap baked, WrapMode wrap_s, WrapMode wrap_t);
 
   int count() const { return count_; }
   bool has_colours() const { return !levels_.empty() && !levels_.back().colours.empty(); }

@@ -5,10 +5,12 @@
 #include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <numbers>
 #include <optional>
 
 #include "host/foundation/base/processes/parallel.h"
 #include "host/foundation/base/size_of.h"
+#include "host/foundation/base/split_mix.h"
 
 namespace multum {
 namespace {
@@ -43,6 +45,16 @@ SurfacePoint moved(const ModelPixel& pixel, double x, double y) {
 // The offsets of the pixels whose normals are compared with a pixel's normal.
 constexpr glm::dvec2 kBeside[] = {{1.0, 0.0}, {0.0, 1.0}};
 
+constexpr double kPictureShare = 100.0 / kFormSuns;  // share of a picture in the error of its lighting, in percent
+
+// The pictures of a lighting, from the first to the one before `end`.
+struct LightRange {
+  std::size_t begin, end;
+};
+LightRange lights_of(FormLighting lighting) {
+  return lighting == FormLighting::kSuns ? LightRange{0, kFormSuns} : LightRange{kFormSuns, kFormLights};
+}
+
 double part_place(int i, int count) { return (i + 0.5) / count - 0.5; }
 
 }  // namespace
@@ -52,31 +64,92 @@ FormMeter::FormMeter(const FormTextures& textures, const std::vector<ModelPictur
     : textures_(textures),
       filter_(filter_of(settings.engine)),
       has_points_(settings.has_points),
-      threads_(settings.threads) {
+      threads_(settings.threads),
+      surroundings_(settings.surroundings) {
   for (const ModelPicture& picture : pictures) views_.push_back({picture.distance, picture.shape});
   std::sort(views_.begin(), views_.end());
   views_.erase(std::unique(views_.begin(), views_.end()), views_.end());
   for (const ModelPicture& picture : pictures) {
     const auto at = std::lower_bound(views_.begin(), views_.end(), FormView{picture.distance, picture.shape});
     for (const ModelPixel& pixel : picture.pixels)
-      pixels_.push_back({&picture, &pixel, static_cast<std::size_t>(at - views_.begin()), {}, {}, {}, {}, {}, {}});
+      pixels_.push_back({&picture,
+                         &pixel,
+                         static_cast<std::size_t>(at - views_.begin()),
+                         {},
+                         {},
+                         {},
+                         {},
+                         {1.0, 1.0, 1.0},
+                         {},
+                         {},
+                         {}});
   }
   for_each_row_band(static_cast<int>(pixels_.size()), kPixelsAtOnce, threads_, [&](int, int begin, int end) {
-    for (int i = begin; i < end; ++i) prepare(pixels_[size_of(i)]);
+    for (int i = begin; i < end; ++i) prepare(pixels_[size_of(i)], size_of(i));
   });
   // The relative L1 error is the sum of differences divided by the sum of references, over all pixels of a view.
   // Returns the mean of this error over lights.
+  const auto occurrence = [](const Measured& at, std::size_t l) { return at.sun_weights[l % kFormSuns]; };
   std::vector<FormLight> wholes(views_.size());
   for (const Measured& at : pixels_)
-    for (std::size_t l = 0; l < kFormLights; ++l) wholes[at.view][l] += at.reference[l];
+    for (std::size_t l = 0; l < kFormLights; ++l) wholes[at.view][l] += occurrence(at, l) * at.reference[l];
   for (Measured& at : pixels_)
     for (std::size_t l = 0; l < kFormLights; ++l)
-      at.weights[l] = 100.0 / kFormLights / std::max(wholes[at.view][l], 1e-12);
+      at.weights[l] = occurrence(at, l) * kPictureShare / std::max(wholes[at.view][l], 1e-12);
 }
 
-void FormMeter::prepare(Measured& at) const {
+// Under a sky, each pixel has its own directional lights from all sides above. Half of them are chosen among those
+// whose highlight falls on the pixel, because the glints of a smooth surface would otherwise be too rare to be
+// measured. A light's weight is its density among all lights, divided by the density with which it was chosen.
+void FormMeter::choose_suns(Measured& at, std::size_t number) const {
+  constexpr double kEverywhere = 0.5 / std::numbers::pi;  // density of lights from above
+  constexpr std::size_t kSampled = 16, kNormals = 2 * kSampled;
+  constexpr double kAlphaLeast = 0.05;
   const ModelPixel& pixel = *at.pixel;
-  const Reference reference = reference_of(*at.picture, pixel, nullptr);
+  const glm::dvec3 view = glm::normalize(at.picture->eye - pixel.middle.position);
+  std::array<glm::dvec3, kNormals> normals;  // of the surface, and as often their mean, which mips contain
+  glm::dvec3 mean(0.0);
+  double alpha = kAlphaLeast;
+  for (std::size_t i = 0; i < kSampled; ++i) {
+    const SurfacePoint& sample = pixel.samples[(2 * i + 1) * pixel.samples.size() / (2 * kSampled)];
+    const glm::dvec4 texel = linear_lookup(*textures_.averages, 0, sample.place);
+    normals[i] = glm::normalize(turned_by(sample, 2.0 * glm::dvec3(texel) - 1.0));
+    mean += normals[i];
+    alpha = std::max(alpha, 1.5 * texel.w * texel.w);
+  }
+  const double length = glm::length(mean);
+  std::fill(normals.begin() + kSampled, normals.end(), length > 1e-6 ? mean / length : pixel.middle.normal);
+  const auto density = [&](const glm::dvec3& sun) {
+    const glm::dvec3 half = glm::normalize(sun + view);
+    double sum = 0.0;
+    for (const glm::dvec3& normal : normals) {
+      const double cosine = std::max(glm::dot(normal, half), 0.0), d = cosine * cosine * (alpha * alpha - 1.0) + 1.0;
+      sum += alpha * alpha / (std::numbers::pi * d * d) * cosine;
+    }
+    return sum / kNormals / (4.0 * std::max(glm::dot(view, half), 1e-3));
+  };
+  SplitMix64 random(number);
+  for (std::size_t i = 0; i < kFormSuns; ++i) {
+    const double kind = random.uniform(), u = random.uniform(), turn = 2.0 * std::numbers::pi * random.uniform();
+    const double height = kind < 0.5 ? u : std::sqrt((1.0 - u) / (1.0 + (alpha * alpha - 1.0) * u));
+    const double across = std::sqrt(std::max(0.0, 1.0 - height * height));
+    const glm::dvec3 axis =
+        kind < 0.5 ? glm::dvec3(0.0, 1.0, 0.0) : normals[size_of(static_cast<int>(random.next() % kNormals))];
+    const glm::dvec3 side = glm::normalize(
+        glm::cross(axis, std::abs(axis.x) < 0.8 ? glm::dvec3(1.0, 0.0, 0.0) : glm::dvec3(0.0, 0.0, 1.0)));
+    const glm::dvec3 chosen =
+        height * axis + across * (std::cos(turn) * side + std::sin(turn) * glm::cross(axis, side));
+    glm::dvec3& sun = at.scene.suns[i];
+    sun = kind < 0.5 ? chosen : 2.0 * glm::dot(view, chosen) * chosen - view;
+    at.sun_weights[i] = sun.y <= 0.0 ? 0.0 : kEverywhere / (0.5 * kEverywhere + 0.5 * density(sun));
+  }
+}
+
+void FormMeter::prepare(Measured& at, std::size_t number) const {
+  const ModelPixel& pixel = *at.pixel;
+  at.scene.surroundings = surroundings_;
+  if (surroundings_ == FormSurroundings::kSky) choose_suns(at, number);
+  const Reference reference = reference_of(*at.picture, pixel, nullptr, at.scene);
   at.reference = reference.light;
   at.noise = reference.noise;
   at.middle = look(pixel.middle, pixel, filter_.anisotropy_max, 0.0);
@@ -120,7 +193,7 @@ FormMeter::Looked FormMeter::look(const SurfacePoint& point, const ModelPixel& p
 }
 
 FormMeter::Reference FormMeter::reference_of(const ModelPicture& picture, const ModelPixel& pixel,
-                                             const LobeLevels* lobes) const {
+                                             const LobeLevels* lobes, const FormScene& scene) const {
   std::array<FormLight, 2> halves{};
   for (std::size_t i = 0; i < pixel.samples.size(); ++i) {
     const SurfacePoint& sample = pixel.samples[i];
@@ -128,9 +201,10 @@ FormMeter::Reference FormMeter::reference_of(const ModelPicture& picture, const 
     const glm::dvec3 normal = glm::normalize(2.0 * glm::dvec3(texel) - 1.0), turned = turned_by(sample, normal);
     FormSurface surface{texel.w, textures_.metallic_factor,
                         lobes == nullptr ? textures_.colour : lobes->finest_luminance(sample.place, normal)};
-    if (textures_.surface != nullptr) surface.metalness *= linear_lookup(*textures_.surface, 0, sample.place).z;
+    if (textures_.surface != nullptr && textures_.has_metalness_map)
+      surface.metalness *= linear_lookup(*textures_.surface, 0, sample.place).z;
     const FormLight light =
-        shaded_normal(glm::normalize(turned), surface, glm::normalize(picture.eye - sample.position));
+        shaded_normal(glm::normalize(turned), surface, glm::normalize(picture.eye - sample.position), scene);
     for (std::size_t l = 0; l < kFormLights; ++l) halves[i % 2][l] += light[l];
   }
   const double share = 1.0 / static_cast<double>(pixel.samples.size());
@@ -156,17 +230,19 @@ FormMeter::Bent FormMeter::bent(const SurfacePoint& point, const Looked& looked,
           mixed(looked.values[0].roughness(finer), looked.values[1].roughness(coarser))};
 }
 
-double FormMeter::contribution(const Measured& at, const FormLight& light) {
+double FormMeter::contribution(const Measured& at, const FormLight& light, FormLighting lighting) {
   double sum = 0.0;
-  for (std::size_t l = 0; l < kFormLights; ++l) sum += at.weights[l] * std::abs(light[l] - at.reference[l]);
+  const LightRange range = lights_of(lighting);
+  for (std::size_t l = range.begin; l < range.end; ++l) sum += at.weights[l] * std::abs(light[l] - at.reference[l]);
   return sum;
 }
 
 template <typename Shade>
-std::vector<double> FormMeter::contributions(const Shade& shade) const {
+std::vector<double> FormMeter::contributions(const Shade& shade, FormLighting lighting) const {
   std::vector<double> made(pixels_.size());
   for_each_row_band(static_cast<int>(pixels_.size()), kPixelsAtOnce, threads_, [&](int, int begin, int end) {
-    for (std::size_t i = size_of(begin); i < size_of(end); ++i) made[i] = contribution(pixels_[i], shade(pixels_[i]));
+    for (std::size_t i = size_of(begin); i < size_of(end); ++i)
+      made[i] = contribution(pixels_[i], shade(pixels_[i]), lighting);
   });
   return made;
 }
@@ -188,18 +264,19 @@ FormLight FormMeter::middle_light(const Measured& at, const NormalForm& form) co
   const glm::dmat3& to_view = at.picture->to_view;
   const EngineRoughness rough = engine_roughness(filter_, here.roughness, to_view * along[0], to_view * along[1]);
   return shaded_normal(here.normal, {rough.lights, at.middle.metal, textures_.colour, rough.surroundings},
-                       glm::normalize(at.picture->eye - pixel.middle.position));
+                       glm::normalize(at.picture->eye - pixel.middle.position), at.scene);
 }
 
-FormError FormMeter::noise() const {
+FormError FormMeter::noise(FormLighting lighting) const {
   std::vector<double> found(pixels_.size(), 0.0);
+  const LightRange range = lights_of(lighting);
   for (std::size_t i = 0; i < found.size(); ++i)
-    for (std::size_t l = 0; l < kFormLights; ++l) found[i] += pixels_[i].weights[l] * pixels_[i].noise[l];
+    for (std::size_t l = range.begin; l < range.end; ++l) found[i] += pixels_[i].weights[l] * pixels_[i].noise[l];
   return errors_of(found);
 }
 
-FormError FormMeter::normals(const NormalForm& form) const {
-  return errors_of(contributions([&](const Measured& at) { return middle_light(at, form); }));
+FormError FormMeter::normals(const NormalForm& form, FormLighting lighting) const {
+  return errors_of(contributions([&](const Measured& at) { return middle_light(at, form); }, lighting));
 }
 
 FormLight FormMeter::point_light(const Measured& at, const NormalForm& form, double colour) const {
@@ -212,8 +289,8 @@ FormLight FormMeter::point_light(const Measured& at, const NormalForm& form, dou
     const Bent here = bent(point, looked, form, filter_of(Engine::kThree));
     const double rough = roughness_of_variance(here.roughness, at.pixel->along_x.normal * (1.0 / kPointsPerSide),
                                                at.pixel->along_y.normal * (1.0 / kPointsPerSide));
-    const FormLight light =
-        shaded_normal(here.normal, {rough, looked.metal, colour}, glm::normalize(at.picture->eye - point.position));
+    const FormLight light = shaded_normal(here.normal, {rough, looked.metal, colour},
+                                          glm::normalize(at.picture->eye - point.position), at.scene);
     for (std::size_t l = 0; l < kFormLights; ++l) sum[l] += light[l] / kPoints;
   }
   return sum;
@@ -258,7 +335,7 @@ FormLight FormMeter::shade_lobes(const Measured& at, const LobeLevels& lobes, co
     const double rough =
         looked.values[0].rough + looked.coarser_share * (looked.values[1].rough - looked.values[0].rough);
     const FormSurface surface{std::max(rough, kLobeRoughnessMin), looked.metal, factor * colours.mean};
-    const FormLight light = shaded_lobe(lobe / std::max(lobe.w, 1e-6), surface, from);
+    const FormLight light = shaded_lobe(lobe / std::max(lobe.w, 1e-6), surface, from, at.scene);
     for (std::size_t l = 0; l < kFormLights; ++l) made[l] += weight * light[l];
   };
   std::vector<glm::dvec4> all(count, glm::dvec4(0.0));
@@ -286,10 +363,12 @@ FormLight FormMeter::shade_lobes(const Measured& at, const LobeLevels& lobes, co
   return made;
 }
 
-FormError FormMeter::lobes(const LobeLevels& lobes, const NormalForm& form) const {
-  return errors_of(contributions([&](const Measured& at) {
-    return shade_lobes(at, lobes, form, {textures_.colour, {}});
-  }));
+FormError FormMeter::lobes(const LobeLevels& lobes, const NormalForm& form, FormLighting lighting) const {
+  return errors_of(contributions(
+      [&](const Measured& at) {
+        return shade_lobes(at, lobes, form, {textures_.colour, {}});
+      },
+      lighting));
 }
 
 FormMeter::PixelColours FormMeter::colours_of(const ModelPixel& pixel, const LobeLevels& lobes) {
@@ -322,7 +401,7 @@ FormMeter::Coloured FormMeter::coloured_lobes(const LobeLevels& lobes, const Nor
     for (std::size_t i = size_of(begin); i < size_of(end); ++i) {
       const Measured& at = pixels_[i];
       const PixelColours own = colours_of(*at.pixel, lobes);
-      lights[i].reference = reference_of(*at.picture, *at.pixel, &lobes).light;
+      lights[i].reference = reference_of(*at.picture, *at.pixel, &lobes, at.scene).light;
       lights[i].mean = shade_lobes(at, lobes, form, {own.mean, {}});
       lights[i].own = shade_lobes(at, lobes, form, own);
     }
@@ -333,8 +412,8 @@ FormMeter::Coloured FormMeter::coloured_lobes(const LobeLevels& lobes, const Nor
   const auto error = [&](FormLight Lights::*light) {
     std::vector<double> found(lights.size(), 0.0);
     for (std::size_t i = 0; i < lights.size(); ++i)
-      for (std::size_t l = 0; l < kFormLights; ++l)
-        found[i] += 100.0 / kFormLights / std::max(wholes[pixels_[i].view][l], 1e-12) *
+      for (std::size_t l = 0; l < kFormSuns; ++l)
+        found[i] += kPictureShare / std::max(wholes[pixels_[i].view][l], 1e-12) *
                     std::abs((lights[i].*light)[l] - lights[i].reference[l]);
     return errors_of(found);
   };

@@ -25,7 +25,8 @@ struct FormTextures {
   const SharesTexture* normals = nullptr;   // normals of fitted lobes
   const SharesTexture* surface = nullptr;   // green: roughness of fitted lobes; blue: metalness; if null, both are 1
   double metallic_factor = 1.0;
-  double colour = 0.5;  // base colour, grey
+  double colour = 0.5;            // base colour, grey
+  bool has_metalness_map = true;  // false if `surface` has the same metalness everywhere in level 0
 };
 
 /// One normal and roughness per texel. The normal is averaged or fitted. The roughness includes a share of the
@@ -63,6 +64,9 @@ struct FormView {
   auto operator<=>(const FormView&) const = default;
 };
 
+/// The pictures that an error covers: those with directional lights, which choose forms, or the one without.
+enum class FormLighting { kSuns, kSurroundings };
+
 /// Relative L1 error in percent, by view.
 struct FormError {
   std::vector<double> by_view;
@@ -73,6 +77,7 @@ struct FormMeterSettings {
   Engine engine = Engine::kThree;  // engine of normals() and improve()
   bool has_points = true;          // true if points() and lobes() are needed
   int threads = 1;
+  FormSurroundings surroundings = FormSurroundings::kRoom;
 };
 
 class FormMeter {
@@ -85,17 +90,17 @@ class FormMeter {
   int level_count() const { return textures_.averages->frame().level_count; }
 
   /// Returns the error if the material is drawn with one evaluation per pixel, as in the engine.
-  FormError normals(const NormalForm& form) const;
+  FormError normals(const NormalForm& form, FormLighting lighting = FormLighting::kSuns) const;
   /// Changes one level after the other. Each level takes the form that reduces the mean error most while the error of
   /// each view stays below `limits`. Levels coarser than last_seen_level() take the form of that level.
   void improve(NormalForm& form, const std::vector<double>& limits) const;
   /// Returns the error that is due to the sampling of the references. It is estimated from two halves of the samples.
-  FormError noise() const;
+  FormError noise(FormLighting lighting = FormLighting::kSuns) const;
   /// Returns the error with 2 x 2 points per pixel and the variance of slopes, as in addPoints() of @multum/three.
   FormError points(const NormalForm& form) const;
   /// Returns the error of lobes that addLobes() of @multum/three draws with 4 evaluations and with textures of this
   /// form.
-  FormError lobes(const LobeLevels& lobes, const NormalForm& form) const;
+  FormError lobes(const LobeLevels& lobes, const NormalForm& form, FormLighting lighting = FormLighting::kSuns) const;
   /// The errors in colour for lobes that have colours, with the texel's mean colour and with each lobe's own colour.
   struct Coloured {
     FormError mean, own;
@@ -120,7 +125,10 @@ class FormMeter {
     const ModelPixel* pixel;
     std::size_t view;  // index into views_
     FormLight reference, noise;
-    FormLight weights;           // weights of differences in the error, percent
+    FormLight weights;  // weights of differences in the error, percent
+    FormScene scene;
+    // The density of each directional light among all lights, divided by the density with which it was chosen.
+    std::array<double, kFormSuns> sun_weights{1.0, 1.0, 1.0};
     Looked middle;               // the values at the pixel's middle as the engine reads them
     std::vector<Looked> beside;  // the pixels to the right and below, if this pixel's roughness uses them
     std::vector<Looked> points;  // the values at 2 x 2 points
@@ -135,21 +143,23 @@ class FormMeter {
     glm::dvec3 normal{0.0, 0.0, 1.0};
     double roughness = 1.0;
   };
-  void prepare(Measured& at) const;
+  void prepare(Measured& at, std::size_t number) const;
   Looked look(const SurfacePoint& point, const ModelPixel& pixel, int anisotropy_max, double bias) const;
   // Returns the reference of a pixel. `lobes` contains the colours. If `lobes` is null, all colours are equal.
   struct Reference {
     FormLight light, noise;  // noise: distance of both sample halves from the reference
   };
-  Reference reference_of(const ModelPicture& picture, const ModelPixel& pixel, const LobeLevels* lobes) const;
+  Reference reference_of(const ModelPicture& picture, const ModelPixel& pixel, const LobeLevels* lobes,
+                         const FormScene& scene) const;
+  void choose_suns(Measured& at, std::size_t number) const;
   static Bent bent(const SurfacePoint& point, const Looked& looked, const NormalForm& form, const EngineFilter& filter);
   FormLight point_light(const Measured& at, const NormalForm& form, double colour) const;
   FormLight shade_lobes(const Measured& at, const LobeLevels& lobes, const NormalForm& form,
                         const PixelColours& colours) const;
   FormLight middle_light(const Measured& at, const NormalForm& form) const;
-  static double contribution(const Measured& at, const FormLight& light);
+  static double contribution(const Measured& at, const FormLight& light, FormLighting lighting = FormLighting::kSuns);
   template <typename Shade>
-  std::vector<double> contributions(const Shade& shade) const;
+  std::vector<double> contributions(const Shade& shade, FormLighting lighting = FormLighting::kSuns) const;
   FormError errors_of(const std::vector<double>& contributions) const;
   int last_seen_level() const;  // the coarsest level that several pixels show; coarser levels have the same form
   std::vector<std::size_t> pixels_of_levels(int first, int last) const;
@@ -158,6 +168,7 @@ class FormMeter {
   const EngineFilter& filter_;
   const bool has_points_;
   const int threads_;
+  const FormSurroundings surroundings_;
   std::vector<FormView> views_;
   std::vector<Measured> pixels_;
 };

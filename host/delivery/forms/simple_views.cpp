@@ -9,12 +9,12 @@
 #include <numbers>
 #include <optional>
 
+#include "host/foundation/base/processes/parallel.h"
 #include "host/foundation/base/size_of.h"
 
 namespace multum {
 namespace {
 
-constexpr int kSimpleSamples = 8;           // samples per side of a pixel
 constexpr double kSimpleTexelsMost = 32.0;  // texels per pixel; coarser views reuse the last level
 constexpr double kSpherePixelsMin = 4.0;    // smallest radius of the sphere
 constexpr double kSphereRim = 0.9;          // share of the sphere's area in the picture; the rest counts as edges
@@ -23,7 +23,6 @@ constexpr double kTilts[] = {0.0, 35.0, 75.0};
 constexpr double kPoleMost = 1.4;  // largest latitude on the sphere in radians, because tangent frames turn fast near
                                    // the poles
 constexpr double kFar = 1e7;       // distance of the eye in texels, so large that all rays are parallel
-constexpr const char *kPlane = "plane", *kTiltedPlane = "tilted plane", *kSphere = "sphere";
 constexpr double kTurn = 2.0 * std::numbers::pi;
 
 // Generates numbers from 0 to 1 that are evenly spread over any number of axes (Kronecker's sequence).
@@ -87,8 +86,7 @@ Seen plane_of(const Side& side, const MapSize& map, bool is_tilted, EvenNumbers&
   };
 }
 
-Seen sphere_of(const Side& side, const MapSize& map, EvenNumbers& numbers) {
-  const double radius = map.width / std::numbers::pi;
+Seen sphere_of(const Side& side, const MapSize& map, double radius, EvenNumbers& numbers) {
   const double out = radius / side.pixel * std::sqrt(kSphereRim * numbers.next()), turn = kTurn * numbers.next();
   const glm::dvec2 middle(out * std::cos(turn), out * std::sin(turn)), first(numbers.next(), numbers.next());
   // The wrap is relative to the pixel's own place, so that the map has no seam.
@@ -113,15 +111,15 @@ Seen sphere_of(const Side& side, const MapSize& map, EvenNumbers& numbers) {
 }
 
 // Returns nullopt if the pixel is on an edge.
-std::optional<ModelPixel> pixel_of(const Seen& seen) {
+std::optional<ModelPixel> pixel_of(const Seen& seen, int samples_per_side) {
   const auto middle = seen(0.0, 0.0), right = seen(0.5, 0.0), left = seen(-0.5, 0.0), below = seen(0.0, 0.5),
              above = seen(0.0, -0.5);
   if (!middle || !right || !left || !below || !above) return std::nullopt;
   ModelPixel made{*middle, *right - *left, *below - *above, {}};
-  made.samples.reserve(size_of(kSimpleSamples * kSimpleSamples));
-  for (int s = 0; s < kSimpleSamples * kSimpleSamples; ++s) {
-    const auto sample =
-        seen((s % kSimpleSamples + 0.5) / kSimpleSamples - 0.5, (s / kSimpleSamples + 0.5) / kSimpleSamples - 0.5);
+  made.samples.reserve(size_of(samples_per_side * samples_per_side));
+  const auto place = [&](int index) { return (index + 0.5) / samples_per_side - 0.5; };
+  for (int s = 0; s < samples_per_side * samples_per_side; ++s) {
+    const auto sample = seen(place(s % samples_per_side), place(s / samples_per_side));
     if (!sample) return std::nullopt;
     made.samples.push_back(*sample);
   }
@@ -130,27 +128,42 @@ std::optional<ModelPixel> pixel_of(const Seen& seen) {
 
 }  // namespace
 
-std::vector<ModelPicture> simple_views(int width, int height, std::size_t pixels_per_view) {
+std::vector<ModelPicture> shape_views(int width, int height, const ShapeViews& views) {
+  constexpr int kPixelsAtOnce = 64;
   const MapSize map{static_cast<double>(width), static_cast<double>(height)};
   std::vector<ModelPicture> made;
-  for (double texels = 1.0; texels <= kSimpleTexelsMost && map.width >= kSpherePixelsMin * std::numbers::pi * texels;
-       texels *= 2.0)
-    for (const char* shape : {kPlane, kTiltedPlane, kSphere})
-      for (std::size_t i = 0; i < pixels_per_view; ++i) {
-        EvenNumbers numbers(i);
-        const double turn = numbers.next(), rise = numbers.next();
-        const Side side(turn, rise, texels * std::exp2(numbers.next() - 0.5));
-        std::optional<ModelPixel> pixel = pixel_of(
-            shape == kSphere ? sphere_of(side, map, numbers) : plane_of(side, map, shape == kTiltedPlane, numbers));
-        if (!pixel) continue;
-        ModelPicture& picture = made.emplace_back();
-        picture.distance = texels;
-        picture.shape = shape;
-        picture.eye = pixel->middle.position + kFar * side.towards_eye;
-        picture.to_view = glm::transpose(glm::dmat3(side.right, side.up, side.towards_eye));
-        picture.pixels.push_back(std::move(*pixel));
-      }
+  for (const SeenDistance& seen : views.distances)
+    for (const char* shape : views.shapes) {
+      std::vector<ModelPicture> pictures(views.pixels_per_view);
+      for_each_row_band(static_cast<int>(pictures.size()), kPixelsAtOnce, views.threads, [&](int, int begin, int end) {
+        for (std::size_t i = size_of(begin); i < size_of(end); ++i) {
+          EvenNumbers numbers(i);
+          const double turn = numbers.next(), rise = numbers.next();
+          const Side side(turn, rise, seen.texels * std::exp2(views.octaves * (numbers.next() - 0.5)));
+          std::optional<ModelPixel> pixel =
+              pixel_of(shape == kSphere ? sphere_of(side, map, views.radius, numbers)
+                                        : plane_of(side, map, shape == kTiltedPlane, numbers),
+                       views.samples_per_side);
+          if (!pixel) continue;
+          ModelPicture& picture = pictures[i];
+          picture.distance = seen.distance;
+          picture.shape = shape;
+          picture.eye = pixel->middle.position + kFar * side.towards_eye;
+          picture.to_view = glm::transpose(glm::dmat3(side.right, side.up, side.towards_eye));
+          picture.pixels.push_back(std::move(*pixel));
+        }
+      });
+      for (ModelPicture& picture : pictures)
+        if (!picture.pixels.empty()) made.push_back(std::move(picture));
+    }
   return made;
+}
+
+std::vector<ModelPicture> simple_views(int width, int height, std::size_t pixels_per_view) {
+  ShapeViews views{{}, {kPlane, kTiltedPlane, kSphere}, width / std::numbers::pi, 1.0, pixels_per_view};
+  for (double texels = 1.0; texels <= kSimpleTexelsMost && views.radius >= kSpherePixelsMin * texels; texels *= 2.0)
+    views.distances.push_back({texels, texels});
+  return shape_views(width, height, views);
 }
 
 }  // namespace multum

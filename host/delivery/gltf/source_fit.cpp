@@ -345,19 +345,25 @@ std::string why_kept(const GltfAsset& asset, const Error& error) {
   return message.starts_with(beginning) ? message.substr(beginning.size()) : message;
 }
 
+SourcePlanes read_source(const GltfAsset& asset, const PreparedSource& prepared, const SourceFitSettings& settings,
+                         Progress* progress) {
+  SourcePlanes made{read_normals(asset, prepared, settings, progress), std::nullopt};
+  if (prepared.source.surface_image) made.material = read_material(asset, prepared, settings);
+  return made;
+}
+
 FittedSource fit_source(Device& device, const GltfAsset& asset, const PreparedSource& prepared, std::size_t number,
                         const SourceFitSettings& settings, Progress* progress) {
   const LobeSource& source = prepared.source;
-  const PlaneStore normals = read_normals(asset, prepared, settings, progress);
+  const SourcePlanes planes = read_source(asset, prepared, settings, progress);
   std::optional<PlaneStore> surface;
   if (settings.surface == MapSurface::kInterpolated)
-    surface = surface_normals(normals, {source.wrap_s, source.wrap_t}, spill_of(settings), settings.threads, progress);
-  std::optional<PlaneStore> material;
-  if (source.surface_image) material = read_material(asset, prepared, settings);
+    surface =
+        surface_normals(planes.normals, {source.wrap_s, source.wrap_t}, spill_of(settings), settings.threads, progress);
   OneLobeInputs inputs;
-  inputs.normals = &normals;
+  inputs.normals = &planes.normals;
   if (surface) inputs.surface = &*surface;
-  if (material) inputs.material = &*material;
+  if (planes.material) inputs.material = &*planes.material;
   inputs.has_roughness = inputs.has_metalness = source.surface_image.has_value();
   inputs.has_occlusion = source.has_occlusion;
   inputs.memory_bytes = settings.memory_bytes / 2;

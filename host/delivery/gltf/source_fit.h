@@ -82,6 +82,16 @@ void add_colours(const GltfAsset& asset, std::size_t image, const SourceFitSetti
 /// other than kInput.
 std::string why_kept(const GltfAsset& asset, const Error& error);
 
+/// The normals and the material of a source.
+struct SourcePlanes {
+  PlaneStore normals;
+  std::optional<PlaneStore> material;  // alpha^2, occlusion and metalness; set if the source has a surface image
+};
+
+/// Reads the images of a prepared source. Throws Error(kInput) that names the image, and Error(kEnvironment).
+SourcePlanes read_source(const GltfAsset& asset, const PreparedSource& prepared, const SourceFitSettings& settings,
+                         Progress* progress);
+
 /// The fitted textures. A texture that does not exist is null.
 struct FittedSource {
   std::unique_ptr<LevelFile> normal, surface, anisotropy;

@@ -21,29 +21,31 @@ constexpr int kFormRows = 64;
 // point.
 constexpr const char* kClearcoatNormal = "/extensions/KHR_materials_clearcoat/clearcoatNormalTexture";
 
-// Applies KHR_texture_transform. v grows upwards in meshes, but downwards in glTF.
-glm::dvec2 transformed(const TextureCoordinates& coordinates, const glm::dvec2& uv) {
+// If the noise is at least this share of an error, the errors of two forms cannot be told apart.
+constexpr double kNoiseMost = 0.5;
+
+}  // namespace
+
+GltfFactors gltf_factors(const GltfJson& material) {
+  constexpr double kGreyOfTextures = 0.5;
+  const auto found = material.find("pbrMetallicRoughness");
+  if (found == material.end()) return {};
+  const GltfJson& pbr = *found;
+  GltfFactors made{pbr.value("metallicFactor", 1.0), pbr.contains("baseColorTexture") ? kGreyOfTextures : 1.0};
+  if (const auto factor = pbr.find("baseColorFactor"); factor != pbr.end() && factor->is_array() &&
+                                                       factor->size() >= 3 && factor->at(0).is_number() &&
+                                                       factor->at(1).is_number() && factor->at(2).is_number())
+    made.grey *= 0.2126 * factor->at(0).get<double>() + 0.7152 * factor->at(1).get<double>() +
+                 0.0722 * factor->at(2).get<double>();
+  made.grey = std::clamp(made.grey, 0.02, 1.0);
+  return made;
+}
+
+glm::dvec2 place_in_image(const TextureCoordinates& coordinates, const glm::dvec2& uv) {
   const double u = coordinates.scale[0] * uv.x, v = coordinates.scale[1] * (1.0 - uv.y);
   const double c = std::cos(coordinates.rotation), s = std::sin(coordinates.rotation);
   return {coordinates.offset[0] + c * u + s * v, coordinates.offset[1] - s * u + c * v};
 }
-
-// If the noise is at least this share of an error, the errors of two forms cannot be told apart.
-constexpr double kNoiseMost = 0.5;
-
-// Returns the base colour as grey. The values of a colour texture are unknown here.
-double grey_of(const GltfJson& surface) {
-  constexpr double kOfTextures = 0.5;
-  double grey = surface.contains("baseColorTexture") ? kOfTextures : 1.0;
-  if (const auto factor = surface.find("baseColorFactor"); factor != surface.end() && factor->is_array() &&
-                                                           factor->size() >= 3 && factor->at(0).is_number() &&
-                                                           factor->at(1).is_number() && factor->at(2).is_number())
-    grey *= 0.2126 * factor->at(0).get<double>() + 0.7152 * factor->at(1).get<double>() +
-            0.0722 * factor->at(2).get<double>();
-  return std::clamp(grey, 0.02, 1.0);
-}
-
-}  // namespace
 
 struct SourceForms::Drawn {
   TriangleMesh mesh;
@@ -83,7 +85,7 @@ ChosenForm SourceForms::choose(std::size_t source, const FittedSource& fitted, c
     }
   MULTUM_CHECK(first.has_value());
   const TextureCoordinates& coordinates = plan_.materials[*first].coordinates;
-  surface.place_of_uv = [&](const glm::dvec2& uv) { return transformed(coordinates, uv); };
+  surface.place_of_uv = [&](const glm::dvec2& uv) { return place_in_image(coordinates, uv); };
 
   const Drawn* on = &drawn(coordinates.set);
   if (on->is_sphere) surface.materials = {0};
@@ -94,11 +96,9 @@ ChosenForm SourceForms::choose(std::size_t source, const FittedSource& fitted, c
   const LevelFileTexture averages(*fitted.averages, frame, bytes_each), normals(*fitted.normal, frame, bytes_each);
   std::optional<LevelFileTexture> material;
   if (fitted.surface != nullptr) material.emplace(*fitted.surface, frame, bytes_each);
-  static const GltfJson kNone = GltfJson::object();
   const GltfJson& described = asset_.array("materials").at(*first);
-  const GltfJson& pbr = described.contains("pbrMetallicRoughness") ? described.at("pbrMetallicRoughness") : kNone;
-  FormTextures textures{&averages, &normals, material ? &*material : nullptr, pbr.value("metallicFactor", 1.0),
-                        grey_of(pbr)};
+  const GltfFactors factors = gltf_factors(described);
+  const FormTextures textures{&averages, &normals, material ? &*material : nullptr, factors.metalness, factors.grey};
   const FormMeter meter(textures, pictures, {engine_, !baked.empty(), settings_.threads});
 
   ChosenForm made;

@@ -6,6 +6,8 @@
 #include <memory>
 #include <string>
 
+#include <glm/vec2.hpp>
+
 #include "host/delivery/forms/chosen_form.h"
 #include "host/delivery/gltf/material_plan.h"
 #include "host/delivery/gltf/source_fit.h"
@@ -13,6 +15,16 @@
 #include "host/foundation/parameters/parameter_choices.h"
 
 namespace multum {
+
+/// Factors of a glTF material: of its metalness, and of its base colour as grey. The values of a base colour texture
+/// are assumed to be 0.5.
+struct GltfFactors {
+  double metalness = 1.0, grey = 1.0;
+};
+GltfFactors gltf_factors(const GltfJson& material);
+
+/// Applies KHR_texture_transform. v grows upwards in meshes, but downwards in glTF.
+glm::dvec2 place_in_image(const TextureCoordinates& coordinates, const glm::dvec2& uv);
 
 /// The model is drawn on first use, once for all sources with the same set of texture coordinates.
 class SourceForms {

@@ -2,6 +2,7 @@
 #include "host/foundation/parameters/parameter_tables.h"
 
 #include "host/foundation/parameters/bake_parameters.h"
+#include "host/foundation/parameters/check_parameters.h"
 #include "host/foundation/parameters/export_parameters.h"
 #include "host/foundation/parameters/gltf_parameters.h"
 #include "host/foundation/parameters/infer_parameters.h"
@@ -11,8 +12,8 @@
 namespace multum {
 const std::vector<const ParameterTable*>& parameter_tables() {
   static const std::vector<const ParameterTable*> tables = {
-      &bake_parameters(), &scene_parameters(), &infer_parameters(),       &pack_parameters(), &export_parameters(),
-      &gltf_parameters(), &mip_parameters(),   &reflectance_parameters(), &lod_parameters()};
+      &bake_parameters(), &scene_parameters(), &infer_parameters(), &pack_parameters(),        &export_parameters(),
+      &gltf_parameters(), &check_parameters(), &mip_parameters(),   &reflectance_parameters(), &lod_parameters()};
   return tables;
 }
 

@@ -29,7 +29,7 @@ class ExportCommandTest : public ExportTest {};
 TEST_F(ExportCommandTest, OpenImageIoReadsTheLevels) {
   write("map.png", normal_image(35, 22));
   const ProgramResult result =
-      run({"--anisotropy", "--base-roughness", "0.2", "--report", path("r.json"), "--cells", "3"});
+      run({"--anisotropy", "--base-roughness", "0.2", "--report", path("r.json"), "--cells", "3", "-v"});
   ASSERT_EQ(result.exit_code, 0) << result.err;
   const std::pair<int, int> sizes[] = {{35, 22}, {17, 11}, {8, 5}, {4, 2}, {2, 1}, {1, 1}};
   for (std::size_t l = 0; l < std::size(sizes); ++l)

@@ -42,12 +42,12 @@ TEST_F(ExportFormsTest, PicturesOfSimpleShapesChooseTheForm) {
   write("map.png", normal_image(96, 64));
   write("rough.png", rough_image(96, 64));
   const std::vector<std::string> more = {
-      "--form", "auto",         "--for",       "godot",           "--format", "png",         "--sides",
-      "any",    "--no-measure", "--roughness", path("rough.png"), "--report", path("r.json")};
+      "--form", "auto",         "--for",       "godot",           "--format", "png",          "--sides",
+      "any",    "--no-measure", "--roughness", path("rough.png"), "--report", path("r.json"), "-v"};
   const ProgramResult result = run(more);
   ASSERT_EQ(result.exit_code, 0) << result.err;
-  EXPECT_NE(result.out.find(" texels per pixel plain "), std::string::npos) << result.out;
-  EXPECT_NE(result.out.find(" %, one lobe "), std::string::npos) << result.out;
+  EXPECT_NE(result.out.find(" texels per pixel: plain mips "), std::string::npos) << result.out;
+  EXPECT_NE(result.out.find(" %, export "), std::string::npos) << result.out;
   const auto report = nlohmann::json::parse(read_bytes(path("r.json")));
   EXPECT_EQ(report["form"], "auto");
   EXPECT_EQ(report["for"], "godot");

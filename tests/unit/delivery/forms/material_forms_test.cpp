@@ -66,12 +66,12 @@ class MaterialFormsTest : public Test {
   }
   // Calls `body` with a meter of the current material.
   template <typename Body>
-  void measure(const Body& body, Engine engine = Engine::kThree,
-               const std::vector<ModelPicture>& seen = pictures()) const {
+  void measure(const Body& body, Engine engine = Engine::kThree, const std::vector<ModelPicture>& seen = pictures(),
+               FormSurroundings surroundings = FormSurroundings::kRoom) const {
     const TextureFrame frame{kSide, kSide, averages_.level_count()};
     const LevelFileTexture averages(averages_, frame, 1 << 24), normals(normals_, frame, 1 << 24),
         surface(surface_, frame, 1 << 24);
-    body(FormMeter({&averages, &normals, &surface, 1.0, 0.8}, seen, {engine, true, 2}));
+    body(FormMeter({&averages, &normals, &surface, 1.0, 0.8}, seen, {engine, true, 2, surroundings}));
   }
 
   testing::TemporaryFolder folder_;
@@ -173,6 +173,36 @@ TEST_F(MaterialFormsTest, MorePointsAreNearer) {
     EXPECT_LT(meter.points(plain).mean, meter.normals(plain).mean);
     EXPECT_LT(meter.points(plain).mean, 5.0);
   });
+}
+
+// Glints of this roughness are small and bright. Without the choice of lights, the two errors differ by a third.
+TEST_F(MaterialFormsTest, UnderASkyAFewPixelsAreLikeMany) {
+  set_bumps(0.5, 0.1, 0.1);
+  const auto error = [&](std::size_t pixels, FormLighting lighting) {
+    double found = 0.0;
+    measure(
+        [&](const FormMeter& meter) { found = meter.normals(NormalForm::of(meter.level_count(), {}), lighting).mean; },
+        Engine::kThree, shape_views(kSide, kSide, {{{8.0, 8.0}}, {kSphere}, 24000.0, 0.0, pixels, 8}),
+        FormSurroundings::kSky);
+    return found;
+  };
+  for (const FormLighting lighting : {FormLighting::kSuns, FormLighting::kSurroundings}) {
+    const double many = error(12000, lighting);
+    EXPECT_GT(many, 5.0);
+    EXPECT_NEAR(error(1000, lighting), many, 0.1 * many);
+  }
+}
+
+TEST_F(MaterialFormsTest, UnderASkyAFlatMapHasNoError) {
+  set_bumps(0.0, 0.3, 0.3);
+  measure(
+      [](const FormMeter& meter) {
+        const NormalForm plain = NormalForm::of(meter.level_count(), {});
+        EXPECT_LT(meter.normals(plain).mean, 0.2);
+        EXPECT_LT(meter.normals(plain, FormLighting::kSurroundings).mean, 0.2);
+      },
+      Engine::kThree, shape_views(kSide, kSide, {{{8.0, 8.0}}, {kSphere}, 24000.0, 0.0, 200, 8}),
+      FormSurroundings::kSky);
 }
 
 TEST(PixelTapsTest, LevelsAndTapsAreASamplers) {

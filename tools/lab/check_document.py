@@ -1,0 +1,277 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Writes docs/evidence/VERDICTS.md. Compares the verdicts of `multum check` with pictures that three.js draws, with
+plain mips, with `multum export` (of a model: `multum gltf`), and with lobes.
+
+    tools/lab/check_document.py BIN_FOLDER MAPS OUT --sky FILE.exr --cache FOLDER [--models FILE...] [--only NAME...]
+        [--metal]
+
+MAPS is a folder with normal maps. The cache contains the errors of pictures, so only new maps are drawn. OUT is written
+at the end, unless --only chooses some maps. Needs Node.js, Chromium and the packages of tests/service/web.
+"""
+import argparse
+import json
+import math
+import pathlib
+import struct
+import tempfile
+
+import committed_tree
+from model_views import draw, link_model, run
+from target_table import is_normal_map
+
+# By distance in metres: side of the picture, which shows the middle of a sphere, samples per side of a pixel, and the
+# radius of the sphere in metres. All spheres of a model have the same material.
+DISTANCES = {2: (244, 3, 0.25), 5: (195, 6, 0.5), 25: (118, 12, 1.5)}
+APART = 100  # metres between spheres
+ROUGHNESS = (0.1, 0.3, 0.6)
+LIGHTS = {"sun": {"intensity": 3.0, "room": 0.3}, "sky": {"intensity": 0.0, "room": 1.0}}
+FORMS = ("plain", "export", "lobes")
+ROWS, ANGLE = 1080, 45
+MODEL_SIDE, MODEL_SAMPLES = 200, {2: 6, 5: 6, 25: 12}
+TILE = 0.25 * math.pi  # metres, so that whole numbers of tiles surround every sphere
+MATERIALS = {False: "The material is grey and not a metal.", True: "The material is a grey metal."}
+POINTS = 1.0  # differences up to this number of percentage points count as equal
+
+
+def spheres():
+    """Returns positions, normals, texture coordinates and indices of all spheres."""
+    columns, rows = 192, 96
+    positions, normals, uvs, indices = [], [], [], []
+    for number, (_, _, radius) in enumerate(DISTANCES.values()):
+        first, repeat = len(positions) // 3, round(2 * math.pi * radius / TILE)
+        for row in range(rows + 1):
+            for column in range(columns + 1):
+                turn, rise = 2 * math.pi * column / columns, math.pi * (row / rows - 0.5)
+                normal = (math.cos(rise) * math.sin(turn), math.sin(rise), math.cos(rise) * math.cos(turn))
+                normals += normal
+                positions += [radius * normal[0] + number * APART, radius * normal[1], radius * normal[2]]
+                uvs += [repeat * column / columns, repeat / 2 * (1 - row / rows)]
+        for row in range(rows):
+            for column in range(columns):
+                corner = first + row * (columns + 1) + column
+                above = corner + columns + 1
+                indices += [corner, corner + 1, above + 1, corner, above + 1, above]
+    return positions, normals, uvs, indices
+
+
+def write_glb(path, roughness, metal, images):
+    """Writes the spheres. `images` has the bytes of its normal map as PNG, or of its normal and ORM maps as KTX2."""
+    positions, normals, uvs, indices = spheres()
+    parts = [struct.pack(f"<{len(one)}f", *one) for one in (positions, normals, uvs)]
+    parts += [struct.pack(f"<{len(indices)}I", *indices)] + [one + b"\0" * (-len(one) % 4) for one in images]
+    buffer_views, offset = [], 0
+    for part in parts:
+        buffer_views.append({"buffer": 0, "byteOffset": offset, "byteLength": len(part)})
+        offset += len(part)
+    count = len(positions) // 3
+    accessors = [{"bufferView": i, "componentType": 5126, "count": count, "type": kind}
+                 for i, kind in enumerate(("VEC3", "VEC3", "VEC2"))]
+    accessors[0] |= {"min": [min(positions[i::3]) for i in range(3)], "max": [max(positions[i::3]) for i in range(3)]}
+    accessors.append({"bufferView": 3, "componentType": 5125, "count": len(indices), "type": "SCALAR"})
+    surface = {"baseColorFactor": [0.5, 0.5, 0.5, 1], "metallicFactor": 1 if metal else 0, "roughnessFactor": roughness}
+    model = {"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
+             "meshes": [{"primitives": [{"attributes": {"POSITION": 0, "NORMAL": 1, "TEXCOORD_0": 2}, "indices": 3,
+                                         "material": 0}]}],
+             "materials": [{"normalTexture": {"index": 0}, "pbrMetallicRoughness": surface}],
+             "samplers": [{"magFilter": 9729, "minFilter": 9987, "wrapS": 10497, "wrapT": 10497}],
+             "accessors": accessors, "bufferViews": buffer_views, "buffers": [{"byteLength": offset}]}
+    is_ktx2 = len(images) > 1
+    model["images"] = [{"bufferView": 4 + i, "mimeType": "image/ktx2" if is_ktx2 else "image/png"}
+                       for i in range(len(images))]
+    model["textures"] = [{"sampler": 0, "extensions": {"KHR_texture_basisu": {"source": i}}} if is_ktx2
+                         else {"sampler": 0, "source": i} for i in range(len(images))]
+    if is_ktx2:
+        model["extensionsUsed"] = model["extensionsRequired"] = ["KHR_texture_basisu"]
+        surface |= {"roughnessFactor": 1, "metallicRoughnessTexture": {"index": 1}}
+    text = json.dumps(model).encode()
+    text += b" " * (-len(text) % 4)
+    body = struct.pack("<I4s", len(text), b"JSON") + text + struct.pack("<I4s", offset, b"BIN\0") + b"".join(parts)
+    path.write_bytes(struct.pack("<4sII", b"glTF", 2, 12 + len(body)) + body)
+
+
+def views():
+    direction = (0.28, 0.1, 0.955)
+    for number, (distance, (side, samples, _)) in enumerate(DISTANCES.items()):
+        angle = 2 * math.degrees(math.atan(math.tan(math.radians(ANGLE / 2)) * side / ROWS))
+        target = [number * APART, 0, 0]
+        eye = [at + distance * step for at, step in zip(target, direction)]
+        for light, lit in LIGHTS.items():
+            yield {"name": f"{distance}_{light}", "eye": eye, "target": target, "angle": angle, "width": side,
+                   "height": side, "samples": samples, "frames": 1, "edges": 4, "crop": [0, 0, side, side], "zoom": 1,
+                   "light": [1.0, 1.0, 0.6], **lit}
+
+
+def model_views():
+    for distance, samples in MODEL_SAMPLES.items():
+        angle = 2 * math.degrees(math.atan(math.tan(math.radians(ANGLE / 2)) * MODEL_SIDE / ROWS))
+        for light, lit in LIGHTS.items():
+            yield {"name": f"{distance}_{light}", "direction": [0.28, 0.1, 0.955], "distance": distance, "angle": angle,
+                   "width": MODEL_SIDE, "height": MODEL_SIDE, "samples": samples, "frames": 1, "edges": 4,
+                   "light": [1.0, 1.0, 0.6], **lit}
+
+
+def errors_of(package, folder, models, asked):
+    plan = {"models": [{"file": models[0]}, {"file": models[1]},
+                       {"file": models[2], "lobes": True, "options": {"evaluations": 4}}],
+            "views": list(asked), "strips": False, "surroundings": "sky.exr"}
+    return {name: [100 * one["error"] for one in view["models"]]
+            for name, view in draw(package, plan, folder).items()}
+
+
+def drawn_errors(multum, package, path, metal, folder):
+    """Returns errors in percent by roughness, view and form."""
+    run(multum, "export", path, "-o", folder / "level", "--no-measure")
+    image = (folder / "level" / "normal_00.png").read_bytes()
+    found = {}
+    for roughness in ROUGHNESS:
+        write_glb(folder / "plain.glb", roughness, metal, [image])
+        run(multum, "export", path, "-o", folder / "map.ktx2", "--form", "auto", "--base-roughness", roughness,
+            "--no-measure")
+        write_glb(folder / "export.glb", roughness, metal,
+                  [(folder / f"map_{kind}.ktx2").read_bytes() for kind in ("normal", "orm")])
+        run(multum, "gltf", folder / "plain.glb", "-o", folder / "lobes.glb", "--format", "rgba8", "--form", "one-lobe",
+            "--lobes")
+        found[str(roughness)] = errors_of(package, folder, ["plain.glb", "export.glb", "lobes.glb"], views())
+    return found
+
+
+def model_errors(multum, package, path, folder):
+    """Returns errors of a model with its own roughness."""
+    link_model(path, folder)
+    for name, options in (("export", []), ("lobes", ["--form", "one-lobe", "--lobes"])):
+        run(multum, "gltf", path, "-o", folder / f"{name}.glb", "--format", "rgba8", *options)
+    return {"None": errors_of(package, folder, [path.name, "export.glb", "lobes.glb"], model_views())}
+
+
+def measured(given, package, path):
+    """Returns the errors of pictures of a map or model, and what `multum check` says about its maps."""
+    multum = given.programs / "multum"
+    is_model = path.suffix in (".glb", ".gltf")
+    kept = given.cache / f"{path.name}{'_metal' if given.metal else ''}.json"
+    with tempfile.TemporaryDirectory(dir=given.cache) as name:
+        folder = pathlib.Path(name)
+        if not kept.exists():
+            (folder / "sky.exr").symlink_to(given.sky.resolve())
+            errors = (model_errors(multum, package, path, folder) if is_model
+                      else drawn_errors(multum, package, path, given.metal, folder))
+            kept.write_text(json.dumps(errors), encoding="utf-8")
+    options = [] if is_model else ["--tile-size", TILE] + (["--metal"] if given.metal else [])
+    said = json.loads(run(multum, "check", path, "--json", *options))["maps"]
+    return json.loads(kept.read_text(encoding="utf-8")), [one for one in said if "errors" in one]
+
+
+def orders(drawn, said):
+    """Yields (roughness, distance, light, errors of pictures, errors of the verdict). The verdict of a model is the
+    mean of its materials."""
+    for roughness, by_view in drawn.items():
+        for view, errors in by_view.items():
+            distance, light = view.split("_")
+            told = [[error[form] for form in FORMS] for one in said for error in one["errors"]
+                    if (str(error["roughness"]), error["distance"], error["light"])
+                    == (roughness, float(distance), light)]
+            if told:
+                yield roughness, distance, light, errors, [sum(values) / len(values) for values in zip(*told)]
+
+
+def wrong_orders(drawn, said):
+    """Lists pairs of forms that differ by more than POINTS in a picture and whose order the verdict reverses."""
+    wrong, pairs = [], 0
+    for roughness, distance, light, errors, told in orders(drawn, said):
+        for a in range(3):
+            for b in range(a + 1, 3):
+                if abs(errors[a] - errors[b]) <= POINTS:
+                    continue
+                pairs += 1
+                if (errors[a] - errors[b]) * (told[a] - told[b]) <= 0:
+                    wrong.append((roughness, distance, light, FORMS[a], FORMS[b], errors[a], errors[b], told[a],
+                                  told[b]))
+    return wrong, pairs
+
+
+def mean_text(drawn, said, distance="5"):
+    """Returns the mean errors under sun and sky of pictures and of the verdict, at roughness 0.3 or the model's own."""
+    rows = [(errors, told) for roughness, at, _, errors, told in orders(drawn, said)
+            if at == distance and roughness in ("0.3", "None")]
+    if not rows:
+        return ["-", "-"]
+    return [" / ".join(f"{sum(row[which][form] for row in rows) / len(rows):.1f}" for form in range(3))
+            for which in (0, 1)]
+
+
+def table(entries):
+    lines = ["| file | pictures, % | verdict, % | pairs | wrong | advice |", "|---|---|---|---|---|---|"]
+    for name, drawn, said in entries:
+        wrong, pairs = wrong_orders(drawn, said)
+        shown = " ".join(f"{a}/{b} at {distance} m, {roughness if roughness != 'None' else 'own'}, {light}: "
+                         f"{one:.1f}/{other:.1f}, verdict {told_one:.1f}/{told_other:.1f}."
+                         for roughness, distance, light, a, b, one, other, told_one, told_other in wrong)
+        advice = ", ".join(sorted({one["advice"] for one in said}))
+        lines.append("| " + " | ".join([name, *mean_text(drawn, said), str(pairs), shown or "-", advice]) + " |")
+    return "\n".join(lines)
+
+
+def document(maps, models, given):
+    right = sum(not wrong_orders(drawn, said)[0] for _, drawn, said in maps)
+    counts = [wrong_orders(drawn, said) for _, drawn, said in maps]
+    pairs, wrong = sum(count for _, count in counts), sum(len(found) for found, _ in counts)
+    text = f"""# Verdicts
+
+This page compares the verdicts of `multum check` with pictures that three.js draws.
+
+Generated by `tools/lab/check_document.py` ({committed_tree.stated_commit(given.allow_dirty)}). Do not edit.
+
+For each map, three.js drew a sphere in Chromium from 2, 5 and 25 m, with roughness 0.1, 0.3 and 0.6. *Sun* is a
+directional light with a dim sky, and *sky* is {given.sky.name} without another light.
+{MATERIALS[given.metal]} A tile of the map covers {TILE:.2f} m. The spheres have radii of 0.25, 0.5 and 1.5 m, and the
+pictures show their middle. The reference averages 9, 36 or 144 samples per pixel. *Plain* has the map's own mips,
+*export* the textures of `multum export --form auto`, and *lobes* are drawn by @multum/three with 4 evaluations per
+pixel.
+
+A *pair* consists of two forms whose errors differ by more than {POINTS:g} percentage point in a picture. It is *wrong*
+if the verdict has the opposite order. The columns with per cent list plain / export / lobes at 5 m and roughness 0.3,
+as the mean of sun and sky.
+
+On {right} of {len(maps)} maps, no pair is wrong. In total, {wrong} of {pairs} pairs are wrong.
+
+{table(maps)}
+"""
+    if models:
+        text += f"""
+Models have their own size and roughness. Their pictures show the whole model. A verdict is the mean of the materials.
+
+{table(models)}
+"""
+    return text
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
+    parser.add_argument("programs", type=pathlib.Path)
+    parser.add_argument("maps", type=pathlib.Path)
+    parser.add_argument("out", type=pathlib.Path)
+    parser.add_argument("--cache", type=pathlib.Path, required=True)
+    parser.add_argument("--sky", type=pathlib.Path, required=True, help="EXR picture of the surroundings")
+    parser.add_argument("--models", type=pathlib.Path, nargs="*", default=[], help="models with normal maps")
+    parser.add_argument("--only", nargs="+", help="draw only these maps, and do not write the page")
+    parser.add_argument("--metal", action="store_true")
+    committed_tree.add_option(parser)
+    given = parser.parse_args()
+    given.cache.mkdir(parents=True, exist_ok=True)
+    package = given.cache / "shaders" / "three"
+    run(given.programs / "multum", "shaders", "-o", given.cache / "shaders")
+    names = given.only or sorted(path.name for path in given.maps.iterdir() if is_normal_map(path))
+    results = []
+    for path in [given.maps / name for name in names] + given.models:
+        drawn, said = measured(given, package, path)
+        wrong, pairs = wrong_orders(drawn, said)
+        print(path.name, f"{len(wrong)} of {pairs} wrong", flush=True)
+        results.append((path.name, drawn, said))
+    if given.only:
+        return
+    maps, models = results[:len(names)], results[len(names):]
+    given.out.write_text(document(maps, models, given), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/multum/check/verdict_line.h"
+
+#include "host/delivery/check/check_job.h"
+#include "host/foundation/base/error.h"
+#include "host/foundation/base/log.h"
+#include "host/foundation/base/shown_text.h"
+#include "host/foundation/base/system_failure.h"
+
+namespace multum {
+namespace {
+
+std::optional<GainVerdict> measured(const CheckJob& job, const MapMosaic& mosaic, Device& device) {
+  try {
+    return quick_verdict(job, mosaic, device);
+  } catch (const Cancelled&) {
+    throw;
+  } catch (...) {
+    log_warning(job.input, std::string("its gain was not measured: ") + caught_error(job.input).what());
+    return std::nullopt;
+  }
+}
+
+}  // namespace
+
+std::optional<GainVerdict> verdict_of(const BakeJob& job, const BakeReport& report, Device& device) {
+  if (report.mosaic == nullptr) return std::nullopt;
+  CheckJob check;
+  check.input = job.input;
+  check.threads = job.threads;
+  return measured(check, *report.mosaic, device);
+}
+
+std::optional<GainVerdict> verdict_of(const ExportJob& job, const ExportReport& report, Device& device) {
+  if (report.mosaic == nullptr) return std::nullopt;
+  CheckJob check;
+  check.input = job.input;
+  check.threads = job.threads;
+  check.engine = job.engine.value_or(Engine::kThree);
+  check.base_roughness = job.lobe.base_roughness;
+  check.has_roughness = !job.roughness.empty();
+  check.has_metalness = !job.metalness.empty();
+  return measured(check, *report.mosaic, device);
+}
+
+void print_verdict(const std::string& name, const std::optional<GainVerdict>& verdict, const CommonOptions& common) {
+  if (!verdict || !prints_text(common)) return;
+  print_shown(stdout, "%s: %s\n", name.c_str(), verdict->to_text().c_str());
+  if (common.verbose && !verdict->measured.empty()) print_shown(stdout, "%s", verdict->to_table().c_str());
+}
+
+OrderedJson with_verdict(OrderedJson json, const std::optional<GainVerdict>& verdict) {
+  if (verdict) json["gain"] = verdict->to_json();
+  return json;
+}
+
+}  // namespace multum

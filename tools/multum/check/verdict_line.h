@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+// Measures how much a baked or exported map gains (host/delivery/check), for the sentence that ends a command.
+#pragma once
+
+#include <optional>
+
+#include "host/bakes/bake/bake_job.h"
+#include "host/bakes/bake/bake_report.h"
+#include "host/delivery/check/gain_verdict.h"
+#include "host/delivery/export/export_job.h"
+#include "tools/multum/json_output.h"
+
+namespace multum {
+
+/// Return nothing if the report has no mosaic. If the gain cannot be measured, log the reason and return nothing.
+std::optional<GainVerdict> verdict_of(const BakeJob& job, const BakeReport& report, Device& device);
+std::optional<GainVerdict> verdict_of(const ExportJob& job, const ExportReport& report, Device& device);
+
+/// Prints "NAME: SENTENCE" if the command prints text, and the table with --verbose.
+void print_verdict(const std::string& name, const std::optional<GainVerdict>& verdict, const CommonOptions& common);
+
+/// Adds the key "gain".
+OrderedJson with_verdict(OrderedJson json, const std::optional<GainVerdict>& verdict);
+
+}  // namespace multum
