@@ -115,8 +115,9 @@ def errors_of(package, folder, models, asked):
     plan = {"models": [{"file": models[0]}, {"file": models[1]},
                        {"file": models[2], "lobes": True, "options": {"evaluations": 4}}],
             "views": list(asked), "strips": False, "surroundings": "sky.exr"}
+    # A picture from inside a model can be black, and then has no relative error.
     return {name: [100 * one["error"] for one in view["models"]]
-            for name, view in draw(package, plan, folder).items()}
+            for name, view in draw(package, plan, folder).items() if view["models"][0]["error"] is not None}
 
 
 def drawn_errors(multum, package, path, metal, folder):
