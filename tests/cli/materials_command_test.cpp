@@ -95,7 +95,8 @@ TEST_F(MaterialsCommandTest, BakesVerifiesAndSaysWhatItHolds) {
   for (const char* ndf : {"vmf", "moments", "gmm", "sh"}) {
     SCOPED_TRACE(ndf);
     std::vector<std::string> options = {
-        "--ndf", ndf, "--roughness", path("orm.png"), "--weights", path("weights.png"), "--report", path("a.json")};
+        "--ndf",        ndf, "--roughness", path("orm.png"), "--weights", path("weights.png"), "--report",
+        path("a.json"), "-v"};
     append_options_of(ndf, options);
     const ProgramResult result = bake("a.ndf.exr", options);
     ASSERT_EQ(result.exit_code, 0) << result.err;

@@ -94,7 +94,7 @@ TEST_F(TargetCommandTest, LeavesWhatWasChosenForTheSame) {
 }
 
 TEST_F(TargetCommandTest, CountsForTheBrdfThatIsNamed) {
-  const ProgramResult met = bake({"--target-error", "0.2", "--brdf", "ggx:0.5"});
+  const ProgramResult met = bake({"--target-error", "0.2", "--brdf", "ggx:0.5", "-v"});
   ASSERT_EQ(met.exit_code, 0) << met.err;
   EXPECT_TRUE(std::regex_search(met.out, std::regex("chosen: .* % for ggx:0.5, asked for 20 %"))) << met.out;
   EXPECT_TRUE(std::regex_search(met.out, std::regex("\n  ggx:0.5 +[0-9.]+ \\+- [0-9.]+ %"))) << met.out;
@@ -136,7 +136,7 @@ TEST_F(TargetCommandTest, PlainBakesSayTheirErrorWithItsInterval) {
   for (const int size : {32, 512}) {
     make_map("map", size);
     const ProgramResult plain =
-        bake({"--lobes", "1", "--passes", "1", "--no-start-search", "--force", "--report", path("map.json")});
+        bake({"--lobes", "1", "--passes", "1", "--no-start-search", "--force", "--report", path("map.json"), "-v"});
     ASSERT_EQ(plain.exit_code, 0) << plain.err;
     const bool is_sampled = size > 32;
     const std::string interval = is_sampled ? " \\+- [0-9.]+" : "";
