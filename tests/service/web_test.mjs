@@ -158,7 +158,7 @@ const steps = {
   async aBakeHasPicturesAndALog() {
     const id = await bake("rock");
     const page = await openPage(`#job-${id}`);
-    await page.locator("#detail .log").getByText("measured error").waitFor();
+    await page.locator("#detail .log").getByText("in total on").waitFor();
     await page.locator("#detail figure img").nth(2).waitFor();
     const measure = (images) => Promise.all(images.map(async (image) => {
       await image.decode();
