@@ -48,13 +48,6 @@ BakeReport bake_chosen(const BakeJob& job, const BakeOptions& o, Device& device)
   return chosen.report;
 }
 
-std::optional<GainVerdict> end_with_verdict(const BakeJob& job, const BakeReport& report, const BakeOptions& o,
-                                            Device& device) {
-  const std::optional<GainVerdict> verdict = verdict_of(job, report, device);
-  print_verdict(job.output, verdict, o.common);
-  return verdict;
-}
-
 // Bakes each map. If a map fails, the others are still baked. Returns the exit code of the first failure.
 int bake_several(const std::vector<BakeJob>& jobs, const BakeOptions& o, Device& device) {
   int code = 0;
@@ -72,7 +65,7 @@ int bake_several(const std::vector<BakeJob>& jobs, const BakeOptions& o, Device&
         print_report(job, printing(o), report);
       }
       unchanged += report.unchanged ? 1 : 0;
-      maps.push_back(with_verdict(bake_json(job, report), end_with_verdict(job, report, o, device)));
+      maps.push_back(with_verdict(bake_json(job, report), end_with_verdict(job, report, o.common, device)));
     } catch (...) {
       const Error error = caught_error(job.input);
       print_shown(stderr, "multum: %s\n", error.what());
@@ -147,7 +140,7 @@ int run_bake(const CLI::App& bake, BakeOptions& o) {
     report = bake_file(jobs[0], nullptr, device, progress.get());
     print_report(jobs[0], printing(o), report);
   }
-  const std::optional<GainVerdict> verdict = end_with_verdict(jobs[0], report, o, device);
+  const std::optional<GainVerdict> verdict = end_with_verdict(jobs[0], report, o.common, device);
   if (o.common.json) print_json(with_verdict(bake_json(jobs[0], report), verdict));
   return 0;
 }

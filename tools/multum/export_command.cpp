@@ -105,13 +105,6 @@ void print_export(const ExportJob& job, const CommonOptions& common, const Expor
   for (const auto& [stage, seconds] : report.seconds) print_shown(stdout, "%s %.2f s\n", stage.c_str(), seconds);
 }
 
-std::optional<GainVerdict> end_with_verdict(const ExportJob& job, const CommonOptions& common,
-                                            const ExportReport& report, Device& device) {
-  const std::optional<GainVerdict> verdict = verdict_of(job, report, device);
-  print_verdict(job.output, verdict, common);
-  return verdict;
-}
-
 // Returns "output", then the keys of --report.
 OrderedJson export_json(const ExportJob& job, const ExportReport& report) {
   OrderedJson json = {{"output", path_json(job.output)}};
@@ -130,7 +123,7 @@ int export_several(const std::vector<ExportJob>& jobs, const CommonOptions& comm
       const auto progress = make_progress(common);
       const ExportReport report = export_file(jobs[i], device, progress.get());
       print_export(jobs[i], common, report);
-      maps.push_back(with_verdict(export_json(jobs[i], report), end_with_verdict(jobs[i], common, report, device)));
+      maps.push_back(with_verdict(export_json(jobs[i], report), end_with_verdict(jobs[i], report, common, device)));
     } catch (...) {
       const Error error = caught_error(jobs[i].input);
       print_shown(stderr, "multum: %s\n", error.what());
@@ -280,7 +273,7 @@ int run_export(ExportOptions& o) {
   if (all.size() > 1) return export_several(pieces_of(o.shard, all), o.common, device);
   const ExportReport report = export_with_page(all[0], page, o.common, device);
   print_export(all[0], o.common, report);
-  const std::optional<GainVerdict> verdict = end_with_verdict(all[0], o.common, report, device);
+  const std::optional<GainVerdict> verdict = end_with_verdict(all[0], report, o.common, device);
   if (o.common.json) print_json(with_verdict(export_json(all[0], report), verdict));
   return 0;
 }

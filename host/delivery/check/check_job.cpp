@@ -8,6 +8,7 @@
 #include "host/delivery/check/mapped_surface.h"
 #include "host/formats/image/material_maps.h"
 #include "host/formats/image/normals/reading_parameters.h"
+#include "host/formats/mesh/gltf_document.h"
 #include "host/foundation/base/error.h"
 #include "host/foundation/base/files/work_folder.h"
 #include "host/foundation/base/log.h"
@@ -23,13 +24,6 @@ constexpr std::size_t kPixels = 1000, kQuickPixels = 150;
 
 // Glints of smooth surfaces are rare and bright, so they need more pixels.
 std::size_t pixels_for(double roughness) { return roughness < 0.2 ? 5 * kPixels : kPixels; }
-
-std::string lower_extension(const std::string& path) {
-  std::string extension = std::filesystem::path(path).extension().string();
-  for (char& c : extension)
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  return extension;
-}
 
 GainVerdict measured(const std::string& name, const GainSurface& surface, double roughness,
                      const GainSettings& settings, Device& device, Progress* progress) {
@@ -73,13 +67,8 @@ void apply(const ParameterValues& values, CheckJob& job) {
   job.is_metal = values.flag("metal");
 }
 
-bool is_model_name(const std::string& path) {
-  const std::string extension = lower_extension(path);
-  return extension == ".glb" || extension == ".gltf";
-}
-
 std::vector<std::string> files_to_check(const std::string& folder) {
-  constexpr const char* kTypes[] = {".png", ".jpg", ".jpeg", ".webp", ".tif", ".tiff", ".exr"};
+  constexpr const char* kTypes[] = {"png", "jpg", "jpeg", "webp", "tif", "tiff", "exr"};
   std::vector<std::string> made;
   std::error_code error;
   for (std::filesystem::directory_iterator at(folder, error), end; !error && at != end; at.increment(error)) {
@@ -88,7 +77,7 @@ std::vector<std::string> files_to_check(const std::string& folder) {
     if (!at->is_regular_file(ignored)) continue;
     const bool is_image = std::find(std::begin(kTypes), std::end(kTypes), extension) != std::end(kTypes) &&
                           !path.ends_with(".ndf.exr") && map_by_name(path) == NamedMap::kUnknown;
-    if (is_image || is_model_name(path)) made.push_back(path);
+    if (is_image || is_gltf_name(path)) made.push_back(path);
   }
   if (error) throw Error(ErrorCode::kInput, folder + ": cannot be listed: " + error.message());
   std::sort(made.begin(), made.end());
@@ -97,8 +86,12 @@ std::vector<std::string> files_to_check(const std::string& folder) {
 
 std::vector<GainVerdict> check_file(const CheckJob& job, Device& device, Progress* progress) {
   progress_stage(progress, "check");
-  if (is_model_name(job.input)) return check_model(job, device, progress);
+  if (is_gltf_name(job.input)) return check_model(job, device, progress);
   const NormalMapRows map = read_normal_map_rows(job.input, job.reading, {}, job.threads, progress);
+  if (job.only_normals && map.report.is_height_field)
+    throw Error(ErrorCode::kInput, job.input +
+                                       ": contains heights or a picture, expected normals; to check a height "
+                                       "field, name it");
   for (const std::string& warning : map.report.warnings) log_warning(job.input, warning);
   GainSurface surface = surface_of_mosaic(mosaic_of(map.normals, nullptr, {}), job.tile_metres);
   surface.metalness = job.is_metal ? 1.0 : 0.0;

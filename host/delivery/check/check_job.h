@@ -18,6 +18,7 @@ namespace multum {
 struct CheckJob {
   std::string input;  // a normal map, a height field, or a model: *.glb or *.gltf
   NormalMapSettings reading;
+  bool only_normals = false;  // reject height fields, which statistics cannot tell from grey pictures
   Engine engine = Engine::kThree;
   double tile_metres = 1.0;     // size of the map's longer side on the surface; models have their own size
   double base_roughness = 0.3;  // perceptual roughness of the sentence; used without a roughness map
@@ -29,9 +30,6 @@ struct CheckJob {
 
 /// Replaces the job's values by the given values of check_parameters().
 void apply(const ParameterValues& values, CheckJob& job);
-
-/// Returns whether the name is that of a model.
-bool is_model_name(const std::string& path);
 
 /// Returns the files of a folder that can be normal maps, by their types and names, and the models, sorted by name.
 /// Throws Error(kInput) if the folder cannot be read.

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/delivery/check/gain_meter.h"
 
-#include <array>
 #include <cmath>
 #include <glm/vec4.hpp>
 #include <memory>
@@ -9,6 +8,7 @@
 #include <utility>
 
 #include "host/bakes/movmf/movmf_bake.h"
+#include "host/delivery/export/formed_material.h"
 #include "host/delivery/export/held_material.h"
 #include "host/delivery/forms/simple_views.h"
 #include "host/formats/asset/baked_file.h"
@@ -19,7 +19,6 @@ namespace {
 
 constexpr double kObjectRadiusLeast = 4.0;  // pixels
 constexpr double kSphereRadius = 3000.0;    // pixels
-constexpr std::size_t kChoicePixels = 140;  // pixels per view of the pictures that choose the form of an export
 // Samples per side of a pixel, and of a pixel that covers many texels.
 constexpr int kReferenceSamples = 8, kWideReferenceSamples = 16;
 constexpr double kWideTexels = 16.0;
@@ -79,31 +78,21 @@ class RoughnessMeter {
 
   void measure(const std::vector<ModelPicture>& seen, const LobeLevels& lobes, std::optional<double> roughness,
                std::vector<GainError>& made) const {
-    const NormalForm form = choose();
-    const FormMeter meter(form_textures(), seen, {settings_.engine, true, settings_.threads, FormSurroundings::kSky});
-    const NormalForm averages = NormalForm::of(meter.level_count(), {});
-    std::vector<std::pair<FormLighting, std::array<FormError, 4>>> found;
-    for (const FormLighting lighting : {FormLighting::kSuns, FormLighting::kSurroundings})
-      found.push_back({lighting,
-                       {meter.normals(averages, lighting), meter.normals(form, lighting),
-                        meter.lobes(lobes, form, lighting), meter.noise(lighting)}});
+    const FormTextures textures = textures_.form_textures(surface_.metalness, surface_.colour);
+    const NormalForm form = choose_export_form(textures, settings_.engine, settings_.threads).normals;
+    const FormMeter meter(textures, seen, {settings_.engine, true, settings_.threads, FormSurroundings::kSky});
+    const LitErrors plain = meter.lit_normals(NormalForm::of(meter.level_count(), {})),
+                    exported = meter.lit_normals(form), of_lobes = meter.lit_lobes(lobes, form),
+                    noise = meter.lit_noise();
     for (std::size_t view = 0; view < meter.views().size(); ++view)
-      for (const auto& [lighting, errors] : found)
-        made.push_back({meter.views()[view].distance, roughness, lighting, errors[0].by_view[view],
-                        errors[1].by_view[view], errors[2].by_view[view], errors[3].by_view[view]});
+      for (const auto& [light, errors] :
+           {std::pair{GainLight::kSun, &LitErrors::suns}, std::pair{GainLight::kSky, &LitErrors::surroundings}})
+        made.push_back({meter.views()[view].distance, roughness, light, (plain.*errors).by_view[view],
+                        (exported.*errors).by_view[view], (of_lobes.*errors).by_view[view],
+                        (noise.*errors).by_view[view]});
   }
 
  private:
-  FormTextures form_textures() const { return textures_.form_textures(surface_.metalness, surface_.colour); }
-
-  NormalForm choose() const {
-    const int width = surface_.normals.width(), height = surface_.normals.height();
-    const NormalForm fitted = NormalForm::of(mip_level_count(width, height), {true, 1.0});
-    const std::vector<ModelPicture> seen = simple_views(width, height, kChoicePixels);
-    const FormMeter meter(form_textures(), seen, {settings_.engine, false, settings_.threads});
-    return meter.views().empty() ? fitted : choose_normal_form(meter, fitted).form;
-  }
-
   const GainSurface& surface_;
   const GainSettings& settings_;
   OneLobeInputs inputs_;

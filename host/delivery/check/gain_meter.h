@@ -38,11 +38,13 @@ struct GainSettings {
   int threads = 1;
 };
 
+enum class GainLight { kSun, kSky };
+
 /// Relative L1 errors of pictures in percent.
 struct GainError {
   double distance = 0.0;            // metres
   std::optional<double> roughness;  // not set for a surface with a roughness map
-  FormLighting lighting = FormLighting::kSuns;
+  GainLight light = GainLight::kSun;
   double plain = 0.0;     // the map's own mips, which average
   double exported = 0.0;  // textures of `multum export --form auto`
   double lobes = 0.0;     // lobes, drawn with 4 evaluations per pixel
@@ -52,7 +54,7 @@ struct GainError {
 /// The size of a pixel at distance 1, for a picture of 1080 rows with a field of view of 45 degrees.
 extern const double kPixelAtOneMetre;
 
-/// Returns the errors by case, distance and lighting, in this order. Distances from which the object is smaller than a
+/// Returns the errors by case, distance and light, in this order. Distances from which the object is smaller than a
 /// few pixels are omitted. Throws Error(kEnvironment) if the device fails, and Cancelled.
 std::vector<GainError> measure_gain(Device& device, const GainSurface& surface, const GainSettings& settings,
                                     Progress* progress);

@@ -81,7 +81,7 @@ const char* advice_name(GainAdvice advice) {
   return "";
 }
 
-const char* light_name(FormLighting lighting) { return lighting == FormLighting::kSuns ? "sun" : "sky"; }
+const char* light_name(GainLight light) { return light == GainLight::kSun ? "sun" : "sky"; }
 
 }  // namespace
 
@@ -120,8 +120,8 @@ std::string GainVerdict::to_table() const {
                                  "export", "lobes");
   for (const GainError& error : measured)
     text += fmt::format("  {:>6.3g} m {:>10} {:>6} {:>6.1f} % {:>6.1f} % {:>6.1f} %\n", error.distance,
-                        error.roughness ? fmt::format("{:.2g}", *error.roughness) : "of map",
-                        light_name(error.lighting), error.plain, error.exported, error.lobes);
+                        error.roughness ? fmt::format("{:.2g}", *error.roughness) : "of map", light_name(error.light),
+                        error.plain, error.exported, error.lobes);
   return text;
 }
 
@@ -133,7 +133,7 @@ nlohmann::ordered_json GainVerdict::to_json() const {
   for (const GainError& error : measured) {
     nlohmann::ordered_json row = {{"distance", error.distance}, {"roughness", nullptr}};
     if (error.roughness) row["roughness"] = *error.roughness;
-    row.update({{"light", light_name(error.lighting)},
+    row.update({{"light", light_name(error.light)},
                 {"plain", error.plain},
                 {"export", error.exported},
                 {"lobes", error.lobes},

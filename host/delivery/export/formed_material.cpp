@@ -14,24 +14,21 @@ namespace {
 constexpr std::size_t kPixelsPerView = 140;
 constexpr double kColour = 0.5;  // assumed base colour, because exports have none
 
-// Draws pictures to choose the form.
-ChosenForm choose_form(const HeldMaterial& held, const OneLobeInputs& inputs, Engine engine) {
-  const HeldMaterial::Textures textures = held.textures();
-  const int width = inputs.normals->width(), height = inputs.normals->height();
-  const std::vector<ModelPicture> seen = simple_views(width, height, kPixelsPerView);
-  const FormMeter meter(textures.form_textures(inputs.has_metalness ? 1.0 : 0.0, kColour), seen,
-                        {engine, false, inputs.threads});
+}  // namespace
+
+ChosenForm choose_export_form(const FormTextures& textures, Engine engine, int threads) {
+  const TextureFrame& frame = textures.averages->frame();
+  const std::vector<ModelPicture> seen = simple_views(frame.width, frame.height, kPixelsPerView);
+  const FormMeter meter(textures, seen, {engine, false, threads});
   ChosenForm made;
   made.views = meter.views();
-  made.normals = NormalForm::of(mip_level_count(width, height), {true, 1.0});
+  made.normals = NormalForm::of(frame.level_count, {true, 1.0});
   if (made.views.empty()) return made;
   const ChosenNormalForm chosen = choose_normal_form(meter, made.normals);
   made.normals = chosen.form;
   made.errors = {{"plain", chosen.plain}, {"one_lobe", chosen.fitted}, {"chosen", chosen.chosen}};
   return made;
 }
-
-}  // namespace
 
 FormedReport fit_formed_material(Device& device, const OneLobeInputs& inputs, const OneLobeSettings& settings,
                                  const FormSettings& form, MaterialSink& sink, Progress* progress) {
@@ -47,7 +44,9 @@ FormedReport fit_formed_material(Device& device, const OneLobeInputs& inputs, co
   NormalForm normals = NormalForm::of(mip_level_count(inputs.normals->width(), inputs.normals->height()), {false, 1.0});
   if (form.form == MaterialForm::kAuto) {
     held.average_roughness();
-    report.form = choose_form(held, with_means, form.engine);
+    const HeldMaterial::Textures textures = held.textures();
+    report.form = choose_export_form(textures.form_textures(inputs.has_metalness ? 1.0 : 0.0, kColour), form.engine,
+                                     inputs.threads);
     normals = report.form->normals;
   }
   held.pass(normals, sink, progress);

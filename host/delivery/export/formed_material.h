@@ -25,6 +25,10 @@ struct FormedReport {
   std::optional<ChosenForm> form;  // set only for MaterialForm::kAuto
 };
 
+/// Chooses the form of an export by pictures of simple shapes. If a map is too small for pictures, returns fitted
+/// levels and no errors.
+ChosenForm choose_export_form(const FormTextures& textures, Engine engine, int threads);
+
 /// Does the same as fit_one_lobe() for MaterialForm::kOneLobe. Anisotropic lobes allow no other form.
 FormedReport fit_formed_material(Device& device, const OneLobeInputs& inputs, const OneLobeSettings& settings,
                                  const FormSettings& form, MaterialSink& sink, Progress* progress);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <numbers>
 
@@ -15,7 +16,6 @@ constexpr double kLightIntensity = 3.0, kDim = 0.3;  // equal to the scenes of d
 constexpr double kRoughnessLeast = 0.045;            // minimum of three.js and Filament
 constexpr double kDielectric = 0.04;                 // reflectance along the normal
 
-double mixed(double a, double b, double t) { return a + t * (b - a); }
 double schlick(double f0, double cosine) { return f0 + (1.0 - f0) * std::pow(1.0 - std::clamp(cosine, 0.0, 1.0), 5.0); }
 
 // The lamps of a room that resembles RoomEnvironment of three.js. Smooth surfaces show their reflections.
@@ -76,7 +76,7 @@ Lamp sky_sun(const glm::dvec3& towards) { return {towards, 0.03, 80.0}; }
 // Do the same for the sky as room_at() and room_around().
 double gradient_at(double height, double width) {
   const double above = 0.5 + 0.5 * height / std::sqrt(height * height + width * width);
-  return mixed(kGround, mixed(kHorizon, kZenith, std::clamp(height, 0.0, 1.0)), above);
+  return glm::mix(kGround, glm::mix(kHorizon, kZenith, std::clamp(height, 0.0, 1.0)), above);
 }
 double sky_at(const glm::dvec3& direction, double alpha) {
   return gradient_at(direction.y, kEdge + alpha) + lamp_at(sky_glow()[0], direction, alpha);

@@ -5,12 +5,11 @@
 #include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
-#include <numbers>
 #include <optional>
 
+#include "host/delivery/forms/chosen_suns.h"
 #include "host/foundation/base/processes/parallel.h"
 #include "host/foundation/base/size_of.h"
-#include "host/foundation/base/split_mix.h"
 
 namespace multum {
 namespace {
@@ -46,14 +45,6 @@ SurfacePoint moved(const ModelPixel& pixel, double x, double y) {
 constexpr glm::dvec2 kBeside[] = {{1.0, 0.0}, {0.0, 1.0}};
 
 constexpr double kPictureShare = 100.0 / kFormSuns;  // share of a picture in the error of its lighting, in percent
-
-// The pictures of a lighting, from the first to the one before `end`.
-struct LightRange {
-  std::size_t begin, end;
-};
-LightRange lights_of(FormLighting lighting) {
-  return lighting == FormLighting::kSuns ? LightRange{0, kFormSuns} : LightRange{kFormSuns, kFormLights};
-}
 
 double part_place(int i, int count) { return (i + 0.5) / count - 0.5; }
 
@@ -98,57 +89,34 @@ FormMeter::FormMeter(const FormTextures& textures, const std::vector<ModelPictur
       at.weights[l] = occurrence(at, l) * kPictureShare / std::max(wholes[at.view][l], 1e-12);
 }
 
-// Under a sky, each pixel has its own directional lights from all sides above. Half of them are chosen among those
-// whose highlight falls on the pixel, because the glints of a smooth surface would otherwise be too rare to be
-// measured. A light's weight is its density among all lights, divided by the density with which it was chosen.
-void FormMeter::choose_suns(Measured& at, std::size_t number) const {
-  constexpr double kEverywhere = 0.5 / std::numbers::pi;  // density of lights from above
-  constexpr std::size_t kSampled = 16, kNormals = 2 * kSampled;
+// Chooses lights around the highlights of the surface's normals and of their mean, which mips contain.
+void FormMeter::light(Measured& at, std::uint64_t seed) const {
+  constexpr std::size_t kSampled = 16;
   constexpr double kAlphaLeast = 0.05;
   const ModelPixel& pixel = *at.pixel;
-  const glm::dvec3 view = glm::normalize(at.picture->eye - pixel.middle.position);
-  std::array<glm::dvec3, kNormals> normals;  // of the surface, and as often their mean, which mips contain
-  glm::dvec3 mean(0.0);
+  std::vector<glm::dvec3> normals;
+  glm::dvec3 sum(0.0);
   double alpha = kAlphaLeast;
   for (std::size_t i = 0; i < kSampled; ++i) {
     const SurfacePoint& sample = pixel.samples[(2 * i + 1) * pixel.samples.size() / (2 * kSampled)];
     const glm::dvec4 texel = linear_lookup(*textures_.averages, 0, sample.place);
-    normals[i] = glm::normalize(turned_by(sample, 2.0 * glm::dvec3(texel) - 1.0));
-    mean += normals[i];
+    normals.push_back(glm::normalize(turned_by(sample, 2.0 * glm::dvec3(texel) - 1.0)));
+    sum += normals.back();
     alpha = std::max(alpha, 1.5 * texel.w * texel.w);
   }
-  const double length = glm::length(mean);
-  std::fill(normals.begin() + kSampled, normals.end(), length > 1e-6 ? mean / length : pixel.middle.normal);
-  const auto density = [&](const glm::dvec3& sun) {
-    const glm::dvec3 half = glm::normalize(sun + view);
-    double sum = 0.0;
-    for (const glm::dvec3& normal : normals) {
-      const double cosine = std::max(glm::dot(normal, half), 0.0), d = cosine * cosine * (alpha * alpha - 1.0) + 1.0;
-      sum += alpha * alpha / (std::numbers::pi * d * d) * cosine;
-    }
-    return sum / kNormals / (4.0 * std::max(glm::dot(view, half), 1e-3));
-  };
-  SplitMix64 random(number);
+  const double length = glm::length(sum);
+  normals.resize(2 * kSampled, length > 1e-6 ? sum / length : pixel.middle.normal);
+  const auto suns = choose_suns(normals, alpha, glm::normalize(at.picture->eye - pixel.middle.position), seed);
   for (std::size_t i = 0; i < kFormSuns; ++i) {
-    const double kind = random.uniform(), u = random.uniform(), turn = 2.0 * std::numbers::pi * random.uniform();
-    const double height = kind < 0.5 ? u : std::sqrt((1.0 - u) / (1.0 + (alpha * alpha - 1.0) * u));
-    const double across = std::sqrt(std::max(0.0, 1.0 - height * height));
-    const glm::dvec3 axis =
-        kind < 0.5 ? glm::dvec3(0.0, 1.0, 0.0) : normals[size_of(static_cast<int>(random.next() % kNormals))];
-    const glm::dvec3 side = glm::normalize(
-        glm::cross(axis, std::abs(axis.x) < 0.8 ? glm::dvec3(1.0, 0.0, 0.0) : glm::dvec3(0.0, 0.0, 1.0)));
-    const glm::dvec3 chosen =
-        height * axis + across * (std::cos(turn) * side + std::sin(turn) * glm::cross(axis, side));
-    glm::dvec3& sun = at.scene.suns[i];
-    sun = kind < 0.5 ? chosen : 2.0 * glm::dot(view, chosen) * chosen - view;
-    at.sun_weights[i] = sun.y <= 0.0 ? 0.0 : kEverywhere / (0.5 * kEverywhere + 0.5 * density(sun));
+    at.scene.suns[i] = suns[i].direction;
+    at.sun_weights[i] = suns[i].weight;
   }
 }
 
 void FormMeter::prepare(Measured& at, std::size_t number) const {
   const ModelPixel& pixel = *at.pixel;
   at.scene.surroundings = surroundings_;
-  if (surroundings_ == FormSurroundings::kSky) choose_suns(at, number);
+  if (surroundings_ == FormSurroundings::kSky) light(at, number);
   const Reference reference = reference_of(*at.picture, pixel, nullptr, at.scene);
   at.reference = reference.light;
   at.noise = reference.noise;
@@ -230,21 +198,33 @@ FormMeter::Bent FormMeter::bent(const SurfacePoint& point, const Looked& looked,
           mixed(looked.values[0].roughness(finer), looked.values[1].roughness(coarser))};
 }
 
-double FormMeter::contribution(const Measured& at, const FormLight& light, FormLighting lighting) {
+double FormMeter::contribution(const Measured& at, const FormLight& light, const LightRange& range) {
   double sum = 0.0;
-  const LightRange range = lights_of(lighting);
   for (std::size_t l = range.begin; l < range.end; ++l) sum += at.weights[l] * std::abs(light[l] - at.reference[l]);
   return sum;
 }
 
 template <typename Shade>
-std::vector<double> FormMeter::contributions(const Shade& shade, FormLighting lighting) const {
+std::vector<double> FormMeter::contributions(const Shade& shade) const {
   std::vector<double> made(pixels_.size());
   for_each_row_band(static_cast<int>(pixels_.size()), kPixelsAtOnce, threads_, [&](int, int begin, int end) {
     for (std::size_t i = size_of(begin); i < size_of(end); ++i)
-      made[i] = contribution(pixels_[i], shade(pixels_[i]), lighting);
+      made[i] = contribution(pixels_[i], shade(pixels_[i]), kSunLights);
   });
   return made;
+}
+
+template <typename Shade>
+LitErrors FormMeter::lit_errors(const Shade& shade) const {
+  std::vector<double> suns(pixels_.size()), surroundings(pixels_.size());
+  for_each_row_band(static_cast<int>(pixels_.size()), kPixelsAtOnce, threads_, [&](int, int begin, int end) {
+    for (std::size_t i = size_of(begin); i < size_of(end); ++i) {
+      const FormLight light = shade(pixels_[i]);
+      suns[i] = contribution(pixels_[i], light, kSunLights);
+      surroundings[i] = contribution(pixels_[i], light, kSurroundingLights);
+    }
+  });
+  return {errors_of(suns), errors_of(surroundings)};
 }
 
 FormError FormMeter::errors_of(const std::vector<double>& contributions) const {
@@ -267,16 +247,22 @@ FormLight FormMeter::middle_light(const Measured& at, const NormalForm& form) co
                        glm::normalize(at.picture->eye - pixel.middle.position), at.scene);
 }
 
-FormError FormMeter::noise(FormLighting lighting) const {
-  std::vector<double> found(pixels_.size(), 0.0);
-  const LightRange range = lights_of(lighting);
-  for (std::size_t i = 0; i < found.size(); ++i)
-    for (std::size_t l = range.begin; l < range.end; ++l) found[i] += pixels_[i].weights[l] * pixels_[i].noise[l];
-  return errors_of(found);
+FormError FormMeter::noise() const { return lit_noise().suns; }
+
+LitErrors FormMeter::lit_noise() const {
+  return lit_errors([](const Measured& at) {
+    FormLight light = at.reference;
+    for (std::size_t l = 0; l < kFormLights; ++l) light[l] += at.noise[l];
+    return light;
+  });
 }
 
-FormError FormMeter::normals(const NormalForm& form, FormLighting lighting) const {
-  return errors_of(contributions([&](const Measured& at) { return middle_light(at, form); }, lighting));
+FormError FormMeter::normals(const NormalForm& form) const {
+  return errors_of(contributions([&](const Measured& at) { return middle_light(at, form); }));
+}
+
+LitErrors FormMeter::lit_normals(const NormalForm& form) const {
+  return lit_errors([&](const Measured& at) { return middle_light(at, form); });
 }
 
 FormLight FormMeter::point_light(const Measured& at, const NormalForm& form, double colour) const {
@@ -363,12 +349,12 @@ FormLight FormMeter::shade_lobes(const Measured& at, const LobeLevels& lobes, co
   return made;
 }
 
-FormError FormMeter::lobes(const LobeLevels& lobes, const NormalForm& form, FormLighting lighting) const {
-  return errors_of(contributions(
-      [&](const Measured& at) {
-        return shade_lobes(at, lobes, form, {textures_.colour, {}});
-      },
-      lighting));
+LitErrors FormMeter::lit_lobes(const LobeLevels& lobes, const NormalForm& form) const {
+  return lit_errors([&](const Measured& at) { return shade_lobes(at, lobes, form, {textures_.colour, {}}); });
+}
+
+FormError FormMeter::lobes(const LobeLevels& lobes, const NormalForm& form) const {
+  return lit_lobes(lobes, form).suns;
 }
 
 FormMeter::PixelColours FormMeter::colours_of(const ModelPixel& pixel, const LobeLevels& lobes) {
@@ -446,7 +432,7 @@ void FormMeter::improve(NormalForm& form, const std::vector<double>& limits) con
           std::vector<double> values(touched.size());
           for_each_row_band(static_cast<int>(touched.size()), kPixelsAtOnce, threads_, [&](int, int begin, int end) {
             for (std::size_t i = size_of(begin); i < size_of(end); ++i)
-              values[i] = contribution(pixels_[touched[i]], middle_light(pixels_[touched[i]], form));
+              values[i] = contribution(pixels_[touched[i]], middle_light(pixels_[touched[i]], form), kSunLights);
           });
           std::vector<double> changed = errors;
           double gain = 0.0;

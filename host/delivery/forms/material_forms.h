@@ -6,6 +6,7 @@
 
 #include <array>
 #include <compare>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -64,13 +65,15 @@ struct FormView {
   auto operator<=>(const FormView&) const = default;
 };
 
-/// The pictures that an error covers: those with directional lights, which choose forms, or the one without.
-enum class FormLighting { kSuns, kSurroundings };
-
 /// Relative L1 error in percent, by view.
 struct FormError {
   std::vector<double> by_view;
   double mean = 0.0;
+};
+
+/// The errors of the pictures with directional lights, which choose forms, and of those with bright surroundings.
+struct LitErrors {
+  FormError suns, surroundings;
 };
 
 struct FormMeterSettings {
@@ -90,17 +93,20 @@ class FormMeter {
   int level_count() const { return textures_.averages->frame().level_count; }
 
   /// Returns the error if the material is drawn with one evaluation per pixel, as in the engine.
-  FormError normals(const NormalForm& form, FormLighting lighting = FormLighting::kSuns) const;
+  FormError normals(const NormalForm& form) const;
+  LitErrors lit_normals(const NormalForm& form) const;
   /// Changes one level after the other. Each level takes the form that reduces the mean error most while the error of
   /// each view stays below `limits`. Levels coarser than last_seen_level() take the form of that level.
   void improve(NormalForm& form, const std::vector<double>& limits) const;
   /// Returns the error that is due to the sampling of the references. It is estimated from two halves of the samples.
-  FormError noise(FormLighting lighting = FormLighting::kSuns) const;
+  FormError noise() const;
+  LitErrors lit_noise() const;
   /// Returns the error with 2 x 2 points per pixel and the variance of slopes, as in addPoints() of @multum/three.
   FormError points(const NormalForm& form) const;
   /// Returns the error of lobes that addLobes() of @multum/three draws with 4 evaluations and with textures of this
   /// form.
-  FormError lobes(const LobeLevels& lobes, const NormalForm& form, FormLighting lighting = FormLighting::kSuns) const;
+  FormError lobes(const LobeLevels& lobes, const NormalForm& form) const;
+  LitErrors lit_lobes(const LobeLevels& lobes, const NormalForm& form) const;
   /// The errors in colour for lobes that have colours, with the texel's mean colour and with each lobe's own colour.
   struct Coloured {
     FormError mean, own;
@@ -127,7 +133,6 @@ class FormMeter {
     FormLight reference, noise;
     FormLight weights;  // weights of differences in the error, percent
     FormScene scene;
-    // The density of each directional light among all lights, divided by the density with which it was chosen.
     std::array<double, kFormSuns> sun_weights{1.0, 1.0, 1.0};
     Looked middle;               // the values at the pixel's middle as the engine reads them
     std::vector<Looked> beside;  // the pixels to the right and below, if this pixel's roughness uses them
@@ -151,15 +156,21 @@ class FormMeter {
   };
   Reference reference_of(const ModelPicture& picture, const ModelPixel& pixel, const LobeLevels* lobes,
                          const FormScene& scene) const;
-  void choose_suns(Measured& at, std::size_t number) const;
+  void light(Measured& at, std::uint64_t seed) const;
   static Bent bent(const SurfacePoint& point, const Looked& looked, const NormalForm& form, const EngineFilter& filter);
   FormLight point_light(const Measured& at, const NormalForm& form, double colour) const;
   FormLight shade_lobes(const Measured& at, const LobeLevels& lobes, const NormalForm& form,
                         const PixelColours& colours) const;
   FormLight middle_light(const Measured& at, const NormalForm& form) const;
-  static double contribution(const Measured& at, const FormLight& light, FormLighting lighting = FormLighting::kSuns);
+  struct LightRange {
+    std::size_t begin, end;
+  };
+  static constexpr LightRange kSunLights{0, kFormSuns}, kSurroundingLights{kFormSuns, kFormLights};
+  static double contribution(const Measured& at, const FormLight& light, const LightRange& range);
   template <typename Shade>
-  std::vector<double> contributions(const Shade& shade, FormLighting lighting = FormLighting::kSuns) const;
+  std::vector<double> contributions(const Shade& shade) const;  // under directional lights
+  template <typename Shade>
+  LitErrors lit_errors(const Shade& shade) const;
   FormError errors_of(const std::vector<double>& contributions) const;
   int last_seen_level() const;  // the coarsest level that several pixels show; coarser levels have the same form
   std::vector<std::size_t> pixels_of_levels(int first, int last) const;

@@ -19,14 +19,6 @@
 namespace multum {
 namespace {
 
-std::string lower_extension(const std::string& path) {
-  const std::size_t dot = path.find_last_of('.');
-  std::string extension = dot == std::string::npos ? "" : path.substr(dot + 1);
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return extension;
-}
-
 // Reads at most `byte_max` bytes.
 std::string read_from(OpenFile opened, const std::string& path, std::uint64_t byte_max) {
   if (!opened.is_open()) refuse_file(path, std::string("cannot be read: ") + std::strerror(errno));
@@ -87,6 +79,14 @@ void split_glb(const std::string& bytes, const std::string& path, std::string& j
 }
 
 }  // namespace
+
+std::string lower_extension(const std::string& path) {
+  const std::size_t dot = path.find_last_of('.');
+  std::string extension = dot == std::string::npos ? "" : path.substr(dot + 1);
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return extension;
+}
 
 bool is_gltf_name(const std::string& path) {
   const std::string extension = lower_extension(path);

@@ -15,6 +15,8 @@ struct GltfDocument {
   std::string binary;   // for a GLB: the bytes after the JSON
 };
 
+/// Returns the extension of a name in lower case and without the dot, or an empty string if there is none.
+std::string lower_extension(const std::string& path);
 bool is_gltf_name(const std::string& path);  // *.gltf, *.glb
 
 /// The limit of file sizes. A GLB stores its length in 32 bits, and the buffers of a .gltf have the same limit.

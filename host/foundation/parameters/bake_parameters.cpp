@@ -419,6 +419,17 @@ const ParameterTable& bake_parameters() {
   return table;
 }
 
+std::vector<Parameter> reading_parameters(unsigned surfaces) {
+  Rows rows;
+  for (const Parameter& row : bake_parameters().rows())
+    if (row.group == kSourceGroup) rows.push_back(row);
+  for (Parameter& row : rows) {
+    row.surfaces = surfaces;
+    row.hashed_as.clear();
+  }
+  return rows;
+}
+
 const ParameterTable& scene_parameters() {
   static const ParameterTable table(
       "scene",

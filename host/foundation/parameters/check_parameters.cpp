@@ -50,12 +50,7 @@ std::vector<Parameter> check_rows() {
 const ParameterTable& check_parameters() {
   static const ParameterTable table = [] {
     std::vector<Parameter> rows = check_rows();
-    for (Parameter row : bake_parameters().rows()) {
-      if (row.group != kSourceGroup) continue;
-      row.surfaces = kOnCommandLine;
-      row.hashed_as.clear();
-      rows.push_back(std::move(row));
-    }
+    for (Parameter& row : reading_parameters(kOnCommandLine)) rows.push_back(std::move(row));
     return ParameterTable("check", std::move(rows));
   }();
   return table;

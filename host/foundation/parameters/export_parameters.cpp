@@ -177,12 +177,7 @@ const ParameterTable& export_parameters() {
     Rows rows = export_rows();
     rows.push_back(input_parameter("input", bake_parameters().at("input").help, kInManifest | kInService));
     // An export reads maps like a bake does.
-    for (Parameter row : bake_parameters().rows()) {
-      if (row.group != kSourceGroup) continue;
-      row.surfaces = kExportJob;
-      row.hashed_as.clear();
-      rows.push_back(std::move(row));
-    }
+    for (Parameter& row : reading_parameters(kExportJob)) rows.push_back(std::move(row));
     for (Parameter& row : export_run_rows()) rows.push_back(std::move(row));
     return ParameterTable("export", std::move(rows));
   }();

@@ -37,6 +37,7 @@ void check_one(const CheckOptions& o, const std::string& file, bool is_in_folder
                CheckResults& results) {
   CheckJob job = o.job;
   job.input = file;
+  job.only_normals = is_in_folder && !o.values.has("bumpformat");
   std::vector<GainVerdict> found;
   try {
     const auto progress = make_progress(o.common);

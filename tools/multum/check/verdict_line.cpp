@@ -10,9 +10,10 @@
 namespace multum {
 namespace {
 
-std::optional<GainVerdict> measured(const CheckJob& job, const MapMosaic& mosaic, Device& device) {
+std::optional<GainVerdict> measured(const CheckJob& job, const MapMosaic* mosaic, Device& device) {
+  if (mosaic == nullptr) return std::nullopt;
   try {
-    return quick_verdict(job, mosaic, device);
+    return quick_verdict(job, *mosaic, device);
   } catch (const Cancelled&) {
     throw;
   } catch (...) {
@@ -21,26 +22,32 @@ std::optional<GainVerdict> measured(const CheckJob& job, const MapMosaic& mosaic
   }
 }
 
-}  // namespace
-
-std::optional<GainVerdict> verdict_of(const BakeJob& job, const BakeReport& report, Device& device) {
-  if (report.mosaic == nullptr) return std::nullopt;
+CheckJob check_of(const std::string& input, int threads) {
   CheckJob check;
-  check.input = job.input;
-  check.threads = job.threads;
-  return measured(check, *report.mosaic, device);
+  check.input = input;
+  check.threads = threads;
+  return check;
 }
 
-std::optional<GainVerdict> verdict_of(const ExportJob& job, const ExportReport& report, Device& device) {
-  if (report.mosaic == nullptr) return std::nullopt;
-  CheckJob check;
-  check.input = job.input;
-  check.threads = job.threads;
+}  // namespace
+
+std::optional<GainVerdict> end_with_verdict(const BakeJob& job, const BakeReport& report, const CommonOptions& common,
+                                            Device& device) {
+  const auto verdict = measured(check_of(job.input, job.threads), report.mosaic.get(), device);
+  print_verdict(job.output, verdict, common);
+  return verdict;
+}
+
+std::optional<GainVerdict> end_with_verdict(const ExportJob& job, const ExportReport& report,
+                                            const CommonOptions& common, Device& device) {
+  CheckJob check = check_of(job.input, job.threads);
   check.engine = job.engine.value_or(Engine::kThree);
   check.base_roughness = job.lobe.base_roughness;
   check.has_roughness = !job.roughness.empty();
   check.has_metalness = !job.metalness.empty();
-  return measured(check, *report.mosaic, device);
+  const auto verdict = measured(check, report.mosaic.get(), device);
+  print_verdict(job.output, verdict, common);
+  return verdict;
 }
 
 void print_verdict(const std::string& name, const std::optional<GainVerdict>& verdict, const CommonOptions& common) {

@@ -12,9 +12,12 @@
 
 namespace multum {
 
-/// Return nothing if the report has no mosaic. If the gain cannot be measured, log the reason and return nothing.
-std::optional<GainVerdict> verdict_of(const BakeJob& job, const BakeReport& report, Device& device);
-std::optional<GainVerdict> verdict_of(const ExportJob& job, const ExportReport& report, Device& device);
+/// Measure and print the gain. Return nothing if the report has no mosaic. If the gain cannot be measured, log the
+/// reason and return nothing.
+std::optional<GainVerdict> end_with_verdict(const BakeJob& job, const BakeReport& report, const CommonOptions& common,
+                                            Device& device);
+std::optional<GainVerdict> end_with_verdict(const ExportJob& job, const ExportReport& report,
+                                            const CommonOptions& common, Device& device);
 
 /// Prints "NAME: SENTENCE" if the command prints text, and the table with --verbose.
 void print_verdict(const std::string& name, const std::optional<GainVerdict>& verdict, const CommonOptions& common);

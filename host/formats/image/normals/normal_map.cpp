@@ -249,6 +249,7 @@ NormalMapRows read_normal_map_rows(const std::string& path, const NormalMapSetti
                                                : read_vectors(path, read, encoding, settings, spill, threads, progress);
   if (!encoding.is_height_field) map.report.tiles = record;
   map.report.format = info.format;
+  map.report.is_height_field = encoding.is_height_field;
   map.report.encoding_reason = encoding.reason;
   // Equal heights with a small scale already cause a warning, and a ramp of heights is a surface.
   const Flatness flatness = flatness_of(map.normals);

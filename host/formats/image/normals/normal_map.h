@@ -59,8 +59,9 @@ constexpr double kUnusedShareMax = 0.5;
 
 /// Findings and repairs; the bake prints them and writes them into its report.
 struct NormalMapReport {
-  std::string format;                       // "png uint8, 3 channels"
-  std::string encoding;                     // "normal map, unsigned, green up (OpenGL)", "height field"
+  std::string format;    // "png uint8, 3 channels"
+  std::string encoding;  // "normal map, unsigned, green up (OpenGL)", "height field"
+  bool is_height_field = false;
   std::string encoding_reason;              // statistics that justify the encoding, in one line
   std::int64_t unused_texels = 0;           // texels that were never written (docs/reference/input_maps.md) or have no
                                             // data

@@ -38,13 +38,13 @@ class Bricks : public TestMaterial {
     const double face = kRecess * (0.75 + 0.35 * own(6)) + tilt + 0.0011 * rough - 0.004 * pits;
     const double mortar = 0.0008 * rough + 0.0011 * sand;
     MaterialPoint made;
-    made.height = mixed(mortar, face, is_brick);
+    made.height = glm::mix(mortar, face, is_brick);
     const double burnt = smooth_step(0.7, 1.0, own(9));
     glm::dvec3 brick = glm::mix(glm::dvec3(0.27, 0.065, 0.035), glm::dvec3(0.36, 0.14, 0.07), own(10));
     brick = glm::mix(brick, glm::dvec3(0.1, 0.05, 0.045), 0.8 * burnt) * (1.0 + 0.28 * rough - 0.4 * pits);
     const glm::dvec3 grey = glm::dvec3(0.36, 0.33, 0.29) * (1.0 + 0.2 * sand + 0.15 * rough);
     made.colour = glm::clamp(glm::mix(grey, brick, is_brick), 0.0, 1.0);
-    made.roughness = std::clamp(mixed(0.92, 0.62 - 0.22 * burnt + 0.08 * rough + 0.2 * pits, is_brick), 0.0, 1.0);
+    made.roughness = std::clamp(glm::mix(0.92, 0.62 - 0.22 * burnt + 0.08 * rough + 0.2 * pits, is_brick), 0.0, 1.0);
     return made;
   }
 

@@ -59,7 +59,7 @@ class Denim : public TestMaterial {
       };
       const double twist = std::sin(kWholeTurn * (2.0 * along + 0.9 * side + tint)) +
                            0.6 * std::sin(kWholeTurn * (3.0 * along - 1.6 * side));
-      const double height = mixed(lift(crossing), lift(crossing + 1), smooth(along - 0.5 - crossing)) +
+      const double height = glm::mix(lift(crossing), lift(crossing + 1), smooth(along - 0.5 - crossing)) +
                             kThread * std::sqrt(1.0 - side * side) + kFibre * twist;
       if (height > best.height) best = {height, tint};
     }

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <numbers>
 
+#include <glm/common.hpp>
 #include <glm/vec2.hpp>
 
 #include "host/foundation/base/split_mix.h"
@@ -26,7 +27,6 @@ inline double cell_random(int x, int y, int axis, std::uint64_t seed) {
   return static_cast<double>(split_mix(of_column + static_cast<std::uint32_t>(y)) >> 11) * 0x1.0p-53;
 }
 
-inline double mixed(double a, double b, double t) { return a + t * (b - a); }
 inline double smooth(double t) { return t * t * t * (t * (6.0 * t - 15.0) + 10.0); }
 /// Returns 0 below `from`, 1 above `to`, and a smooth transition between them.
 inline double smooth_step(double from, double to, double value) {
@@ -42,7 +42,8 @@ inline double gradient_noise(double u, double v, int count, std::uint64_t seed) 
     return std::cos(turn) * (x - x0 - i) + std::sin(turn) * (y - y0 - j);
   };
   const double s = smooth(x - x0), t = smooth(y - y0);
-  return std::numbers::sqrt2 * mixed(mixed(corner(0, 0), corner(1, 0), s), mixed(corner(0, 1), corner(1, 1), s), t);
+  return std::numbers::sqrt2 *
+         glm::mix(glm::mix(corner(0, 0), corner(1, 0), s), glm::mix(corner(0, 1), corner(1, 1), s), t);
 }
 
 /// Returns the sum of `octaves` of gradient noise. Each has twice the cells and half the height of the one before.

@@ -17,8 +17,8 @@ struct FromDistance {
 GainVerdict verdict_of(const std::vector<FromDistance>& errors, std::optional<double> roughness = 0.3) {
   GainVerdict made{"map.png", "", {}, roughness};
   for (const FromDistance& at : errors)
-    for (const FormLighting lighting : {FormLighting::kSuns, FormLighting::kSurroundings})
-      made.measured.push_back({at.distance, roughness, lighting, at.plain, at.exported, at.lobes, 0.1});
+    for (const GainLight light : {GainLight::kSun, GainLight::kSky})
+      made.measured.push_back({at.distance, roughness, light, at.plain, at.exported, at.lobes, 0.1});
   return made;
 }
 
@@ -60,7 +60,7 @@ TEST(GainVerdictTest, AnExportThatIsWorseIsNotWorthIt) {
 
 TEST(GainVerdictTest, OtherRoughnessIsInTheTableOnly) {
   GainVerdict verdict = verdict_of({{5.0, 3.0, 3.0, 2.9}});
-  verdict.measured.push_back({5.0, 0.1, FormLighting::kSuns, 50.0, 20.0, 10.0, 0.1});
+  verdict.measured.push_back({5.0, 0.1, GainLight::kSun, 50.0, 20.0, 10.0, 0.1});
   EXPECT_EQ(verdict.advice(), GainAdvice::kKeep);
   EXPECT_NE(verdict.to_table().find("50.0 %"), std::string::npos);
   EXPECT_EQ(verdict.to_json()["errors"].size(), 3u);

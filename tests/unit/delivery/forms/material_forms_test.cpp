@@ -178,18 +178,17 @@ TEST_F(MaterialFormsTest, MorePointsAreNearer) {
 // Glints of this roughness are small and bright. Without the choice of lights, the two errors differ by a third.
 TEST_F(MaterialFormsTest, UnderASkyAFewPixelsAreLikeMany) {
   set_bumps(0.5, 0.1, 0.1);
-  const auto error = [&](std::size_t pixels, FormLighting lighting) {
-    double found = 0.0;
-    measure(
-        [&](const FormMeter& meter) { found = meter.normals(NormalForm::of(meter.level_count(), {}), lighting).mean; },
-        Engine::kThree, shape_views(kSide, kSide, {{{8.0, 8.0}}, {kSphere}, 24000.0, 0.0, pixels, 8}),
-        FormSurroundings::kSky);
+  const auto errors = [&](std::size_t pixels) {
+    LitErrors found;
+    measure([&](const FormMeter& meter) { found = meter.lit_normals(NormalForm::of(meter.level_count(), {})); },
+            Engine::kThree, shape_views(kSide, kSide, {{{8.0, 8.0}}, {kSphere}, 24000.0, 0.0, pixels, 8}),
+            FormSurroundings::kSky);
     return found;
   };
-  for (const FormLighting lighting : {FormLighting::kSuns, FormLighting::kSurroundings}) {
-    const double many = error(12000, lighting);
-    EXPECT_GT(many, 5.0);
-    EXPECT_NEAR(error(1000, lighting), many, 0.1 * many);
+  const LitErrors few = errors(1000), many = errors(12000);
+  for (FormError LitErrors::*light : {&LitErrors::suns, &LitErrors::surroundings}) {
+    EXPECT_GT((many.*light).mean, 5.0);
+    EXPECT_NEAR((few.*light).mean, (many.*light).mean, 0.1 * (many.*light).mean);
   }
 }
 
@@ -197,9 +196,9 @@ TEST_F(MaterialFormsTest, UnderASkyAFlatMapHasNoError) {
   set_bumps(0.0, 0.3, 0.3);
   measure(
       [](const FormMeter& meter) {
-        const NormalForm plain = NormalForm::of(meter.level_count(), {});
-        EXPECT_LT(meter.normals(plain).mean, 0.2);
-        EXPECT_LT(meter.normals(plain, FormLighting::kSurroundings).mean, 0.2);
+        const LitErrors plain = meter.lit_normals(NormalForm::of(meter.level_count(), {}));
+        EXPECT_LT(plain.suns.mean, 0.2);
+        EXPECT_LT(plain.surroundings.mean, 0.2);
       },
       Engine::kThree, shape_views(kSide, kSide, {{{8.0, 8.0}}, {kSphere}, 24000.0, 0.0, 200, 8}),
       FormSurroundings::kSky);
