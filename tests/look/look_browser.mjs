@@ -42,6 +42,7 @@ export async function startLook(bin) {
       await page.goto(pathToFileURL(inFolder(file)).href + hash);
       // Polls with a timer, because some test pages have no animation frames.
       await page.waitForFunction(() => globalThis.multumLook?.frameMs !== undefined, undefined, { polling: 50 });
+      await page.evaluate(() => { globalThis.multumLook.hasDrafts = false; });
       return page;
     },
     end: async () => {

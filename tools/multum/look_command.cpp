@@ -22,22 +22,39 @@ namespace {
 struct LookOptions {
   CommonOptions common;
   LookJob job;
-  std::vector<std::string> inputs, sources;
+  std::vector<std::string> inputs, sources, albedos, titles;
+  std::vector<double> roughnesses = {0.3}, metalnesses = {0.0};
   std::string device;
   bool stays_closed = false;
 };
+
+// Returns the value for map `i` of a list with no value, one for all maps, or one per map.
+template <typename T>
+T value_of(const std::vector<T>& values, std::size_t i) {
+  return values.empty() ? T() : values[values.size() == 1 ? 0 : i];
+}
+
+template <typename T>
+void check_count(const char* option, const std::vector<T>& values, std::size_t maps, bool one_for_all) {
+  if (values.empty() || values.size() == maps || (one_for_all && values.size() == 1)) return;
+  throw Error(ErrorCode::kUsage,
+              fmt::format("found {} {}, expected {}, or one for each of the {} files in the same order", values.size(),
+                          option, one_for_all ? "one" : "none", maps));
+}
 
 bool has_desktop() { return std::getenv("DISPLAY") != nullptr || std::getenv("WAYLAND_DISPLAY") != nullptr; }
 
 int run_look(LookOptions& o) {
   o.job.threads = apply(o.common);
   keep_freed_memory();
-  if (!o.sources.empty() && o.sources.size() != o.inputs.size())
-    throw Error(ErrorCode::kUsage,
-                fmt::format("found {} --source, expected none, or one for each of the {} files in the same order",
-                            o.sources.size(), o.inputs.size()));
+  check_count("--source", o.sources, o.inputs.size(), false);
+  check_count("--albedo", o.albedos, o.inputs.size(), false);
+  check_count("--title", o.titles, o.inputs.size(), false);
+  check_count("--base-roughness", o.roughnesses, o.inputs.size(), true);
+  check_count("--metalness", o.metalnesses, o.inputs.size(), true);
   for (std::size_t i = 0; i < o.inputs.size(); ++i)
-    o.job.maps.push_back({o.inputs[i], o.sources.empty() ? "" : o.sources[i]});
+    o.job.maps.push_back({o.inputs[i], value_of(o.sources, i), value_of(o.albedos, i), value_of(o.titles, i),
+                          value_of(o.roughnesses, i), value_of(o.metalnesses, i)});
   if (o.job.output.empty()) {
     const std::string name = std::filesystem::path(o.inputs[0]).filename().string();
     o.job.output = o.inputs.size() > 1 ? "look.html" : name.substr(0, name.find('.')) + ".html";
@@ -74,9 +91,21 @@ void add_look_command(CLI::App& app, int* exit_code) {
       ->allow_extra_args(false);
   command->add_option("-o,--output", o.job.output,
                       "page to write, *.html (default: the name of the input, or look.html for several)");
-  command->add_option("--base-roughness", o.job.base_roughness, "set one perceptual roughness for the whole surface")
+  command
+      ->add_option("--albedo", o.albedos, "the base colour, of the map's size; give one per file (default: grey)")
+      ->allow_extra_args(false);
+  command
+      ->add_option("--base-roughness", o.roughnesses,
+                   "the perceptual roughness of the whole surface; give one, or one per file (default: 0.3)")
       ->check(CLI::Range(0.05, 1.0))
-      ->capture_default_str();
+      ->allow_extra_args(false);
+  command
+      ->add_option("--metalness", o.metalnesses,
+                   "the metalness of the whole surface; give one, or one per file (default: 0)")
+      ->check(CLI::Range(0.0, 1.0))
+      ->allow_extra_args(false);
+  command->add_option("--title", o.titles, "the name that the page shows; give one per file (default: the file's name)")
+      ->allow_extra_args(false);
   command->add_flag("--same-source", o.job.same_source,
                     "reject a normal map that is not the map from which the file "
                     "was baked");
@@ -89,8 +118,11 @@ void add_look_command(CLI::App& app, int* exit_code) {
       "  multum look bricks.ndf.exr             # writes bricks.html and opens it\n"
       "  multum look *.ndf.exr -o maps.html     # a page to choose from\n"
       "  multum look bricks.ndf.exr --source bricks_n.png -o look.html --base-roughness 0.2 --no-open\n"
-      "The page needs WebGL 2 and no network. It shows two methods at a time with a divider between them. \"Measure\n"
-      "error\" compares both with the map, drawn with 144 samples per pixel.\n\n"
+      "  multum look a.ndf.exr b.ndf.exr --albedo a.png --albedo b.png --metalness 1 --metalness 0\n"
+      "The page needs WebGL 2 and no network. It shows two methods at a time with a divider between them, on a plane,\n"
+      "a sphere, a ring or a dropped model, under a sky, in a studio or under the sun only. The reference is the map\n"
+      "itself, drawn with 144 samples per pixel; \"Measure error\" compares both methods with it. \"Save both pictures\"\n"
+      "writes them side by side.\n\n"
       "Files dropped onto the page stay in the browser:\n"
       "- a baked file of lobes (compression none, rle, zips or zip; at most 2048 texels per side); also drop its\n"
       "  normal map if the file has no level 0\n"

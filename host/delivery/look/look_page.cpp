@@ -3,8 +3,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "host/delivery/export/export_job.h"
@@ -12,6 +13,8 @@
 #include "host/delivery/look/look_files.h"
 #include "host/formats/asset/baked_file.h"
 #include "host/formats/brdf/ggx_lobe.h"
+#include "host/formats/image/colour_map.h"
+#include "host/formats/image/files/png_writer.h"
 #include "host/formats/image/normals/reading_settings.h"
 #include "host/foundation/base/base64.h"
 #include "host/foundation/base/error.h"
@@ -78,8 +81,9 @@ nlohmann::ordered_json shader_texts() {
   };
   const std::string common = joined({"common/movmf_shading.glsl", "common/texture_filter.glsl",
                                      "common/reflection.glsl", "brdf/cook_torrance.glsl", "brdf/ggx.glsl"});
-  return {{"oneNormal", common},
-          {"lobes", common + joined({"brdf/ggx_lobe.glsl", "surface/lobes.glsl", "surface/movmf.glsl"})},
+  return {{"common", common},
+          {"lobeBrdf", joined({"brdf/ggx_lobe.glsl"})},
+          {"lobes", joined({"surface/lobes.glsl", "surface/movmf.glsl"})},
           {"lights", joined({"light/lights.glsl"})}};
 }
 
@@ -104,7 +108,8 @@ std::string look_page(const nlohmann::ordered_json& data) {
   for (const char* name : {"error_text.js", "next_frame.js", "matrices.js", "glb.js", "three/bc5.js"})
     script += plain_script(look_module_files().at(name));
   for (const char* name :
-       {"look_glb.js", "look_gltf.js", "look_textures.js", "look_gl.js", "look_error.js", "look_drops.js", "look.js"})
+       {"look_glb.js", "look_gltf.js", "look_textures.js", "look_shapes.js", "look_light.js", "look_gl.js",
+        "look_reference.js", "look_picture.js", "look_drops.js", "look.js"})
     script += file(name);
   const std::string worker = plain_script(look_module_files().at("error_text.js")) + file("look_exr.js");
   check_script(script);
@@ -116,6 +121,20 @@ std::string look_page(const nlohmann::ordered_json& data) {
   put_in_place(page, R"(<script type="application/json" id="look-data">{}</script>)",
                R"(<script type="application/json" id="look-data">)" + script_json(data) + "</script>");
   return page;
+}
+
+// Returns an albedo as a PNG of 8 bits, which every browser decodes.
+std::string albedo_base64(const LookMap& map, const BakedHeader& header, const std::string& stem, int threads) {
+  const ColourMap colours = read_albedo_map(map.albedo, header.width, header.height, threads);
+  Png8Image image;
+  image.width = header.width;
+  image.height = header.height;
+  for (std::size_t i = 0; i < colours.r.size(); ++i)
+    for (const float value : {colours.r[i], colours.g[i], colours.b[i]})
+      image.interleaved.push_back(
+          static_cast<std::uint8_t>(std::lround(255.0 * srgb_from_linear(std::min(1.0, double{value})))));
+  write_png8(stem + "_albedo.png", image);
+  return base64_of_file(stem + "_albedo.png");
 }
 
 // Returns the lobes and the one-lobe export. The names of temporary files begin with `stem`.
@@ -130,7 +149,7 @@ nlohmann::ordered_json map_data(const LookMap& map, const BakedHeader& header, c
   material.reading = parse_reading_settings(header.provenance.settings);
   material.reading.wrap_s = header.wrap_s;
   material.reading.wrap_t = header.wrap_t;
-  material.lobe.base_roughness = static_cast<double>(static_cast<float>(job.base_roughness));
+  material.lobe.base_roughness = static_cast<double>(static_cast<float>(map.base_roughness));
   material.texels = MaterialTexels::kRg8;
   material.packing = MaterialPacking::kSeparate;
   material.measure = false;
@@ -139,12 +158,16 @@ nlohmann::ordered_json map_data(const LookMap& map, const BakedHeader& header, c
   if (report.width != header.width || report.height != header.height)
     refuse_file(map.source, fmt::format("found {} x {} texels, expected {} x {} as in the map that {} was baked from",
                                         report.width, report.height, header.width, header.height, map.input));
-  return {{"title", text_of_path(std::filesystem::path(map.input).filename().string())},
-          {"about",
-           fmt::format("{}, GGX of roughness {:.2g}", text_of_path(header.provenance.source_name), job.base_roughness)},
-          {"lobes", base64_of_file(lobes.output)},
-          {"normals", base64_of_file(stem + "_normal.ktx2")},
-          {"roughness", base64_of_file(stem + "_roughness.ktx2")}};
+  nlohmann::ordered_json data = {
+      {"title", map.title.empty() ? text_of_path(std::filesystem::path(map.input).filename().string()) : map.title},
+      {"about", fmt::format("{} with GGX", text_of_path(header.provenance.source_name))},
+      {"roughness", map.base_roughness},
+      {"metalness", map.metalness},
+      {"lobes", base64_of_file(lobes.output)},
+      {"normals", base64_of_file(stem + "_normal.ktx2")},
+      {"exportedRoughness", base64_of_file(stem + "_roughness.ktx2")}};
+  if (!map.albedo.empty()) data["colours"] = albedo_base64(map, header, stem, job.threads);
+  return data;
 }
 
 }  // namespace
@@ -153,7 +176,7 @@ void write_look_page(const LookJob& job, Device& device, Progress* progress) {
   MULTUM_CHECK(!job.maps.empty());
   std::vector<std::string> inputs;
   for (const LookMap& map : job.maps)
-    for (const std::string& file : {map.input, map.source})
+    for (const std::string& file : {map.input, map.source, map.albedo})
       if (!file.empty()) inputs.push_back(file);
   check_paths_differ(inputs, {job.output});
   check_writable(job.output);
@@ -161,12 +184,7 @@ void write_look_page(const LookJob& job, Device& device, Progress* progress) {
   const std::unique_ptr<WorkFolder> folder = WorkFolder::take(partial_folder_of(job.output));
   if (!folder) throw Error(ErrorCode::kEnvironment, job.output + ": is being written by another process");
   folder->clear();
-  nlohmann::ordered_json data = {{"baseRoughness", job.base_roughness},
-                                 {"diffuse", 0.1},
-                                 {"specular", 1.0},
-                                 {"f0", 0.04},
-                                 {"shaders", shader_texts()},
-                                 {"ggxTable", table_base64()}};
+  nlohmann::ordered_json data = {{"shaders", shader_texts()}, {"ggxTable", table_base64()}};
   for (std::size_t i = 0; i < job.maps.size(); ++i)
     data["maps"].push_back(
         map_data(job.maps[i], headers[i], job, fmt::format("{}/map{}", folder->path(), i), device, progress));

@@ -20,13 +20,16 @@ constexpr std::int64_t kLookTexelsMax = std::int64_t{4} * kLookSideMax * kLookSi
 struct LookMap {
   std::string input;   // *.ndf.exr of vMF lobes
   std::string source;  // the normal map that was baked; if empty, level 0 of `input` is used
+  std::string albedo;  // the base colour, of the map's size; if empty, the surface is grey
+  std::string title;   // if empty, the name of `input`
+  double base_roughness = 0.3;  // perceptual roughness, 0.05..1
+  double metalness = 0;         // 0..1; both can be changed on the page
 };
 
 struct LookJob {
-  std::vector<LookMap> maps;    // at least one map; the page lets the user choose
-  std::string output;           // *.html
-  double base_roughness = 0.3;  // perceptual roughness, 0.05..1
-  bool same_source = false;     // fail if a source is not the file that was baked
+  std::vector<LookMap> maps;  // at least one map; the page lets the user choose
+  std::string output;         // *.html
+  bool same_source = false;   // fail if a source is not the file that was baked
   int threads = 1;
 };
 

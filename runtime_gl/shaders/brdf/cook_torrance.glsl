@@ -17,9 +17,14 @@ vec3 multum_schlick(vec3 f0, float v_h) {
 }
 
 #ifdef MULTUM_FRESNEL_DIFFUSE
+#ifdef MULTUM_COLOURED_PLACES
+vec3 multum_f0;  // F0 at the shaded place; main() sets it before shading
+#else
 uniform vec3 u_f0;
+#define multum_f0 u_f0
+#endif
 
-vec3 multum_fresnel(float v_h) { return multum_schlick(u_f0, v_h); }
+vec3 multum_fresnel(float v_h) { return multum_schlick(multum_f0, v_h); }
 #endif
 #ifdef MULTUM_COOK_TORRANCE
 float multum_visibility(float n_l, float n_v, float n_h, float v_h) {

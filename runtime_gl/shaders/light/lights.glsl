@@ -1,6 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Defines the lights of a scene. Their numbers are MULTUM_DIRECTIONAL_LIGHTS and MULTUM_POINT_LIGHTS.
-uniform vec3 u_diffuse;   // k_d
+#ifdef MULTUM_COLOURED_PLACES
+vec3 multum_diffuse;  // k_d at the shaded place; main() sets it before shading
+#else
+uniform vec3 u_diffuse;  // k_d
+#define multum_diffuse u_diffuse
+#endif
 uniform vec3 u_specular;  // k_s
 #ifdef MULTUM_DIRECTIONAL_LIGHTS
 uniform vec3 u_light_directions[MULTUM_DIRECTIONAL_LIGHTS];  // unit, towards the light
@@ -12,7 +17,7 @@ uniform vec3 u_point_intensities[MULTUM_POINT_LIGHTS];  // irradiance at distanc
 #endif
 
 vec3 multum_outgoing(MultumReflection reflection) {
-  vec3 radiance = u_diffuse / MULTUM_PI * reflection.diffuse;
+  vec3 radiance = multum_diffuse / MULTUM_PI * reflection.diffuse;
 #ifndef MULTUM_LAMBERT
   radiance += u_specular * reflection.specular;
 #endif

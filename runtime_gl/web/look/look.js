@@ -1,15 +1,25 @@
 // SPDX-License-Identifier: Apache-2.0
 // Runs the page of multum look with its controls, its view, and dropped files. Text from files only goes into text
 // nodes.
-const METHODS = [["mip", "averaged normals"], ["rule", "engine's rule"], ["export", "one-lobe export"],
-  ["lobes", "lobes"]];
+const METHODS = [["reference", "reference"], ["mip", "averaged normals"], ["rule", "engine's rule"],
+  ["export", "one-lobe export"], ["lobes", "lobes"]];
+const SLOW_MS = 50; // If a frame takes longer, the page names what draws it, and draws drafts while the view moves.
+const REST_MS = 200; // time after the last change until the view is drawn in full
+const DRAFT_LEAST = 0.25; // width of the smallest draft, as a share of the full width
+const ROUGHNESS = [0.05, 1];
 const DEGREE = Math.PI / 180;
 const TARGET = [0, 0.76, 0]; // target of multum-view's camera on the plane
-/** The default view: several texels per pixel, against the light, with the divider in the highlight. */
-const HOME = { map: 0, left: "mip", right: "lobes", rule: "unreal", split: 0.5, lock: -1, azimuth: 0, elevation: 40,
-  distance: 3, exposure: -1, difference: 0, x: 0, y: 0.8, z: 0.6 };
-const LIMITS = { map: [0, 63], split: [0, 1], lock: [-1, 15], azimuth: [-180, 180], elevation: [3, 89],
-  distance: [-2, 5], exposure: [-4, 4], difference: [0, 1], x: [-1, 1], y: [-1, 1], z: [0, 1] };
+/**
+ * The default view: several texels per pixel, against the light, with the divider in the highlight. A roughness or a
+ * metalness of -1 is the map's own.
+ */
+const HOME = { map: 0, shape: "plane", left: "mip", right: "lobes", rule: "unreal", light: "sky", roughness: -1,
+  metalness: -1, split: 0.5, lock: -1, azimuth: 0, elevation: 40, distance: 3, exposure: -1, difference: 0, x: 0,
+  y: 0.8, z: 0.6 };
+const FRONT = { distance: MODEL_DISTANCE, x: -0.5, y: -0.6, z: 0.62 }; // of shapes that are not the plane
+const LIMITS = { map: [0, 63], roughness: [-1, 1], metalness: [-1, 1], split: [0, 1], lock: [-1, 15],
+  azimuth: [-180, 180], elevation: [3, 89], distance: [-2, 5], exposure: [-4, 4], difference: [0, 1], x: [-1, 1],
+  y: [-1, 1], z: [0, 1] };
 
 const byId = (id) => document.getElementById(id);
 const say = (text) => { byId("problem").textContent = text; byId("problem").hidden = text === ""; };
@@ -23,6 +33,8 @@ function viewOfHash(hash) {
     if (key in LIMITS && text !== "" && Number.isFinite(Number(text))) view[key] = clamp(Number(text), LIMITS[key]);
     else if ((key === "left" || key === "right") && METHODS.some(([name]) => name === text)) view[key] = text;
     else if (key === "rule" && Object.hasOwn(ENGINE_RULES, text)) view.rule = text;
+    else if (key === "light" && Object.hasOwn(ENVIRONMENTS, text)) view.light = text;
+    else if (key === "shape" && (text === "model" || Object.hasOwn(SHAPES, text))) view.shape = text;
   }
   for (const key of ["map", "lock"]) view[key] = Math.round(view[key]);
   return view;
@@ -76,10 +88,15 @@ class LookPage {
     this.makeGl = () => new LookGl(byId("canvas"), data.shaders, table);
     this.gl = this.makeGl();
     this.dropped = null; // the last dropped map
-    this.drawn = 0; // number of drawn frames, from which longer tasks see that the view has changed
+    this.model = null; // the last dropped model
+    this.own = { roughness: 0.3, metalness: 0 }; // of the shown map
+    this.drawn = 0; // number of drawn views, from which longer tasks see that the view has changed
+    this.reference = new Reference();
+    this.hasDrafts = true;
     this.addLoss();
     this.addControls();
     this.showOwn(clamp(this.view.map, [0, data.maps.length - 1]));
+    this.listShapes();
     this.addPointers();
     this.addKeys();
     this.drops = new Drops(this, byId("look-worker").textContent);
@@ -93,15 +110,39 @@ class LookPage {
   showOwn(number) {
     const map = this.data.maps[number];
     const normals = parseKtx2(bytesOfBase64(map.normals));
+    this.own = { roughness: map.roughness, metalness: map.metalness };
     this.show(map, normals.width, normals.height, normalsOfBytes(normals.levels[0]),
-      parseLobes(bytesOfBase64(map.lobes)), exportedLevels(normals, parseKtx2(bytesOfBase64(map.roughness))));
+      parseLobes(bytesOfBase64(map.lobes)), exportedLevels(normals, parseKtx2(bytesOfBase64(map.exportedRoughness))));
     this.shown = number;
+    this.takeColours(map.colours);
     this.view.map = number;
+  }
+
+  /** Shows the base colour of a map, an image in base64, or none. It arrives after the map. */
+  async takeColours(base64) {
+    const { shown } = this;
+    this.setColours(null);
+    if (base64 === undefined) return;
+    try {
+      const image = await createImageBitmap(new Blob([bytesOfBase64(base64)]),
+        { colorSpaceConversion: "none", premultiplyAlpha: "none" });
+      if (this.shown !== shown) return;
+      this.setColours(image);
+      this.change({});
+    } catch (error) {
+      say(`The colours of this map cannot be shown: ${errorText(error)}`);
+    }
+  }
+
+  setColours(image) {
+    this.gl.setColours(image);
+    this.colours = image;
   }
 
   /** Shows a dropped map: decodeExr() of its file, its normals, title and about. It becomes the list's last entry. */
   install(map) {
     this.show(map, map.width, map.height, map.normals, map.file, null);
+    this.setColours(null);
     this.dropped = map;
     this.shown = "dropped";
     this.listMaps();
@@ -113,9 +154,6 @@ class LookPage {
     this.setMeans(means);
     this.setLobes(file);
     this.setExported(exported);
-    // The page cannot fit one lobe per texel, so this choice needs the files of multum export.
-    for (const id of ["left", "right"])
-      [...byId(id).options].find(({ value }) => value === "export").disabled = exported === null;
     byId("lock").replaceChildren(...[[-1, "by distance"], ...means.map((_, level) => [level, `level ${level}`])].map(
       ([value, text]) => new Option(text, value)));
     byId("title").textContent = title;
@@ -133,7 +171,7 @@ class LookPage {
 
   setMeans(means) {
     this.means = means;
-    this.gl.setMaterial("mip", ruledLevels(this.means, this.data.baseRoughness, (length, base) => base));
+    this.gl.setMaterial("mip", ruledLevels(this.means, 1, () => 1)); // the shader has its roughness
     this.ruled = null;
   }
 
@@ -158,12 +196,12 @@ class LookPage {
       canvas.style.visibility = "hidden"; // browsers show a broken picture
     });
     canvas.addEventListener("webglcontextrestored", () => {
-      const { model } = this.gl;
       this.gl = this.makeGl();
       this.setMeans(this.means);
       this.setLobes(this.file);
       this.setExported(this.exported);
-      if (model !== null) this.gl.setModel(this.model);
+      this.gl.setColours(this.colours);
+      this.shape = null; // uploaded again with the next frame
       byId("lost").hidden = true;
       canvas.style.visibility = "";
       this.change({});
@@ -175,18 +213,20 @@ class LookPage {
     options("left", METHODS);
     options("right", METHODS);
     options("rule", Object.entries(ENGINE_RULES).map(([id, [name]]) => [id, name]));
+    options("around", Object.entries(ENVIRONMENTS).map(([id, { text }]) => [id, text]));
     this.listMaps();
-    byId("shape").addEventListener("change", (event) => this.setModel(event.target.value === "plane" ? null
-      : this.model, byId("shape").options[1].text));
     byId("map").addEventListener("change", (event) => this.choose(event.target.value));
+    byId("shape").addEventListener("change", (event) => this.chooseShape(event.target.value));
     for (const id of ["left", "right", "rule"]) byId(id).addEventListener("change", (event) =>
       this.change({ [id]: event.target.value }));
-    for (const id of ["split", "distance", "exposure"]) byId(id).addEventListener("input", (event) =>
-      this.change({ [id]: Number(event.target.value) }));
+    byId("around").addEventListener("change", (event) => this.change({ light: event.target.value }));
+    for (const id of ["split", "distance", "exposure", "roughness", "metalness"])
+      byId(id).addEventListener("input", (event) => this.change({ [id]: Number(event.target.value) }));
     byId("lock").addEventListener("change", (event) => this.change({ lock: Number(event.target.value) }));
     byId("difference").addEventListener("change", (event) => this.change({ difference: event.target.checked ? 1 : 0 }));
     byId("reset").addEventListener("click", () => this.change({ ...HOME }));
     byId("measure").addEventListener("click", () => this.measure());
+    byId("save").addEventListener("click", () => this.savePicture());
     byId("controls").addEventListener("submit", (event) => event.preventDefault());
     // Uses the event's address, because a waiting frame may already have written the previous view into the page's
     // address.
@@ -203,14 +243,33 @@ class LookPage {
     byId("map-label").hidden = all.length < 2;
   }
 
-  /** Adds readModel() of a file to the choices, or null for the plane. */
+  /** Shows readModel() of a file, and adds it to the choices. */
   setModel(model, name) {
-    this.gl.setModel(model);
-    this.model = model ?? this.model;
-    byId("shape").replaceChildren(new Option("plane", "plane"), new Option(name, "model"));
-    byId("shape").value = model === null ? "plane" : "model";
-    byId("shape-label").hidden = false;
-    this.change({});
+    this.model = { ...model, name };
+    this.listShapes();
+    this.shape = null;
+    this.chooseShape("model");
+  }
+
+  /** Shows a shape from a distance and with a sun that suit it. */
+  chooseShape(shape) {
+    const { distance, x, y, z } = shape === "plane" ? HOME : FRONT;
+    this.change({ shape, distance, x, y, z });
+  }
+
+  listShapes() {
+    const dropped = this.model === null ? [] : [["model", this.model.name]];
+    byId("shape").replaceChildren(...[...Object.entries(SHAPES).map(([id, [text]]) => [id, text]), ...dropped].map(
+      ([value, text]) => new Option(text, value)));
+  }
+
+  /** Uploads the shape of the view if it is not the one on the GPU. */
+  takeShape() {
+    const { shape } = this.view;
+    if (this.shape === shape) return;
+    const make = shape === "model" ? null : SHAPES[shape][1];
+    this.gl.setModel(shape === "model" ? this.model : make === null ? null : make(TARGET, MODEL_RADIUS));
+    this.shape = shape;
   }
 
   /** Selects one of the page's maps by number, or "dropped". */
@@ -278,7 +337,7 @@ class LookPage {
       ArrowDown: turn("elevation", -2), "+": turn("distance", -0.2), "-": turn("distance", 0.2), "[": turn("lock", -1),
       "]": turn("lock", 1), s: turn("split", 0.02), S: turn("split", -0.02),
       d: () => this.change({ difference: 1 - this.view.difference }), l: () => byId("light").click(),
-      e: () => byId("measure").click() };
+      e: () => byId("measure").click(), p: () => byId("save").click() };
     addEventListener("keydown", (event) => {
       const acts = Object.hasOwn(keys, event.key) && !event.ctrlKey && !event.metaKey && !event.altKey;
       if (!acts || (event.target !== byId("stage") && event.target !== document.body)) return;
@@ -300,8 +359,24 @@ class LookPage {
     view.azimuth = ((view.azimuth + 540) % 360) - 180;
     for (const [key, limits] of Object.entries(LIMITS)) view[key] = clamp(view[key], limits);
     view.lock = Math.min(view.lock, this.means.length - 1);
-    for (const id of ["left", "right"]) if (!this.gl.has(view[id])) view[id] = HOME[id];
+    if (view.roughness >= 0) view.roughness = Math.max(view.roughness, ROUGHNESS[0]);
+    if (view.shape === "model" && this.model === null) view.shape = HOME.shape;
+    for (const id of ["left", "right"]) if (view[id] === "export" && !this.hasExport(view)) view[id] = HOME[id];
     this.view = view;
+    this.isAtRest = false;
+    this.redraw();
+  }
+
+  redraw() {
+    this.reference.count = 0;
+    this.isChanged = true;
+    this.drawSoon();
+  }
+
+  /** The page cannot make the export, so it has it only for the roughness of `multum look`, and not for dropped maps. */
+  hasExport(view) { return this.gl.has("export") && (view.roughness < 0 || view.roughness === this.own.roughness); }
+
+  drawSoon() {
     if (this.waiting !== undefined) return;
     this.waiting = new Promise((resolve) => onNextFrame(() => {
       this.waiting = undefined;
@@ -310,37 +385,66 @@ class LookPage {
     }));
   }
 
+  get roughness() { return this.view.roughness < 0 ? this.own.roughness : this.view.roughness; }
+
+  get metalness() { return this.view.metalness < 0 ? this.own.metalness : this.view.metalness; }
+
+  get hasReference() { return this.view.left === "reference" || this.view.right === "reference"; }
+
   scene() {
-    const { view, data } = this;
+    const { view, metalness } = this;
     const camera = lookCamera(view);
+    // Without colours, a map is grey paint or silver.
+    const tint = this.colours === null ? 0.1 + 0.8 * metalness : 1;
     const [width, height] = this.gl.size;
     const size = Math.hypot(view.x, view.y, view.z);
     return { rays: raysOf(camera, width / height),
       toClip: clipMatrix(camera, width / height), eye: camera.eye,
-      light: [view.x / size, view.y / size, view.z / size], diffuse: data.diffuse, specular: data.specular, f0: data.f0,
-      alpha: data.baseRoughness ** 2, lock: view.lock < 0 ? null : view.lock, exposure: 2 ** view.exposure,
+      light: [view.x / size, view.y / size, view.z / size], environment: view.light, tint: [tint, tint, tint], metalness,
+      alpha: this.roughness ** 2, lock: view.lock < 0 ? null : view.lock, exposure: 2 ** view.exposure,
       split: view.split, difference: view.difference !== 0 };
   }
 
   draw() {
     if (this.gl.isLost) return; // drawn when the context is back
     const canvas = byId("canvas"), { view } = this;
-    const ratio = this.pixelRatio ?? Math.min(devicePixelRatio, 2);
+    const isDraft = this.hasDrafts && this.isChanged && !this.isAtRest && this.frameMs > SLOW_MS;
+    const ratio = (this.pixelRatio ?? Math.min(devicePixelRatio, 2)) *
+      (isDraft ? Math.max(DRAFT_LEAST, Math.sqrt(SLOW_MS / this.frameMs)) : 1);
     canvas.width = Math.max(1, Math.round(canvas.clientWidth * ratio));
     canvas.height = Math.max(1, Math.round(canvas.clientHeight * ratio));
     this.gl.resize(canvas.width, canvas.height);
-    if (this.ruled !== view.rule) {
-      this.gl.setMaterial("rule", ruledLevels(this.means, this.data.baseRoughness, ENGINE_RULES[view.rule][1]));
-      this.ruled = view.rule;
-    }
-    ++this.drawn;
-    byId("error").textContent = "";
+    this.takeShape();
+    this.takeRule();
+    const scene = this.scene();
+    if (this.hasReference) this.reference.refine(this.gl, scene, isDraft ? 1 : undefined);
     const begin = performance.now();
-    this.gl.draw(view.left, view.right, this.scene());
+    if (!this.isChanged) {
+      this.gl.show(view.left, view.right, scene); // only the reference became finer
+    } else {
+      this.gl.draw(view.left, view.right, scene);
+      this.isChanged = false;
+      ++this.drawn;
+      byId("error").textContent = "";
+      if (!isDraft) this.timeFrame(begin);
+    }
     this.showControls();
-    this.timeFrame(begin);
+    clearTimeout(this.rest);
+    if (isDraft) this.rest = setTimeout(() => {
+      this.isAtRest = true;
+      this.redraw();
+    }, REST_MS);
+    else if (this.hasReference && !this.reference.isDone) this.drawSoon();
     const hash = hashOfView(view);
     if (location.hash.slice(1) !== hash) history.replaceState(null, "", `#${hash}`);
+  }
+
+  /** Makes the textures of the chosen engine's rule, if it is shown and they are not those of the view. */
+  takeRule() {
+    const { rule, left, right } = this.view, key = `${rule} ${this.roughness}`;
+    if (this.ruled === key || (left !== "rule" && right !== "rule")) return;
+    this.gl.setMaterial("rule", ruledLevels(this.means, this.roughness, ENGINE_RULES[rule][1]));
+    this.ruled = key;
   }
 
   // The frame is complete when the GPU has passed the fence.
@@ -353,7 +457,9 @@ class LookPage {
       const state = gl.clientWaitSync(fence, 0, 0);
       if (state === gl.TIMEOUT_EXPIRED) return setTimeout(look, 1);
       gl.deleteSync(fence);
+      const isFirst = this.frameMs === undefined;
       this.frameMs = performance.now() - begin;
+      if (isFirst && this.frameMs > SLOW_MS) this.redraw(); // the first frame includes compiling shaders
       this.isTimed = !wasHidden && !document.hidden; // timers of background tabs are delayed
       return this.showFacts();
     };
@@ -364,10 +470,11 @@ class LookPage {
   async measure() {
     const { left, right } = this.view, { drawn } = this, percent = (share) => `${(100 * share).toFixed(1)} %`;
     if (this.gl.isLost) return;
+    const methods = [...new Set([left, right])].filter((one) => one !== "reference");
     byId("measure").disabled = true;
     let found = null;
     try {
-      found = await errorsBesideMap(this.gl, [left, right], this.scene(), () => this.drawn !== drawn, (share) => {
+      found = await errorsBesideMap(this.gl, methods, this.scene(), () => this.drawn !== drawn, (share) => {
         if (this.drawn === drawn) byId("error").textContent = `Measuring: ${Math.round(100 * share)} %`;
       });
     } catch (error) {
@@ -376,47 +483,101 @@ class LookPage {
       byId("measure").disabled = false;
     }
     if (found === null || this.drawn !== drawn) return;
-    byId("error").textContent = `Relative L1 error of the radiance, against ${PLACES_ACROSS ** 2} samples per pixel ` +
-      `of the map itself: ${this.nameOf(left)} ${percent(found.errors[0])}, ${this.nameOf(right)} ` +
-      `${percent(found.errors[1])}; the samples' own noise is about ${percent(found.noise)}.`;
+    byId("error").textContent = `Relative L1 error of the radiance, against ${PLACE_COUNT} samples per pixel of the ` +
+      `map itself: ${methods.map((one, i) => `${this.nameOf(one)} ${percent(found.errors[i])}`).join(", ")}; the ` +
+      `samples' own noise is about ${percent(found.noise)}.`;
+  }
+
+  /** Saves both pictures side by side, with a complete reference. */
+  async savePicture() {
+    const { drawn, view } = this;
+    if (this.gl.isLost) return;
+    byId("save").disabled = true;
+    try {
+      while (this.hasReference && !this.reference.isDone) {
+        this.reference.refine(this.gl, this.scene(), PLACES_ACROSS);
+        byId("error").textContent = `Drawing the reference: ${this.reference.count} of ${PLACE_COUNT} samples`;
+        await giveWay();
+        if (this.drawn !== drawn || this.gl.isLost) return;
+      }
+      byId("error").textContent = "";
+      const lines = [`${byId("title").textContent}: roughness ${this.roughness.toFixed(2)}, metalness ` +
+        `${this.metalness.toFixed(2)}, ${ENVIRONMENTS[view.light].text}, distance ${(2 ** view.distance).toFixed(1)}`];
+      const blob = await pictureOfBoth(byId("canvas"), [view.left, view.right].map((one) => this.labelOf(one)), lines,
+        (split) => this.gl.show(view.left, view.right, { ...this.scene(), split, difference: false }));
+      saveFile(blob, `${byId("title").textContent.replace(/\W+/g, "_")}_${view.left}_${view.right}.png`);
+    } catch (error) {
+      say(`The picture cannot be saved: ${errorText(error)}`);
+    } finally {
+      byId("save").disabled = false;
+      this.drawSoon();
+    }
   }
 
   nameOf(method) { return method === "rule" ? ENGINE_RULES[this.view.rule][0] : Object.fromEntries(METHODS)[method]; }
 
   showControls() {
     const { view } = this;
-    for (const id of ["left", "right", "rule", "split", "distance", "exposure", "lock"]) byId(id).value =
+    for (const id of ["left", "right", "rule", "shape", "split", "distance", "exposure", "lock"]) byId(id).value =
       String(view[id]);
+    byId("around").value = view.light;
+    for (const key of ["roughness", "metalness"]) {
+      byId(key).value = String(this[key]);
+      byId(`${key}-value`).textContent = this[key].toFixed(2);
+    }
+    for (const id of ["left", "right"]) {
+      const option = [...byId(id).options].find(({ value }) => value === "export");
+      option.disabled = !this.hasExport(view);
+      option.text = this.gl.has("export") ? `one-lobe export, roughness ${this.own.roughness}` : "one-lobe export";
+    }
     byId("map").value = String(this.shown);
     byId("difference").checked = view.difference !== 0;
-    byId("left-name").textContent = this.nameOf(view.left);
-    byId("right-name").textContent = this.nameOf(view.right);
+    byId("left-name").textContent = this.labelOf(view.left);
+    byId("right-name").textContent = this.labelOf(view.right);
     byId("divider").style.left = `${100 * view.split}%`;
     byId("divider").hidden = view.difference !== 0;
     this.showFacts();
   }
 
+  /** Returns a method's name, with what is stored for it. */
+  labelOf(method) {
+    if (method === "reference") return `reference, ${this.reference.count} of ${PLACE_COUNT} samples per pixel`;
+    if (method !== "lobes") return this.nameOf(method);
+    return `${this.countText} in ${this.storage} from level ${this.file.lobes.firstLevel} on`;
+  }
+
+  get countText() {
+    const count = this.file.lobes.lobes.length;
+    return `${count} ${count === 1 ? "lobe" : "lobes"}`;
+  }
+
+  get storage() { return { [VK_BC5]: "BC5", [VK_RGBA16F]: "RGBA16F" }[this.file.format] ?? "RGBA8"; }
+
   /** Returns a method's memory on a GPU, and the formats that it is counted with. */
   factsOf(method) {
+    if (method === "reference") return "reference: the map's finest level only";
     const bytes = `${this.nameOf(method)} ${(this.gl.bytesOf(method) / 1e6).toFixed(2)} MB`;
     if (method !== "lobes") return `${bytes} (normal as BC5, roughness as BC4)`;
-    const { format } = this.file;
-    const kind = format === VK_BC5 ? "BC5" : format === VK_RGBA16F ? "RGBA16F" : "RGBA8";
-    return `${bytes} (${kind}, and the normal map as BC5)`;
+    return `${bytes} (${this.storage} from level ${this.file.lobes.firstLevel} on, and the normal map as BC5)`;
+  }
+
+  /** Names what draws, if it is slow. */
+  get slowText() {
+    if (!this.isTimed || !(this.frameMs > SLOW_MS)) return "";
+    return ` This browser draws with ${this.gl.rendererName}.`;
   }
 
   showFacts() {
     const { means, view, gl: { size } } = this;
-    const count = this.file.lobes.lobes.length;
     const methods = [...new Set([view.left, view.right])];
     const time = this.frameMs === undefined ? "is being timed" : this.isTimed
       ? `takes ${this.frameMs.toFixed(1)} ms from the first command until the GPU is done`
       : "is not timed while this page is in the background";
     byId("facts").replaceChildren(...[
-      `Map of ${means[0].width} x ${means[0].height}, ${count} ${count === 1 ? "lobe" : "lobes"}.`,
+      `Map of ${means[0].width} x ${means[0].height}, ${this.countText}.`,
       `Memory on the GPU, all mip levels, as engines keep them: ${methods.map((method) =>
         this.factsOf(method)).join("; ")}.`,
-      `Time: one frame here, with both methods drawn in all ${size[0]} x ${size[1]} pixels, ${time}.`,
+      `Time: one frame here, with both methods drawn in all ${size[0]} x ${size[1]} pixels, ${time}.${this.slowText}`,
     ].map((text) => Object.assign(document.createElement("li"), { textContent: text })));
   }
 }

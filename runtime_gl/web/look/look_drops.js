@@ -167,7 +167,6 @@ class Drops {
   async takeModel(name, bytes) {
     const model = readModel(bytes, TARGET);
     this.page.setModel(model, name);
-    this.page.change({ distance: Math.min(this.page.view.distance, MODEL_DISTANCE) });
     if (model.image === null) return;
     const image = await createImageBitmap(model.image, { colorSpaceConversion: "none", premultiplyAlpha: "none" });
     const { width, height } = this.unfinished ?? this.page.means[0];
