@@ -35,11 +35,11 @@ try {
   };
 
   // Compares pictures with those of multum-view for the same file, map, camera and light.
-  const page = await open("#left=lobes&split=1");
+  const page = await open("#light=sun&left=lobes&split=1");
   const [width, height] = await page.evaluate(() => globalThis.multumLook.gl.size);
   const beside = async (file, hash) => {
     // These are the camera and the light of multum-view, unless `hash` sets others.
-    const defaults = "elevation=21.5&distance=-0.288&exposure=0&x=0.303&y=0.808&z=0.505";
+    const defaults = "light=sun&elevation=21.5&distance=-0.288&exposure=0&x=0.303&y=0.808&z=0.505";
     await goTo(page, `${defaults}&${hash}`);
     await settled(page);
     await settled(page);
@@ -79,16 +79,18 @@ try {
   }
 
   // Controls.
-  await goTo(page, "");
+  await goTo(page, "light=sun");
   await settled(page);
   await settled(page);
   for (const [id, value] of [["left", "rule"], ["rule", "godot"], ["left", "export"], ["left", "lobes"],
     ["right", "mip"], ["lock", "3"]])
     await changes(page, `${id} ${value}`, () => page.selectOption(`#${id}`, value));
-  for (const [id, value] of [["split", "0.25"], ["distance", "1"], ["exposure", "1"]])
+  for (const [id, value] of [["split", "0.25"], ["distance", "1"], ["exposure", "1"], ["metalness", "0.5"]])
     await changes(page, id, () => page.locator(`#${id}`).fill(value));
   await changes(page, "difference", () => page.check("#difference"));
   await changes(page, "reset", () => page.click("#reset"));
+  for (const value of ["studio", "sun"]) await changes(page, `light ${value}`, () =>
+    page.selectOption("#around", value));
   await page.focus("#stage");
   for (const key of ["ArrowLeft", "ArrowUp", "+", "-", "]", "[", "s", "S", "d", "d"])
     await changes(page, `key ${key}`, () => page.keyboard.press(key));
@@ -122,7 +124,7 @@ try {
     console.log(`  ${hash || "home"}: ${text}`);
     return text.match(/[\d.]+(?= %)/g).map(Number);
   };
-  const [near, far] = [await errors("#distance=-2"), await errors("")];
+  const [near, far] = [await errors("#light=sun&distance=-2"), await errors("#light=sun")];
   assert.ok(near[0] < 3 && near[1] < 3 && near[2] < 1, near);
   // Each lobe is evaluated once. If two taps were shaded separately, the ratio would be below 0.6.
   assert.ok(far[1] < 0.7 * far[0] && far[2] < far[1], far);

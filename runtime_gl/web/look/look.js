@@ -16,7 +16,7 @@ const TARGET = [0, 0.76, 0]; // target of multum-view's camera on the plane
 const HOME = { map: 0, shape: "plane", left: "mip", right: "lobes", rule: "unreal", light: "sky", roughness: -1,
   metalness: -1, split: 0.5, lock: -1, azimuth: 0, elevation: 40, distance: 3, exposure: -1, difference: 0, x: 0,
   y: 0.8, z: 0.6 };
-const FRONT = { distance: MODEL_DISTANCE, x: -0.5, y: -0.6, z: 0.62 }; // of shapes that are not the plane
+const FRONT = { elevation: 12, distance: MODEL_DISTANCE, x: -0.5, y: -0.6, z: 0.62 }; // for shapes that are not planes
 const LIMITS = { map: [0, 63], roughness: [-1, 1], metalness: [-1, 1], split: [0, 1], lock: [-1, 15],
   azimuth: [-180, 180], elevation: [3, 89], distance: [-2, 5], exposure: [-4, 4], difference: [0, 1], x: [-1, 1],
   y: [-1, 1], z: [0, 1] };
@@ -253,8 +253,8 @@ class LookPage {
 
   /** Shows a shape from a distance and with a sun that suit it. */
   chooseShape(shape) {
-    const { distance, x, y, z } = shape === "plane" ? HOME : FRONT;
-    this.change({ shape, distance, x, y, z });
+    const { elevation, distance, x, y, z } = shape === "plane" ? HOME : FRONT;
+    this.change({ shape, elevation, distance, x, y, z });
   }
 
   listShapes() {
@@ -397,10 +397,10 @@ class LookPage {
     // Without colours, a map is grey paint or silver.
     const tint = this.colours === null ? 0.1 + 0.8 * metalness : 1;
     const [width, height] = this.gl.size;
-    const size = Math.hypot(view.x, view.y, view.z);
+    const size = Math.hypot(view.x, view.y, view.z), sun = size > 0 ? [view.x, view.y, view.z] : [0, 0, 1];
     return { rays: raysOf(camera, width / height),
       toClip: clipMatrix(camera, width / height), eye: camera.eye,
-      light: [view.x / size, view.y / size, view.z / size], environment: view.light, tint: [tint, tint, tint], metalness,
+      light: sun.map((one) => one / (size || 1)), environment: view.light, tint: [tint, tint, tint], metalness,
       alpha: this.roughness ** 2, lock: view.lock < 0 ? null : view.lock, exposure: 2 ** view.exposure,
       split: view.split, difference: view.difference !== 0 };
   }

@@ -453,7 +453,8 @@ class LookGl {
       ? [["u_lobe_layers", gl.TEXTURE_2D_ARRAY, lobes.texture], ["u_normal_map", gl.TEXTURE_2D, lobes.map],
         ["u_ggx_lobe_table", gl.TEXTURE_2D, this.ggxTable]]
       : [["u_material", gl.TEXTURE_2D, this.materials.get(method).texture]];
-    if (sky !== null) textures.push(["u_sky", gl.TEXTURE_2D, sky.texture]);
+    if (sky !== null)
+      textures.push(["u_sky", gl.TEXTURE_2D, sky.texture], ["u_shares", gl.TEXTURE_2D, this.light.shares]);
     const program = (lobes ? lobes.programs : this.oneNormal).take(this.model !== null, sky !== null);
     const at = this.use(program, [...textures, ["u_colours", gl.TEXTURE_2D, this.colours.texture]]);
     if (this.model === null) this.setRays(at, scene);

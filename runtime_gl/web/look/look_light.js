@@ -5,7 +5,8 @@
 // wider. World axes: z is up.
 const SKY_SIZE = [512, 256]; // texels of the finest level, in longitude and latitude
 const SKY_LEVELS = 7; // level k has the perceptual roughness k / 6
-const SKY_SAMPLES = 128; // directions per texel of a convolved level
+const SHARES_SIDE = 32;
+const SKY_SAMPLES = (level) => Math.min(1024, 64 * 4 ** (level - 1)); // directions per texel of a convolved level
 
 const smoothStep = (low, high, x) => { const t = Math.min(1, Math.max(0, (x - low) / (high - low)));
   return t * t * (3 - 2 * t); };
@@ -101,6 +102,32 @@ function makeSky(radiance) {
   return { texels, harmonics };
 }
 
+/**
+ * Returns the parts (x, y, 0, 1) of the light of a white environment that GGX reflects, f0 x + y, for n.v = 0..1 along
+ * rows and roughness = 0..1 along columns. Half vectors are drawn from GGX.
+ */
+function sharesTexels() {
+  const texels = new Float32Array(4 * SHARES_SIDE ** 2), count = 256;
+  for (let row = 0; row < SHARES_SIDE; ++row)
+    for (let column = 0; column < SHARES_SIDE; ++column) {
+      const n_v = Math.max(column / (SHARES_SIDE - 1), 1e-3), a2 = Math.max((row / (SHARES_SIDE - 1)) ** 4, 1e-6);
+      const v = [Math.sqrt(1 - n_v * n_v), n_v], sum = [0, 0];
+      for (let i = 0; i < count; ++i) {
+        const u = (i + 0.5) / count, turn = 2 * Math.PI * ((0.6180339887 * i) % 1);
+        const n_h = Math.sqrt((1 - u) / (1 + (a2 - 1) * u)), x = Math.sqrt(1 - n_h * n_h) * Math.cos(turn);
+        const v_h = x * v[0] + n_h * v[1], n_l = 2 * v_h * n_h - v[1];
+        if (n_l <= 0 || v_h <= 0) continue;
+        const visibility = 0.5 / (n_l * Math.sqrt(n_v * n_v * (1 - a2) + a2) +
+          n_v * Math.sqrt(n_l * n_l * (1 - a2) + a2));
+        const share = 4 * visibility * n_l * v_h / n_h / count, fresnel = (1 - v_h) ** 5;
+        sum[0] += share * (1 - fresnel);
+        sum[1] += share * fresnel;
+      }
+      texels.set([...sum, 0, 1], 4 * (row * SHARES_SIDE + column));
+    }
+  return texels;
+}
+
 const SKY_PLACES = `
 const float SKY_PI = 3.14159265358979;
 vec2 look_sky_st(vec3 d) {
@@ -118,6 +145,7 @@ ${SKY_PLACES}
 uniform sampler2D u_source;
 uniform float u_alpha;
 uniform vec2 u_size;  // texels of this level
+uniform int u_count;
 out vec4 o_colour;
 void main() {
   vec2 st = gl_FragCoord.xy / u_size;
@@ -128,23 +156,24 @@ void main() {
   float texel = 4.0 * SKY_PI / float(${SKY_SIZE[0] * SKY_SIZE[1]}), a2 = u_alpha * u_alpha;
   vec3 sum = vec3(0.0);
   float total = 0.0;
-  for (int i = 0; i < ${SKY_SAMPLES}; ++i) {
-    float u = (float(i) + 0.5) / float(${SKY_SAMPLES}), turn = 2.0 * SKY_PI * fract(0.6180339887 * float(i));
+  for (int i = 0; i < u_count; ++i) {
+    float u = (float(i) + 0.5) / float(u_count), turn = 2.0 * SKY_PI * fract(0.6180339887 * float(i));
     float cosine2 = (1.0 - u) / (1.0 + (a2 - 1.0) * u), cosine = sqrt(cosine2), sine = sqrt(1.0 - cosine2);
     vec3 h = sine * cos(turn) * x + sine * sin(turn) * y + cosine * n;
     vec3 l = 2.0 * cosine * h - n;
     float n_l = dot(n, l);
     if (n_l <= 0.0) continue;
     float e = cosine2 * (a2 - 1.0) + 1.0, density = a2 / (SKY_PI * e * e) / 4.0;
-    float level = max(0.5 * log2(1.0 / (float(${SKY_SAMPLES}) * density) / texel) + 1.0, 0.0);
-    sum += n_l * textureLod(u_source, look_sky_st(l), level).rgb;
-    total += n_l;
+    float level = max(0.5 * log2(1.0 / (float(u_count) * density) / texel) + 1.0, 0.0);
+    float weight = n_l / (n_l + sqrt(n_l * n_l * (1.0 - a2) + a2));  // Smith's masking and the cosine
+    sum += weight * textureLod(u_source, look_sky_st(l), level).rgb;
+    total += weight;
   }
   o_colour = vec4(sum / total, 1.0);
 }`;
 
 // Stands between the common shaders and a surface, for which it defines multum_environment_lobe(). The amount of
-// reflected light follows from the surface's own roughness (Karis' fit of it).
+// reflected light follows from the surface's own roughness.
 const SKY_SHADING = `${SKY_PLACES}
 uniform sampler2D u_sky;
 uniform vec3 u_sky_harmonics[9];
@@ -161,10 +190,11 @@ vec3 look_irradiance(vec3 n, float a1, float a2) {
                    0.546274 * (n.x * n.x - n.y * n.y) * u_sky_harmonics[8];
   return max(0.282095 * u_sky_harmonics[0] + 0.488603 * a1 * linear + a2 * quadratic, vec3(0.0));
 }
+uniform sampler2D u_shares;  // sharesTexels()
 vec3 look_reflected_share(float roughness, float n_v) {
-  vec4 r = roughness * vec4(-1.0, -0.0275, -0.572, 0.022) + vec4(1.0, 0.0425, 1.04, -0.04);
-  float a = min(r.x * r.x, exp2(-9.28 * n_v)) * r.x + r.y;
-  return multum_f0 * (-1.04 * a + r.z) + (1.04 * a + r.w);
+  vec2 place = (0.5 + vec2(n_v, roughness) * float(${SHARES_SIDE - 1})) / float(${SHARES_SIDE});
+  vec4 share = textureLod(u_shares, place, 0.0);
+  return multum_f0 * share.x + share.y;
 }
 // The reflection of normals around mu: d is 1 minus the length of their mean.
 MultumReflection look_environment(vec3 mu, float d, vec3 v) {
@@ -188,6 +218,8 @@ class LookLight {
     this.gl = gl;
     this.makeProgram = makeProgram; // (vertex, fragment) -> program
     this.made = new Map();
+    this.shares = this.emptyLevels(1, [SHARES_SIDE, SHARES_SIDE], gl.CLAMP_TO_EDGE);
+    gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, 0, SHARES_SIDE, SHARES_SIDE, gl.RGBA, gl.FLOAT, sharesTexels());
   }
 
   /** Returns { texture, harmonics } of an environment, or null if it has none. */
@@ -198,14 +230,14 @@ class LookLight {
     return this.made.get(name);
   }
 
-  emptyLevels(levels) {
+  emptyLevels(levels, size = SKY_SIZE, wrap = this.gl.REPEAT) {
     const { gl } = this, texture = gl.createTexture();
     gl.activeTexture(gl.TEXTURE0);
     gl.bindTexture(gl.TEXTURE_2D, texture);
-    gl.texStorage2D(gl.TEXTURE_2D, levels, gl.RGBA16F, ...SKY_SIZE);
-    gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, gl.LINEAR_MIPMAP_LINEAR);
+    gl.texStorage2D(gl.TEXTURE_2D, levels, gl.RGBA16F, ...size);
+    gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, levels > 1 ? gl.LINEAR_MIPMAP_LINEAR : gl.LINEAR);
     gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MAG_FILTER, gl.LINEAR);
-    gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_WRAP_S, gl.REPEAT);
+    gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_WRAP_S, wrap);
     gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_WRAP_T, gl.CLAMP_TO_EDGE);
     return texture;
   }
@@ -228,6 +260,7 @@ class LookLight {
       gl.viewport(0, 0, ...size);
       gl.uniform1f(at("u_alpha"), (level / (SKY_LEVELS - 1)) ** 2);
       gl.uniform2f(at("u_size"), ...size);
+      gl.uniform1i(at("u_count"), SKY_SAMPLES(level));
       gl.drawArrays(gl.TRIANGLES, 0, 3);
     }
     gl.bindFramebuffer(gl.FRAMEBUFFER, null);
