@@ -47,16 +47,34 @@ MultumSurface multum_fetch_at(vec2 place, MultumFootprint footprint) {
 #if defined(MULTUM_TURNED) && defined(MULTUM_LOBES_ADD_UP)
 // Returns the lobes of a part of the pixel about `middle`. This is the mean over `places`, each converted to `frame`.
 MultumSurface multum_fetch_turned(vec2 middle, vec2 part, vec2 places, mat3 frame, MultumFootprint footprint) {
-  MultumSurface sum = multum_fetch_at(middle, footprint);
-  for (int j = 0; j < MULTUM_PART_COUNT; ++j) sum.lobes[j] = vec4(0.0);
+  MultumSurface sum;
+  for (int j = 0; j < MULTUM_PART_COUNT; ++j) {
+    sum.lobes[j] = vec4(0.0);
+#ifdef MULTUM_COLOURS
+    sum.albedos[j] = vec3(0.0);
+#endif
+  }
+#ifdef MULTUM_MEAN_COLOURS
+  sum.albedo = vec3(0.0);
+#endif
   float count = places.x * places.y;
   for (float i = 0.0; i < count; ++i) {
     vec2 place = middle + part * multum_point_place(i, places);
     mat3 turn = transpose(frame) * multum_frame_at(place);
     MultumSurface one = multum_fetch_at(place, footprint);
-    for (int j = 0; j < MULTUM_PART_COUNT; ++j)
+#ifdef MULTUM_MEAN_COLOURS
+    sum.albedo += one.albedo / count;
+#endif
+    for (int j = 0; j < MULTUM_PART_COUNT; ++j) {
       sum.lobes[j] += vec4(turn * one.lobes[j].xyz, one.lobes[j].w) / count;
+#ifdef MULTUM_COLOURS
+      sum.albedos[j] += one.lobes[j].w / count * one.albedos[j];
+#endif
+    }
   }
+#ifdef MULTUM_COLOURS
+  for (int j = 0; j < MULTUM_PART_COUNT; ++j) sum.albedos[j] /= max(sum.lobes[j].w, MULTUM_AMPLITUDE_MIN);
+#endif
   return sum;
 }
 #endif

@@ -184,6 +184,37 @@ TEST_P(EvaluationsTest, LobesTurnWithTheMesh) {
   EXPECT_LT(error_of(drawn(lobes, scene, filter_of(1, true)), exact), 0.8 * once);
 }
 
+// A point's colours are the mean over the same places as its lobes. The map has black and white texels of its own at
+// random, so colours of one place only would be far from those of the pixel.
+TEST_P(EvaluationsTest, ColoursAreReadWhereLobesAre) {
+  const int size = 64;
+  TestMap map = make_two_tilt_map(size, 0.0, StorageEncoding::kFloat, true);
+  for (int y = 0; y < size; ++y)
+    for (int x = 0; x < size; ++x)
+      map.image.albedo[static_cast<std::size_t>(y * size + x)] = glm::vec3((x * 7 + y * 13 + x * y) % 5 < 2 ? 1.0f : 0.0f);
+  for (std::size_t l = 0; l < map.mipmap.levels.size(); ++l) {
+    MovmfLevel& level = map.mipmap.levels[l];
+    const int s = size >> l, block = 1 << l;
+    for (int i = 0; i < s * s; ++i) {
+      glm::vec3 mean(0.0f);
+      for (int k = 0; k < block * block; ++k)
+        mean += map.image.albedo[static_cast<std::size_t>((i / s * block + k / block) * size + i % s * block + k % block)];
+      mean /= static_cast<float>(block * block);
+      for (auto& colours : level.colours) {
+        const std::size_t j = static_cast<std::size_t>(&colours - level.colours.data()), at = static_cast<std::size_t>(i);
+        colours[at] = level.lobes[j][at].w * mean;
+      }
+    }
+  }
+  RenderScene scene = distant_scene();
+  scene.brdf.diffuse = glm::vec3(1.0f);
+  scene.brdf.specular = glm::vec3(0.0f);
+  const MovmfMaterial lobes(context_->functions(), map.mipmap, 1.0f);
+  const FloatImage exact = reference(map.image, scene);
+  const double usual = error_of(drawn(lobes, scene, filter_of(1)), exact);
+  EXPECT_LT(error_of(drawn(lobes, scene, filter_of(1, true)), exact), 1.1 * usual);
+}
+
 INSTANTIATE_TEST_SUITE_P(Backends, EvaluationsTest, testing::ValuesIn(test_backends()),
                          [](const auto& test) { return std::string(context_backend_name(test.param)); });
 

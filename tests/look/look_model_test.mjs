@@ -124,20 +124,21 @@ try {
   run("multum", "bake", "map_normal.png", "-o", "map.ndf.exr", "--no-measure", "-q", "--green", "up");
   run("multum", "look", "map.ndf.exr", "--no-open");
   const page = await open("map.html");
-  const views = ["left=lobes&right=mip&elevation=60&distance=0.2&exposure=0",
-    "left=lobes&right=rule&elevation=35&azimuth=50&distance=0.5&exposure=0&lock=2&x=-0.5&y=0.5&z=0.7"];
+  const views = ["light=sun&left=lobes&right=mip&elevation=60&distance=0.2&exposure=0",
+    "light=sun&left=lobes&right=rule&elevation=35&azimuth=50&distance=0.5&exposure=0&lock=2&x=-0.5&y=0.5&z=0.7"];
   const at = async (hash) => {
     await goTo(page, hash);
     await settled(page);
     await settled(page);
     return pixelsOf(page);
   };
+  const onModel = (hash) => at(`${hash}&shape=model`);
   const planes = [];
   for (const hash of views) planes.push(await at(hash));
   for (const isFlat of [false, true]) {
     assert.equal(await drop(page, ["square.glb", square({ isFlat })]), "");
     for (const [i, hash] of views.entries()) {
-      const drawn = await at(hash);
+      const drawn = await onModel(hash);
       assert.notEqual(drawn, planes[i], "around the square the picture must be empty");
       const { mean, count, brightest } = await apart(page, planes[i]);
       console.log(`  ${hash}: mean difference ${mean.toFixed(3)} of 255 over ${count} values`);
@@ -145,26 +146,26 @@ try {
       assert.ok(mean <= MEAN_MOST, `${hash}: ${mean}`);
     }
   }
-  // Returns to the plane with the keyboard. The model stays in the list.
-  await page.focus("#shape");
-  await page.keyboard.press("ArrowUp");
+  // Returns to the plane. The model stays in the list.
+  await page.selectOption("#shape", "plane");
   await settled(page);
   assert.equal(await at(views[0]), planes[0]);
-  assert.deepEqual(await page.locator("#shape option").allTextContents(), ["plane", "square.glb"]);
+  assert.deepEqual(await page.locator("#shape option").allTextContents(), ["plane", "sphere",
+    "ring", "square.glb"]);
   await page.selectOption("#shape", "model");
-  const withMap = await at(views[0]);
+  const withMap = await onModel(views[0]);
   assert.notEqual(withMap, planes[0]);
 
   // The page draws the normal map of the model if it fits.
   assert.equal(await drop(page, ["own.glb", square({ image: readFileSync(inFolder("own_normal.png")) })]), "");
-  assert.notEqual(await at(views[0]), withMap);
+  assert.notEqual(await onModel(views[0]), withMap);
   run("multum", "testmap", "large", "--size", "160");
   assert.equal(await drop(page, ["large.glb", square({ image: readFileSync(inFolder("large_normal.png")) })]), "");
 
   // A model in JSON looks the same, whether it has separate files or embedded data. Its own normal map is also drawn.
   const own = square({ image: readFileSync(inFolder("own_normal.png")) });
   assert.equal(await drop(page, ["own.glb", own]), "");
-  const withOwn = await at(views[0]);
+  const withOwn = await onModel(views[0]);
   const apartImage = ({ json }) => { json.images[0] = { uri: "own_normal.png", mimeType: "image/png" }; };
   const [map, image] = [readFileSync(inFolder("map_normal.png")), ["own_normal.png",
     readFileSync(inFolder("own_normal.png"))]];
@@ -172,9 +173,9 @@ try {
     json.buffers[0].uri = `data:application/octet-stream;base64,${buffer.toString("base64")}`; };
   for (const files of [gltf(own), [image, ...gltf(own, apartImage)], gltf(own, inItself).slice(0, 1)]) {
     assert.equal(await drop(page, ["square.glb", square()], ["map_normal.png", map]), "");
-    assert.notEqual(await at(views[0]), withOwn);
+    assert.notEqual(await onModel(views[0]), withOwn);
     assert.equal(await drop(page, ...files), "");
-    assert.equal(await at(views[0]), withOwn);
+    assert.equal(await onModel(views[0]), withOwn);
   }
   for (const [words, files] of [
     ["names the buffer.bin, which was not dropped", gltf(own).slice(0, 1)],
@@ -192,10 +193,10 @@ try {
     const said = await drop(page, ...files);
     assert.ok(said.startsWith("model.gltf: ") && said.includes(words), `expected ${words}: ${said}`);
   }
-  assert.equal(await at(views[0]), withOwn);
+  assert.equal(await onModel(views[0]), withOwn);
 
   // An unsupported file is refused with a message, and the drawn picture stays.
-  const good = square(), before = await at(views[0]);
+  const good = square(), before = await onModel(views[0]);
   const odd = (change) => square({ change });
   for (const [words, bytes] of [
     ["cut short", Buffer.concat([good.subarray(0, 8), Buffer.from([100, 0, 0, 0]), good.subarray(12, 100)])],

@@ -107,7 +107,8 @@ try {
   await changes(page, "the divider", () => drag([split, 0.5], [0.8, 0.5]));
   assert.ok(Math.abs((await view(page)).split - 0.8) < 0.02);
   await page.check("#light");
-  await changes(page, "the light", () => page.mouse.move(box.x + 0.8 * box.width, box.y + 0.2 * box.height));
+  await changes(page, "the light", () => page.hover("#stage", { position: { x: 0.8 * box.width,
+    y: 0.2 * box.height } }));
   const facts = await factsOf(page);
   assert.match(facts, /128 x 128, 4 lobes.*all mip levels.*roughness as BC4.*lobes 0.06 MB \(BC5.*takes [\d.]+ ms/);
 

@@ -459,7 +459,10 @@ class LookPage {
       gl.deleteSync(fence);
       const isFirst = this.frameMs === undefined;
       this.frameMs = performance.now() - begin;
-      if (isFirst && this.frameMs > SLOW_MS) this.redraw(); // the first frame includes compiling shaders
+      if (isFirst && this.frameMs > SLOW_MS) { // the first frame includes compiling shaders
+        this.isAtRest = true;
+        this.redraw();
+      }
       this.isTimed = !wasHidden && !document.hidden; // timers of background tabs are delayed
       return this.showFacts();
     };
