@@ -184,26 +184,21 @@ TEST_P(EvaluationsTest, LobesTurnWithTheMesh) {
   EXPECT_LT(error_of(drawn(lobes, scene, filter_of(1, true)), exact), 0.8 * once);
 }
 
-// A point's colours are the mean over the same places as its lobes. The map has black and white texels of its own at
-// random, so colours of one place only would be far from those of the pixel.
+// A point's colours are the mean over the same places as its lobes. Texels of this map are black or white, so the
+// colours of only one place would be far from those of the pixel.
 TEST_P(EvaluationsTest, ColoursAreReadWhereLobesAre) {
-  const int size = 64;
-  TestMap map = make_two_tilt_map(size, 0.0, StorageEncoding::kFloat, true);
-  for (int y = 0; y < size; ++y)
-    for (int x = 0; x < size; ++x)
-      map.image.albedo[static_cast<std::size_t>(y * size + x)] = glm::vec3((x * 7 + y * 13 + x * y) % 5 < 2 ? 1.0f : 0.0f);
+  TestMap map = make_two_tilt_map(64, 0.0, StorageEncoding::kFloat, true);
+  const auto shade = [](int x, int y) { return (x * 7 + y * 13 + x * y) % 5 < 2 ? 1.0f : 0.0f; };
+  for (int i = 0; i < 64 * 64; ++i) map.image.albedo[static_cast<std::size_t>(i)] = glm::vec3(shade(i % 64, i / 64));
   for (std::size_t l = 0; l < map.mipmap.levels.size(); ++l) {
     MovmfLevel& level = map.mipmap.levels[l];
-    const int s = size >> l, block = 1 << l;
-    for (int i = 0; i < s * s; ++i) {
-      glm::vec3 mean(0.0f);
-      for (int k = 0; k < block * block; ++k)
-        mean += map.image.albedo[static_cast<std::size_t>((i / s * block + k / block) * size + i % s * block + k % block)];
-      mean /= static_cast<float>(block * block);
-      for (auto& colours : level.colours) {
-        const std::size_t j = static_cast<std::size_t>(&colours - level.colours.data()), at = static_cast<std::size_t>(i);
-        colours[at] = level.lobes[j][at].w * mean;
-      }
+    const int side = 64 >> l, block = 1 << l;
+    for (int i = 0; i < side * side; ++i) {
+      float sum = 0.0f;
+      for (int k = 0; k < block * block; ++k) sum += shade(i % side * block + k % block, i / side * block + k / block);
+      const float mean = sum / static_cast<float>(block * block);
+      const auto at = static_cast<std::size_t>(i);
+      for (std::size_t j = 0; j < 2; ++j) level.colours[j][at] = glm::vec3(level.lobes[j][at].w * mean);
     }
   }
   RenderScene scene = distant_scene();

@@ -66,8 +66,9 @@ try {
   wrong("--albedo", "maps.html");
 
   const plain = await look.open("plain.html", "#metalness=1", {});
-  for (const [hash, most] of [["light=sky&elevation=89&roughness=0.5", 0.04], ["light=studio&elevation=89&roughness=0.5",
-    0.05], ["light=sky&elevation=45&roughness=0.2", 0.06], ["light=sky&elevation=45&roughness=0.6", 0.1]]) {
+  for (const [hash, most] of [["light=sky&elevation=89&roughness=0.5", 0.04],
+    ["light=studio&elevation=89&roughness=0.5", 0.05], ["light=sky&elevation=45&roughness=0.2", 0.06],
+    ["light=sky&elevation=45&roughness=0.6", 0.1]]) {
     await goTo(plain, `metalness=1&${hash}&x=0&y=0&z=0`);
     await settled(plain);
     await plain.evaluate(() => { ENVIRONMENTS.sky.sun = [0, 0, 0]; });

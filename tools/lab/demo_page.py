@@ -3,9 +3,9 @@
 """Writes index.html, with pictures, errors and times, into a folder that tools/demo has filled. Uses only the standard
 library.
 
-Reads steps.tsv (one line per step: kind, name, milliseconds, command), NAME.bake.json of each bake and NAME.view.json
-of each view. The pictures of a view are NAME_reference.png, NAME_multum.png and so on. The page refers only to files in
-the folder.
+Reads steps.tsv (one line per step: kind, name, milliseconds, command), NAME.bake.json of each bake, and NAME.view.json
+of each view and of each picture of a material, NAME-near and NAME-far. The pictures of a view are NAME_reference.png,
+NAME_multum.png and so on. The page refers only to files in the folder.
 
   tools/lab/demo_page.py FOLDER [--programs DIR]
 """
@@ -23,6 +23,43 @@ METHODS = {
     "toksvig": ("Toksvig", "averaged normals, with wider highlights where normals vary"),
     "lean-jacobian": ("LEAN", "one Gaussian of slopes per texel"),
 }
+MATERIALS = {
+    "hammered": "Hammered metal",
+    "car-paint": "Car paint",
+    "water": "Water",
+    "denim": "Denim",
+    "bricks": "Bricks",
+}
+COMPARE_STYLE = """
+.materials { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(28rem, 100%), 1fr)); gap: 1rem 1.25rem; }
+.compare { margin: 0; }
+.compare .stage { position: relative; }
+.compare img { display: block; width: 100%; height: auto; }
+.compare .over { position: absolute; inset: 0; clip-path: inset(0 0 0 var(--split)); }
+.compare .line { position: absolute; top: 0; bottom: 0; left: var(--split); width: 2px; margin-left: -1px;
+  background: #fff; pointer-events: none; }
+.compare input { width: 100%; min-height: 2rem; margin: .2rem 0; }
+.compare .sides { display: flex; justify-content: space-between; gap: .5rem; }
+.compare select { font: inherit; min-height: 2.2rem; max-width: 48%; color: var(--text); background: var(--box);
+  border: 1px solid var(--line); border-radius: 4px; }
+"""
+COMPARE_SCRIPT = """
+for (const figure of document.querySelectorAll(".compare")) {
+  const stage = figure.querySelector(".stage"), [under, over] = stage.querySelectorAll("img");
+  const range = figure.querySelector("input"), [left, right] = figure.querySelectorAll("select");
+  const move = () => stage.style.setProperty("--split", `${range.value}%`);
+  const show = (image, select) => { image.src = select.value; image.alt = select.selectedOptions[0].text; };
+  range.addEventListener("input", move);
+  left.addEventListener("change", () => show(under, left));
+  right.addEventListener("change", () => show(over, right));
+  stage.addEventListener("pointermove", (event) => {
+    if (event.buttons === 0 && event.pointerType !== "mouse") return;
+    const box = stage.getBoundingClientRect();
+    range.value = 100 * (event.clientX - box.left) / box.width;
+    move();
+  });
+}
+"""
 BAKES = {
     "white": "the four-quarter map (spheres, rings, grooves, noise)",
     "coloured": "the four-quarter map with colours, one per lobe",
@@ -139,11 +176,35 @@ def view_section(folder, name, view, step):
 <details><summary>the command</summary><pre>{text(step["command"])}</pre></details>"""
 
 
-def look_link(folder):
-    if not (folder / "look.html").is_file():
-        return ""
-    return """<p><a href="look.html">The map's lobes in this browser</a>, next to averaged normals, engines' rules and
-one lobe. Turn the view, move closer, move the light (WebGL 2).</p>
+def compare_figure(material, place, view):
+    """Returns two pictures of a material, one over the other, with a slider that moves the border between them."""
+    name = f"{material}-{place}"
+    errors = {one["name"]: one["relative_l1"] for one in view["pictures"] if "relative_l1" in one}
+    options = lambda chosen: "".join(
+        f'<option value="{text(name)}_{method}.png"{" selected" if method == chosen else ""}>{label}</option>'
+        for method, (label, _) in METHODS.items() if method == "reference" or method in errors)
+    image = lambda side, method: (f'<img class="{side}" src="{text(name)}_{method}.png" alt="{METHODS[method][0]}" '
+                                  f'width="{view["width"]}" height="{view["height"]}">')
+    least = min(errors.values())
+    shown = ", ".join(f"<b>{METHODS[one][0]} {percent(error)}</b>" if error == least else
+                      f"{METHODS[one][0]} {percent(error)}" for one, error in errors.items())
+    title = f"{MATERIALS[material]}, {'near' if place == 'near' else 'far away'}"
+    return f"""<figure class="compare"><div class="stage" style="--split:50%">{image("under", "mip")}
+{image("over", "multum")}<span class="line"></span></div>
+<input type="range" min="0" max="100" step="0.5" value="50" aria-label="{title}: border between both pictures">
+<div class="sides"><select aria-label="{title}, left">{options("mip")}</select>
+<select aria-label="{title}, right">{options("multum")}</select></div>
+<figcaption>{title}. Error: {shown}</figcaption></figure>"""
+
+
+def materials_section(folder, materials):
+    """Returns the section that the page begins with. `materials` are views by name."""
+    shown = [compare_figure(material, place, materials[f"{material}-{place}"])
+             for material in MATERIALS for place in ("near", "far") if f"{material}-{place}" in materials]
+    look = """<p><a href="look.html"><b>Turn these materials in this browser</b></a>: on a plane, a sphere or a ring,
+under a sky or in a studio, next to the reference (WebGL 2).</p>
+""" if (folder / "look.html").is_file() else ""
+    return f"""{look}<div class="materials">{"".join(shown)}</div>
 """
 
 
@@ -161,14 +222,7 @@ wrong, give both programs the right options (<code>--green up</code>, <code>--bu
 options.</p>"""
 
 
-def make_page(folder, programs, steps, bakes, views):
-    first = next(iter(views), None)
-    hero = ""
-    if first:
-        shown = {one["name"]: one for one in views[first]["pictures"]}
-        hero = '<div class="pictures first">' + "".join(
-            picture(folder, first, m, f'<b>{text(METHODS[m][0])}</b>: {text(METHODS[m][1])}', "")
-            for m in ("reference", "multum", "mip") if m in shown) + "</div>"
+def make_page(folder, programs, steps, bakes, views, materials):
     methods = [m for m in METHODS if m != "reference"]
     summary = []
     for name, view in views.items():
@@ -177,20 +231,22 @@ def make_page(folder, programs, steps, bakes, views):
             (percent(error[m]), "best" if error[m] == min(error.values()) else "") if m in error else "-"
             for m in methods]])
     total = [[f"{s['kind']} {s['name']}", f"{s['seconds']:.1f}"] for s in steps]
-    samples = sorted({one["samples"] for view in views.values() for one in view["pictures"] if "samples" in one})
     return f"""<!DOCTYPE html>
 <html lang="en"><head><meta charset="utf-8"><meta name="viewport" content="width=device-width, initial-scale=1">
-<title>multum: the demo</title><style>{STYLE}</style></head><body>
+<title>multum: the demo</title><style>{STYLE}{COMPARE_STYLE}</style></head><body>
 <h1>multum: textures that look right at every distance</h1>
 <p>A pixel of a distant wall covers thousands of normals. Averaging them, as mip-mapping does, draws a smooth wall.
-multum stores the distribution of the normals instead. Click a picture for its full size.</p>
-{hero}
-{look_link(folder)}<h2>Errors</h2>
+multum stores the distribution of the normals instead. The border between two pictures follows the pointer or the
+slider. Errors are relative L1, against a reference with {samples_of(materials)} samples per pixel.</p>
+{materials_section(folder, materials)}
+<h2>Test maps</h2>
+<p>Maps that are hard on purpose, and measured ground. Click a picture for its full size.</p>
+<h3>Errors</h3>
 <p>Relative L1 error is the sum of absolute differences from the reference, divided by the sum of the reference, over
 the whole picture.</p>
 {table(["view", *[METHODS[m][0] for m in methods]], summary)}
-<h2>Pictures</h2>
-<p class="soft">The reference takes {text(" or ".join(map(str, samples)))} samples per pixel of the finest map. All
+<h3>Pictures</h3>
+<p class="soft">The reference takes {samples_of(views)} samples per pixel of the finest map. All
 pictures of a view have the same camera, light, material and texture filter.</p>
 {"".join(view_section(folder, name, view, step_of(steps, "view", name)) for name, view in views.items())}
 <h2>Bakes</h2>
@@ -204,8 +260,13 @@ lambert is matt.</p>
 {machine({b["device"] for b in bakes.values()}, {v["context"] for v in views.values()},
          {v["software"].split()[-1] for v in views.values()})}
 {own_map(programs)}
-</body></html>
+<script>{COMPARE_SCRIPT}</script></body></html>
 """
+
+
+def samples_of(views):
+    return " or ".join(map(str, sorted({one["samples"] for view in views.values() for one in view["pictures"]
+                                        if "samples" in one})))
 
 
 def step_of(steps, kind, name):
@@ -217,9 +278,9 @@ def read_folder(folder):
     for line in (folder / "steps.tsv").read_text().splitlines():
         kind, name, milliseconds, command = line.split("\t")
         steps.append({"kind": kind, "name": name, "seconds": int(milliseconds) / 1000, "command": command})
-    read = lambda kind: {s["name"]: json.loads((folder / f"{s['name']}.{kind}.json").read_text())
-                         for s in steps if s["kind"] == kind}
-    return steps, read("bake"), read("view")
+    read = lambda kind, file: {s["name"]: json.loads((folder / f"{s['name']}.{file}.json").read_text())
+                               for s in steps if s["kind"] == kind}
+    return steps, read("bake", "bake"), read("view", "view"), read("material", "view")
 
 
 def main():

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Writes the environment of the demo's pictures, a bright day without the sun, as a latitude-longitude Radiance picture.
-Uses only the standard library.
+"""Writes the environment of the demo's pictures, a bright day without the sun, as a latitude-longitude picture in
+Radiance's format. Uses only the standard library.
 
   tools/lab/demo_sky.py sky.hdr
 """

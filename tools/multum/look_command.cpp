@@ -86,29 +86,23 @@ void add_look_command(CLI::App& app, int* exit_code) {
                                          "roughness rules of engines and the one-lobe export");
   command->add_option("inputs", o.inputs, "baked files of lobes, *.ndf.exr; the page lists them")->required();
   command
-      ->add_option("--source", o.sources,
-                   "the normal map from which a file was baked; give one per file (default: level 0 of the file)")
+      ->add_option("--source", o.sources, "the normal map that was baked, one per file (default: level 0 of the file)")
       ->allow_extra_args(false);
   command->add_option("-o,--output", o.job.output,
                       "page to write, *.html (default: the name of the input, or look.html for several)");
-  command
-      ->add_option("--albedo", o.albedos, "the base colour, of the map's size; give one per file (default: grey)")
+  command->add_option("--albedo", o.albedos, "base colours of the map's size, one per file (default: grey)")
       ->allow_extra_args(false);
   command
       ->add_option("--base-roughness", o.roughnesses,
-                   "the perceptual roughness of the whole surface; give one, or one per file (default: 0.3)")
+                   "perceptual roughness, one for all files or one per file (default: 0.3)")
       ->check(CLI::Range(0.05, 1.0))
       ->allow_extra_args(false);
-  command
-      ->add_option("--metalness", o.metalnesses,
-                   "the metalness of the whole surface; give one, or one per file (default: 0)")
+  command->add_option("--metalness", o.metalnesses, "metalness, one for all files or one per file (default: 0)")
       ->check(CLI::Range(0.0, 1.0))
       ->allow_extra_args(false);
-  command->add_option("--title", o.titles, "the name that the page shows; give one per file (default: the file's name)")
+  command->add_option("--title", o.titles, "name on the page, one per file (default: the file's name)")
       ->allow_extra_args(false);
-  command->add_flag("--same-source", o.job.same_source,
-                    "reject a normal map that is not the map from which the file "
-                    "was baked");
+  command->add_flag("--same-source", o.job.same_source, "reject a --source that was not baked into the file");
   command->add_flag("--no-open", o.stays_closed, "do not open the page");
   command->add_option("--device", o.device,
                       "use this OpenCL device: its number in `multum devices`, or part of its name");
@@ -119,18 +113,14 @@ void add_look_command(CLI::App& app, int* exit_code) {
       "  multum look *.ndf.exr -o maps.html     # a page to choose from\n"
       "  multum look bricks.ndf.exr --source bricks_n.png -o look.html --base-roughness 0.2 --no-open\n"
       "  multum look a.ndf.exr b.ndf.exr --albedo a.png --albedo b.png --metalness 1 --metalness 0\n"
-      "The page needs WebGL 2 and no network. It shows two methods at a time with a divider between them, on a plane,\n"
-      "a sphere, a ring or a dropped model, under a sky, in a studio or under the sun only. The reference is the map\n"
-      "itself, drawn with 144 samples per pixel; \"Measure error\" compares both methods with it. \"Save both pictures\"\n"
-      "writes them side by side.\n\n"
+      "The page needs WebGL 2 and no network. Its reference is the map with 144 samples per pixel.\n\n"
       "Files dropped onto the page stay in the browser:\n"
-      "- a baked file of lobes (compression none, rle, zips or zip; at most 2048 texels per side); also drop its\n"
-      "  normal map if the file has no level 0\n"
+      "- a baked file of lobes (compression none, rle, zips or zip; at most 2048 texels per side), with its\n"
+      "  normal map if it has no level 0\n"
       "- a KTX2 file of multum export --lobes without --zstd\n"
-      "- a normal map of the same size with 8 bits per channel\n"
+      "- a normal map of this size with 8 bits\n"
       "- a model: NAME.glb, or NAME.gltf with its files (at most a million triangles, no required extensions)\n\n"
-      "A dropped baked file has no one-lobe export. --source maps are limited to 2048 texels per side, and all maps\n"
-      "together to 4 times 2048 x 2048 texels.");
+      "Maps have at most 2048 texels per side, and together at most 4 times 2048 x 2048.");
   command->callback([options, exit_code] { *exit_code = run_look(*options); });
 }
 

@@ -107,9 +107,8 @@ std::string look_page(const nlohmann::ordered_json& data) {
   std::string script;
   for (const char* name : {"error_text.js", "next_frame.js", "matrices.js", "glb.js", "three/bc5.js"})
     script += plain_script(look_module_files().at(name));
-  for (const char* name :
-       {"look_glb.js", "look_gltf.js", "look_textures.js", "look_shapes.js", "look_light.js", "look_gl.js",
-        "look_reference.js", "look_picture.js", "look_drops.js", "look.js"})
+  for (const char* name : {"look_glb.js", "look_gltf.js", "look_textures.js", "look_shapes.js", "look_light.js",
+                           "look_gl.js", "look_reference.js", "look_picture.js", "look_drops.js", "look.js"})
     script += file(name);
   const std::string worker = plain_script(look_module_files().at("error_text.js")) + file("look_exr.js");
   check_script(script);

@@ -18,10 +18,10 @@ constexpr int kLookSideMax = 2048;  // limit per map, because a browser holds th
 constexpr std::int64_t kLookTexelsMax = std::int64_t{4} * kLookSideMax * kLookSideMax;
 
 struct LookMap {
-  std::string input;   // *.ndf.exr of vMF lobes
-  std::string source;  // the normal map that was baked; if empty, level 0 of `input` is used
-  std::string albedo;  // the base colour, of the map's size; if empty, the surface is grey
-  std::string title;   // if empty, the name of `input`
+  std::string input;            // *.ndf.exr of vMF lobes
+  std::string source;           // the normal map that was baked; if empty, level 0 of `input` is used
+  std::string albedo;           // the base colour, of the map's size; if empty, the surface is grey
+  std::string title;            // if empty, the name of `input`
   double base_roughness = 0.3;  // perceptual roughness, 0.05..1
   double metalness = 0;         // 0..1; both can be changed on the page
 };

@@ -373,7 +373,7 @@ class LookPage {
     this.drawSoon();
   }
 
-  /** The page cannot make the export, so it has it only for the roughness of `multum look`, and not for dropped maps. */
+  /** Exports exist only for the roughness of `multum look`, and not for dropped maps, because the page makes none. */
   hasExport(view) { return this.gl.has("export") && (view.roughness < 0 || view.roughness === this.own.roughness); }
 
   drawSoon() {
@@ -459,9 +459,10 @@ class LookPage {
       gl.deleteSync(fence);
       const isFirst = this.frameMs === undefined;
       this.frameMs = performance.now() - begin;
-      if (isFirst && this.frameMs > SLOW_MS) { // the first frame includes compiling shaders
-        this.isAtRest = true;
-        this.redraw();
+      if (isFirst && this.frameMs > SLOW_MS) { // The first frame includes compiling shaders, so it is timed again.
+        const again = performance.now();
+        this.gl.draw(this.view.left, this.view.right, this.scene());
+        this.timeFrame(again);
       }
       this.isTimed = !wasHidden && !document.hidden; // timers of background tabs are delayed
       return this.showFacts();

@@ -318,7 +318,8 @@ class LookGl {
     this.shaders.lobes);
     for (const old of [this.lobes?.texture, this.lobes?.map]) gl.deleteTexture(old ?? null);
     this.lobes?.programs.free();
-    this.lobes = { texture, map, programs, unpacking: file.unpacking, firstLevel: file.lobes.firstLevel, size: normals[0].width,
+    this.lobes = { texture, map, programs, unpacking: file.unpacking, firstLevel: file.lobes.firstLevel,
+      size: normals[0].width,
       bytes: file.levels.reduce((sum, level) => sum + level.length, 0) + texelBytes(VK_BC5, normals[0].width,
         normals[0].height) };
   }

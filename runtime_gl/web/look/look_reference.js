@@ -20,7 +20,7 @@ class Reference {
 
   get isDone() { return this.count === PLACE_COUNT; }
 
-  /** Draws some more samples of the same view. `gl` waits for the GPU, so that the next frame takes as many as it can. */
+  /** Draws more samples of the same view. Waits for the GPU, so that the next frame draws as many as fit. */
   refine(gl, scene, count = this.perFrame) {
     const begin = performance.now(), end = Math.min(PLACE_COUNT, this.count + count), from = this.count;
     for (; this.count < end; ++this.count) gl.addToReference(this.count, sceneAtPlace(scene, gl.size, this.count));
