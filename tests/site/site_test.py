@@ -231,7 +231,7 @@ class CommandLineTest(Pages):
         with contextlib.redirect_stderr(io.StringIO()), self.assertRaisesRegex(site_build.BuildFault, "run tools/ins"):
             original, site_build.shutil.which = site_build.shutil.which, lambda *_, **__: None
             try:
-                site_build.build(self.root, self.root / "site")
+                site_build.build(self.root, self.root / "site", self.root)
             finally:
                 site_build.shutil.which = original
 

@@ -26,7 +26,7 @@ PACKAGE_OF = {"glm": "libglm-dev", "fmt": "libfmt-dev", "OpenSSL": "libssl-dev",
               "Python3": "python3", "GTest": "libgtest-dev", "Eigen3": "libeigen3-dev",
               "OpenGL": "libgl-dev", "SQLite3": "libsqlite3-dev", "Boost": "libboost1.81-dev",
               "rapidcheck": "librapidcheck-dev", "pybind11": "pybind11-dev", "Threads": None, "OpenMP": None}
-VOID = {"meta", "img", "line", "circle", "rect", "polyline", "i", "br"}
+VOID = {"meta", "img", "input", "line", "circle", "rect", "polyline", "i", "br"}
 
 
 def run(*command, **more):
@@ -48,10 +48,11 @@ class ScriptsTest(unittest.TestCase):
         self.assertEqual(run("shellcheck", *SHELL_SCRIPTS).stdout, "")
 
     def test_help(self):
-        for name in ("demo", "test", "lab/demo_page.py", "torus_mesh.py", "terrain_height.py", "lab/reproduce",
+        for name in ("demo", "test", "lab/demo_page.py", "torus_mesh.py", "sphere_mesh.py", "terrain_height.py",
+                     "lab/reproduce",
                      "site", "install_dependencies", "format", "fuzz", "wasm_decoder", "debian_mirror",
                      "parameter_documents", "packaging/try_packages", "cross/test_readers", "cross/windows_libraries",
-                     "lab/lobe_colours.py"):
+                     "lab/lobe_colours.py", "lab/gallery_document.py", "lab/demo_sky.py"):
             with self.subTest(script=name):
                 done = run(TOOLS / name, "--help")
                 self.assertEqual((done.returncode, done.stderr), (0, ""))
@@ -69,14 +70,32 @@ class ScriptsTest(unittest.TestCase):
                 self.assertNotEqual(done.returncode, 0)
                 self.assertIn("expected", done.stderr)
 
-    def test_torus_is_whole(self):
+    def test_meshes_are_whole_and_face_outwards(self):
+        for name in ("torus", "sphere"):
+            with self.subTest(name), tempfile.TemporaryDirectory() as folder:
+                path = pathlib.Path(folder) / "mesh.obj"
+                self.assertEqual(run(TOOLS / f"{name}_mesh.py", path).returncode, 0)
+                lines = [line.split() for line in path.read_text().splitlines()]
+                numbers = {kind: [[float(one) for one in words[1:]] for words in lines if words[0] == kind]
+                           for kind in ("v", "vn")}
+                faces = [[int(c.split("/")[0]) for c in words[1:]] for words in lines if words[0] == "f"]
+                self.assertEqual((min(map(min, faces)), max(map(max, faces))), (1, len(numbers["v"])))
+                for face in faces:
+                    a, b, _, d = ([*numbers["v"][i - 1]] for i in face)
+                    (x, y, z), (u, v, w) = ([q - p for p, q in zip(a, one)] for one in (b, d))
+                    out = (y * w - z * v, z * u - x * w, x * v - y * u)
+                    self.assertGreater(sum(p * q for p, q in zip(out, numbers["vn"][face[0] - 1])), 0)
+
+    def test_the_sky_has_a_sun(self):
         with tempfile.TemporaryDirectory() as folder:
-            path = pathlib.Path(folder) / "torus.obj"
-            self.assertEqual(run(TOOLS / "torus_mesh.py", path).returncode, 0)
-            lines = path.read_text().splitlines()
-        vertices = sum(line.startswith("v ") for line in lines)
-        corners = [int(c.split("/")[0]) for line in lines if line.startswith("f ") for c in line.split()[1:]]
-        self.assertEqual((min(corners), max(corners)), (1, vertices))
+            path = pathlib.Path(folder) / "sky.hdr"
+            self.assertEqual(run(TOOLS / "lab/demo_sky.py", path).returncode, 0)
+            head, size, texels = path.read_bytes().partition(b"-Y 128 +X 256\n")
+        self.assertTrue(head.startswith(b"#?RADIANCE\n"))
+        self.assertEqual(len(texels), 4 * 128 * 256)
+        brightest = max(range(0, len(texels), 4), key=lambda at: texels[at + 3]) // 4
+        row, column = divmod(brightest, 256)
+        self.assertTrue(30 < row < 50 and 224 < column < 248, f"the sun is at row {row}, column {column}")
 
 
 class DependenciesTest(unittest.TestCase):
@@ -119,6 +138,7 @@ class BalancedParser(html.parser.HTMLParser):
     def handle_starttag(self, tag, attributes):
         given = dict(attributes)
         self.references += [given[k] for k in ("src", "href") if k in given]
+        self.references += [given["value"]] if tag == "option" else []
         if tag == "img" and not given.get("alt"):
             self.wrong.append("img without alt")
         if tag not in VOID:
@@ -137,7 +157,8 @@ class PageTest(unittest.TestCase):
         self.addCleanup(holder.cleanup)
         self.folder = pathlib.Path(holder.name)
         (self.folder / "steps.tsv").write_text(
-            "bake\twhite\t1500\tmultum bake a<b.png\nview\tplain\t2500\tmultum-view white.ndf.exr\n")
+            "bake\twhite\t1500\tmultum bake a<b.png\nview\tplain\t2500\tmultum-view white.ndf.exr\n"
+            "material\thammered-far\t2500\tmultum-view hammered.ndf.exr\n")
         errors = [{"level": level, "point": point, "brdf": "lambert", "relative_l1": 0.01 * (level + 1),
                    "confidence_95": 0.0, "samples": 0 if level == 1 and point != "centre" else 8}
                   for level in (0, 1) for point in ("centre", "midway-x", "midway-y", "between-levels")]
@@ -151,11 +172,13 @@ class PageTest(unittest.TestCase):
             {"name": "mip", "frame_time_ms": 1.0, "relative_l1": 0.5, "rmse": 0.02}]}
         for name in ("reference", "multum", "mip", "multum_difference", "mip_difference"):
             (self.folder / f"plain_{name}.png").write_bytes(b"")
+            (self.folder / f"hammered-far_{name}.png").write_bytes(b"")
         self.write()
 
     def write(self):
         (self.folder / "white.bake.json").write_text(json.dumps(self.bake))
         (self.folder / "plain.view.json").write_text(json.dumps(self.view))
+        (self.folder / "hammered-far.view.json").write_text(json.dumps({**self.view, "width": 4, "height": 3}))
 
     def page(self):
         done = run(TOOLS / "lab/demo_page.py", self.folder)
@@ -171,11 +194,16 @@ class PageTest(unittest.TestCase):
         parser = BalancedParser()
         parser.feed(self.page())
         self.assertEqual((parser.wrong, parser.open), ([], []))
-        self.assertGreater(len(parser.references), 5)
+        self.assertGreater(len(parser.references), 10)
         for reference in parser.references:
             self.assertTrue((self.folder / reference).is_file(), reference)
 
-    def test_the_page_of_the_lobes_is_linked_where_it_is(self):
+    def test_materials_come_first_with_the_best_error_in_bold(self):
+        page = self.page()
+        self.assertIn("Hammered metal, far away. Error: <b>multum 12.5 %</b>, averages 50.0 %", page)
+        self.assertLess(page.index("Hammered metal"), page.index("Test maps"))
+
+    def test_the_page_of_the_materials_is_linked_where_it_is(self):
         self.assertNotIn("look.html", self.page())
         (self.folder / "look.html").write_text("")
         self.assertIn('<a href="look.html">', self.page())

@@ -31,6 +31,17 @@ ORDER = {
                   "animation_jobs", "inferred_textures", "packed_fields", "service", "c_and_python", "glossary"),
     "explanation": ("how_it_works", "accuracy", "limits"),
 }
+# Name, title, roughness and metalness of the materials on the first page.
+LIVE_MATERIALS = (("hammered", "Hammered metal", 0.22, 1), ("car-paint", "Car paint", 0.28, 1),
+                  ("bricks", "Bricks", 0.7, 0))
+LIVE_SIZE = 256
+LIVE_FRAME = """
+Move the divider, turn the sphere, and compare with the reference:
+
+<iframe class="live" title="Materials, drawn from lobes and from averaged normals" loading="lazy" src="live.html#%s">
+</iframe>
+""" % "&amp;".join(("shape=sphere", "left=mip", "elevation=12", "distance=1.5", "exposure=-0.3", "x=-0.5", "y=-0.6",
+                    "z=0.62"))
 # A build replaces a folder only if the folder contains this file.
 MARK = ".multum_site"
 LIST_ITEM = re.compile(r"( *)([-*+]|\d{1,9}[.)])( +)(?=\S)")
@@ -205,6 +216,35 @@ def configuration(source, output, titles):
         "nav": navigation(titles)}
 
 
+def live_page(programs, page):
+    """Writes the page of multum look with materials of `multum testmap`."""
+    words = []
+    with tempfile.TemporaryDirectory() as temporary:
+        work = pathlib.Path(temporary)
+        for name, title, roughness, metalness in LIVE_MATERIALS:
+            for command in (("testmap", "--material", name, work / name, "--size", LIVE_SIZE),
+                            ("bake", work / f"{name}_normal.png", "-o", work / f"{name}.ndf.exr", "--green", "down",
+                             "--no-measure")):
+                run_multum(programs, *command)
+            words += [work / f"{name}.ndf.exr", "--source", work / f"{name}_normal.png", "--albedo",
+                      work / f"{name}_albedo.png", "--title", title, "--base-roughness", roughness, "--metalness",
+                      metalness]
+        run_multum(programs, "look", *words, "-o", page, "--no-open")
+
+
+def run_multum(programs, *words):
+    done = subprocess.run([str(one) for one in (programs / "multum", *words)], capture_output=True, text=True,
+                          check=False)
+    if done.returncode != 0:
+        raise BuildFault(f"{' '.join(map(str, words))}: exit code {done.returncode}\n{done.stderr}")
+
+
+def with_live_frame(text):
+    """Puts the live page before the first section."""
+    head, section, rest = text.partition("\n## ")
+    return head + LIVE_FRAME + section + rest
+
+
 def remove_foreign_addresses(output):
     """Removes addresses, languages and source maps of the theme that this site does not use. Also writes the index of
     the search as a script, because pages that are opened from a disk cannot load JSON."""
@@ -221,8 +261,9 @@ def remove_foreign_addresses(output):
     (output / "search/search_index.js").write_text(f"multumSearchIndex({index});\n")
 
 
-def build(root, output):
-    """Builds the site of the project in `root`. Replaces `output` if it is empty or an earlier site."""
+def build(root, output, programs):
+    """Builds the site of the project in `root`. Replaces `output` if it is empty or an earlier site. If `programs`, a
+    folder, has multum, the first page shows materials live. Returns whether it does."""
     root, output = pathlib.Path(root).resolve(), pathlib.Path(output).resolve()
     program = shutil.which("mkdocs", path="/usr/bin:" + os.environ.get("PATH", ""))
     if program is None:
@@ -232,13 +273,20 @@ def build(root, output):
     with tempfile.TemporaryDirectory() as temporary:
         work = pathlib.Path(temporary)
         titles = staged_pages(root, work / "pages")
+        is_live = (programs / "multum").is_file()
+        if is_live:
+            index = work / "pages/index.md"
+            index.write_text(with_live_frame(index.read_text()))
         (work / "mkdocs.yml").write_text(json.dumps(configuration(work / "pages", work / "site", titles)))
         done = subprocess.run([program, "build", "--quiet", "-f", work / "mkdocs.yml"], capture_output=True, text=True,
                               check=False)
         if done.returncode != 0:
             raise BuildFault(f"mkdocs failed:\n{done.stdout}{done.stderr}")
         remove_foreign_addresses(work / "site")
+        if is_live:
+            live_page(programs, work / "site/live.html")
         (work / "site" / MARK).write_text("tools/site replaces this folder.\n")
         if output.exists():
             shutil.rmtree(output)
         shutil.copytree(work / "site", output)
+    return is_live

@@ -204,7 +204,11 @@ def materials_section(folder, materials):
     look = """<p><a href="look.html"><b>Turn these materials in this browser</b></a>: on a plane, a sphere or a ring,
 under a sky or in a studio, next to the reference (WebGL 2).</p>
 """ if (folder / "look.html").is_file() else ""
-    return f"""{look}<div class="materials">{"".join(shown)}</div>
+    if not shown:
+        return look
+    return f"""{look}<p>The border between two pictures follows the pointer or the slider. Errors are relative L1,
+against a reference with {samples_of(materials)} samples per pixel.</p>
+<div class="materials">{"".join(shown)}</div>
 """
 
 
@@ -236,8 +240,7 @@ def make_page(folder, programs, steps, bakes, views, materials):
 <title>multum: the demo</title><style>{STYLE}{COMPARE_STYLE}</style></head><body>
 <h1>multum: textures that look right at every distance</h1>
 <p>A pixel of a distant wall covers thousands of normals. Averaging them, as mip-mapping does, draws a smooth wall.
-multum stores the distribution of the normals instead. The border between two pictures follows the pointer or the
-slider. Errors are relative L1, against a reference with {samples_of(materials)} samples per pixel.</p>
+multum stores the distribution of the normals instead.</p>
 {materials_section(folder, materials)}
 <h2>Test maps</h2>
 <p>Maps that are hard on purpose, and measured ground. Click a picture for its full size.</p>

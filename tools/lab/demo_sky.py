@@ -1,17 +1,18 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Writes the environment of the demo's pictures, a bright day without the sun, as a latitude-longitude picture in
+"""Writes the environment of the demo's pictures, a bright day with a large sun, as a latitude-longitude picture in
 Radiance's format. Uses only the standard library.
 
-  tools/lab/demo_sky.py sky.hdr
+  tools/lab/demo_sky.py OUT.hdr
 """
+import argparse
 import math
 import pathlib
 import random
-import sys
 
 WIDTH, HEIGHT = 256, 128
 SEED = 5
+SUN, SUN_COSINE, SUN_RADIANCE = (0.394, 0.473, 0.788), math.cos(math.radians(4)), (170, 160, 145)
 
 
 def mixed(a, b, t):
@@ -58,17 +59,20 @@ def encoded(light):
 
 
 def main():
-    if len(sys.argv) != 2 or sys.argv[1].startswith("-"):
-        sys.exit(__doc__.strip().splitlines()[-1].strip())
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("output", type=pathlib.Path)
+    output = parser.parse_args().output
     noise = Noise(SEED)
     rows = bytearray(f"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y {HEIGHT} +X {WIDTH}\n".encode())
     for row in range(HEIGHT):
         theta = math.pi * (row + 0.5) / HEIGHT
         for column in range(WIDTH):
-            phi = 2 * math.pi * (column + 0.5) / WIDTH
+            phi = 2 * math.pi * (column + 0.5) / WIDTH - math.pi
             across = math.sin(theta)
-            rows += encoded(radiance(across * math.sin(phi), math.cos(theta), across * math.cos(phi), noise))
-    pathlib.Path(sys.argv[1]).write_bytes(bytes(rows))
+            place = (across * math.sin(phi), math.cos(theta), -across * math.cos(phi))
+            is_sun = sum(one * sun for one, sun in zip(place, SUN)) > SUN_COSINE
+            rows += encoded(SUN_RADIANCE if is_sun else radiance(*place, noise))
+    output.write_bytes(bytes(rows))
 
 
 if __name__ == "__main__":
