@@ -56,7 +56,7 @@ def spheres():
 
 
 def write_glb(path, roughness, metal, images):
-    """Writes the spheres. `images` has the bytes of its normal map as PNG, or of its normal and ORM maps as KTX2."""
+    """Writes the spheres. `images` has the bytes of its normal map, or of its normal and ORM maps, as PNG or KTX2."""
     positions, normals, uvs, indices = spheres()
     parts = [struct.pack(f"<{len(one)}f", *one) for one in (positions, normals, uvs)]
     parts += [struct.pack(f"<{len(indices)}I", *indices)] + [one + b"\0" * (-len(one) % 4) for one in images]
@@ -76,13 +76,14 @@ def write_glb(path, roughness, metal, images):
              "materials": [{"normalTexture": {"index": 0}, "pbrMetallicRoughness": surface}],
              "samplers": [{"magFilter": 9729, "minFilter": 9987, "wrapS": 10497, "wrapT": 10497}],
              "accessors": accessors, "bufferViews": buffer_views, "buffers": [{"byteLength": offset}]}
-    is_ktx2 = len(images) > 1
+    is_ktx2 = images[0].startswith(b"\xabKTX")
     model["images"] = [{"bufferView": 4 + i, "mimeType": "image/ktx2" if is_ktx2 else "image/png"}
                        for i in range(len(images))]
     model["textures"] = [{"sampler": 0, "extensions": {"KHR_texture_basisu": {"source": i}}} if is_ktx2
                          else {"sampler": 0, "source": i} for i in range(len(images))]
     if is_ktx2:
         model["extensionsUsed"] = model["extensionsRequired"] = ["KHR_texture_basisu"]
+    if len(images) > 1:
         surface |= {"roughnessFactor": 1, "metallicRoughnessTexture": {"index": 1}}
     text = json.dumps(model).encode()
     text += b" " * (-len(text) % 4)
