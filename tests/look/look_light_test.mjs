@@ -56,11 +56,12 @@ try {
   run("multum", "look", "hammered.ndf.exr", "--no-open", "-o", "plain.html");
   const wrong = (...words) => {
     assert.throws(() => run("multum", "look", "bricks.ndf.exr", "--no-open", ...words), (error) => {
-      assert.equal(error.status, 2 + (words[0] === "--albedo" && words.length === 2));
+      assert.equal(error.status, words[0] === "--albedo" && words.length === 2 ? 3 : 2);
       return true;
     });
   };
   wrong("--metalness", "2");
+  wrong("--metalness", "nan");
   wrong("--metalness", "1", "--metalness", "0");
   wrong("--albedo", "bricks.ndf.exr", "--albedo", "bricks_albedo.png");
   wrong("--albedo", "maps.html");
@@ -89,7 +90,7 @@ try {
       gl.radiance("mip", { ...sceneAtPlace(scene, gl.size, i), lock: 0 }).forEach((one, k) => {
         mean[k] += one / PLACE_COUNT;
       });
-    return differenceOf(shown, mean) / differenceOf(mean, new Float32Array(mean.length));
+    return differenceOf(shown, mean, mean) / differenceOf(mean, new Float32Array(mean.length), mean);
   });
   assert.ok(apart < 1e-3, `the reference differs by ${apart} from the mean of its samples`);
   assert.match(await page.textContent("#left-name"), /^reference, 144 of 144/);
@@ -132,12 +133,70 @@ try {
     await changes(shape, () => page.selectOption("#shape", shape));
   for (const light of ["studio", "sun", "sky"]) await changes(light, () => page.selectOption("#around", light));
 
-  // A map without colours takes no colours of another one.
-  const red = await page.evaluate(async () => {
-    await globalThis.multumLook.takeColours(undefined);
-    return globalThis.multumLook.scene().tint;
+  // Colours that are still being decoded do not replace those of a later choice.
+  const sizes = await page.evaluate(async () => {
+    const look = globalThis.multumLook, base64 = look.data.maps[0].colours;
+    const early = look.takeColours(base64);
+    await look.takeColours(undefined);
+    await early;
+    return [look.colours, ...look.scene().tint];
   });
-  assert.ok(red.every((one) => one === red[0] && one < 1));
+  assert.deepEqual(sizes, [null, 0.1, 0.1, 0.1]);
+  await page.evaluate(() => globalThis.multumLook.choose(1));
+  await page.waitForFunction(() => globalThis.multumLook.colours !== null);
+
+  // A move of the divider keeps the reference. Another view begins it anew.
+  await page.selectOption("#left", "reference");
+  await isFinished(page);
+  await page.locator("#split").fill("0.3");
+  await settled(page);
+  assert.equal(await page.evaluate(() => globalThis.multumLook.reference.isDone), true);
+  await page.locator("#distance").fill("2");
+  assert.equal(await page.evaluate(() => globalThis.multumLook.reference.isDone), false);
+  await page.selectOption("#right", "reference");
+  await settled(page);
+  assert.equal(await page.locator("#measure").isDisabled(), true);
+  await page.selectOption("#left", "mip");
+  await page.selectOption("#right", "lobes");
+  await page.selectOption("#around", "studio");
+  await settled(page);
+  assert.equal(await page.locator("#light").isDisabled(), true);
+
+  // Other maps bring their own roughness. A reset keeps the map.
+  await page.locator("#metalness").fill("0.4");
+  await page.selectOption("#map", "0");
+  await settled(page);
+  assert.deepEqual([await value("roughness"), await value("metalness")], ["0.22", "1"]);
+  await page.selectOption("#map", "1");
+  await page.click("#reset");
+  await settled(page);
+  assert.match(await page.evaluate(() => location.hash), /map=1/);
+  assert.equal(await page.textContent("#title"), "Bricks");
+
+  // The error leaves out the background: it does not fall with the sphere's part of the picture.
+  const errorOf = async (hash) => {
+    await goTo(page, hash);
+    await settled(page);
+    await page.click("#measure");
+    await page.getByText("noise is about").waitFor();
+    return Number((await page.textContent("#error")).match(/averaged normals ([\d.]+) %/)[1]);
+  };
+  const small = await errorOf("map=0&shape=sphere&left=mip&right=mip&elevation=12&distance=3");
+  assert.ok(small > 15, `an error of ${small} %`);
+
+  // The sharpest highlights stay finite.
+  await goTo(page, "map=0&left=mip&right=lobes&roughness=0.05&elevation=4&distance=0");
+  await settled(page);
+  const isFinite = await page.evaluate(() => ["mip", "lobes"].every((method) =>
+    globalThis.multumLook.gl.radiance(method, globalThis.multumLook.scene()).every(Number.isFinite)));
+  assert.ok(isFinite);
+  await goTo(page, "map=1");
+  await settled(page);
+
+  // An odd address is the default view.
+  const odd = await open("#toString=1&light=x&shape=__proto__&roughness=nan&metalness=7");
+  assert.deepEqual([(await view(odd)).light, (await view(odd)).shape, (await view(odd)).roughness,
+    (await view(odd)).metalness], ["sky", "plane", -1, 1]);
 
   // Slow machines see drafts while the view moves, and the name of what draws.
   await page.evaluate(() => {
@@ -150,6 +209,17 @@ try {
   });
   assert.ok(draft < 0.3 * width && draft > 0.2 * width, `a draft of ${draft} pixels of ${width}`);
   await page.waitForFunction((wide) => globalThis.multumLook.gl.size[0] === wide, width);
+  // A picture that is saved during a draft is not a draft.
+  await page.evaluate(() => {
+    Object.assign(globalThis.multumLook, { hasDrafts: true, frameMs: 1000, isTimed: true });
+    globalThis.multumLook.change({ azimuth: 20 });
+  });
+  const [full] = await Promise.all([page.waitForEvent("download"), page.evaluate(async () => {
+    await globalThis.multumLook.waiting;
+    await globalThis.multumLook.savePicture();
+  })]);
+  await full.saveAs(path.join(screenshots, "after_draft.png"));
+  assert.equal(readFileSync(path.join(screenshots, "after_draft.png")).readUInt32BE(16), 2 * width + 4);
   await page.evaluate(() => Object.assign(globalThis.multumLook, { frameMs: 1000, isTimed: true }).showFacts());
   assert.match(await page.textContent("#facts"), /This browser draws with .*SwiftShader/);
   await page.evaluate(() => Object.assign(globalThis.multumLook, { frameMs: 10, isTimed: true }).showFacts());

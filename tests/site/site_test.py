@@ -29,6 +29,7 @@ case "$*" in
   "jobs submit --help") echo "Usage: multum jobs submit [OPTIONS] SUBCOMMAND"; echo "  --server TEXT" ;;
   "jobs --help" | "jobs "*) echo "Usage: multum jobs [OPTIONS] SUBCOMMAND"; echo "  --json" ;;
   "openjd --help" | "openjd "*) echo "Usage: multum openjd [OPTIONS] command..."; echo "  --shards INT" ;;
+  "look "*) while [ $# -gt 0 ]; do [ "$1" != -o ] || echo "<p>turning</p>" > "$2"; shift; done ;;
   *) echo "Usage: multum [OPTIONS] SUBCOMMAND"; echo "  -h,--help"; echo "  --version" ;;
 esac
 """
@@ -226,6 +227,20 @@ class CommandLineTest(Pages):
         for _ in range(2):  # the second build replaces the first
             self.assertEqual(self.site("-o", self.root / "site")[0], 0)
         self.assertIn("Words", (self.root / "site/how-to/page.html").read_text())
+
+    @unittest.skipUnless(pathlib.Path("/usr/share/mkdocs/themes/material").exists(), "no mkdocs-material here")
+    def test_the_first_page_shows_materials_if_multum_runs(self):
+        self.write("README.md", "# Start\n\nWords\n\n## Next\n\nMore\n")
+        self.assertEqual(self.site("-o", self.root / "site", "--no-check")[0::2], (0, ""))
+        self.assertEqual((self.root / "site/live.html").read_text(), "<p>turning</p>\n")
+        index = (self.root / "site/index.html").read_text()
+        self.assertRegex(index, r'(?s)Words.*<iframe[^>]* src="live\.html#shape=sphere.*Next')
+        self.write("bin/multum", "#!/bin/sh\necho 'multum: no OpenCL platform' >&2\nexit 4\n")
+        code, _, said = self.site("-o", self.root / "site", "--no-check")
+        self.assertEqual(code, 0)
+        self.assertIn("no live materials: multum testmap failed: multum: no OpenCL platform", said)
+        self.assertFalse((self.root / "site/live.html").exists())
+        self.assertNotIn("<iframe class", (self.root / "site/index.html").read_text())
 
     def test_without_mkdocs_the_message_says_what_to_do(self):
         with contextlib.redirect_stderr(io.StringIO()), self.assertRaisesRegex(site_build.BuildFault, "run tools/ins"):

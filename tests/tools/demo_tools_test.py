@@ -52,7 +52,8 @@ class ScriptsTest(unittest.TestCase):
                      "lab/reproduce",
                      "site", "install_dependencies", "format", "fuzz", "wasm_decoder", "debian_mirror",
                      "parameter_documents", "packaging/try_packages", "cross/test_readers", "cross/windows_libraries",
-                     "lab/lobe_colours.py", "lab/gallery_document.py", "lab/demo_sky.py"):
+                     "lab/lobe_colours.py", "lab/gallery_document.py", "lab/own_mips_document.py",
+                     "lab/demo_sky.py"):
             with self.subTest(script=name):
                 done = run(TOOLS / name, "--help")
                 self.assertEqual((done.returncode, done.stderr), (0, ""))

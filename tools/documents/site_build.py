@@ -217,7 +217,9 @@ def configuration(source, output, titles):
 
 
 def live_page(programs, page):
-    """Writes the page of multum look with materials of `multum testmap`."""
+    """Writes the page of multum look with materials of `multum testmap`. Returns None, or why there is none."""
+    if not (programs / "multum").is_file():
+        return f"{programs} has no multum"
     words = []
     with tempfile.TemporaryDirectory() as temporary:
         work = pathlib.Path(temporary)
@@ -225,18 +227,19 @@ def live_page(programs, page):
             for command in (("testmap", "--material", name, work / name, "--size", LIVE_SIZE),
                             ("bake", work / f"{name}_normal.png", "-o", work / f"{name}.ndf.exr", "--green", "down",
                              "--no-measure")):
-                run_multum(programs, *command)
+                if why := why_multum_fails(programs, *command):
+                    return why
             words += [work / f"{name}.ndf.exr", "--source", work / f"{name}_normal.png", "--albedo",
                       work / f"{name}_albedo.png", "--title", title, "--base-roughness", roughness, "--metalness",
                       metalness]
-        run_multum(programs, "look", *words, "-o", page, "--no-open")
+        why = why_multum_fails(programs, "look", *words, "-o", page, "--no-open")
+        return why or (None if page.is_file() else "multum look wrote no page")
 
 
-def run_multum(programs, *words):
+def why_multum_fails(programs, *words):
     done = subprocess.run([str(one) for one in (programs / "multum", *words)], capture_output=True, text=True,
                           check=False)
-    if done.returncode != 0:
-        raise BuildFault(f"{' '.join(map(str, words))}: exit code {done.returncode}\n{done.stderr}")
+    return f"multum {words[0]} failed: {done.stderr.strip()}" if done.returncode != 0 else None
 
 
 def with_live_frame(text):
@@ -262,8 +265,8 @@ def remove_foreign_addresses(output):
 
 
 def build(root, output, programs):
-    """Builds the site of the project in `root`. Replaces `output` if it is empty or an earlier site. If `programs`, a
-    folder, has multum, the first page shows materials live. Returns whether it does."""
+    """Builds the site of the project in `root`. Replaces `output` if it is empty or an earlier site. If multum in
+    the folder `programs` runs, the first page shows materials live. Returns None, or why it does not."""
     root, output = pathlib.Path(root).resolve(), pathlib.Path(output).resolve()
     program = shutil.which("mkdocs", path="/usr/bin:" + os.environ.get("PATH", ""))
     if program is None:
@@ -273,8 +276,8 @@ def build(root, output, programs):
     with tempfile.TemporaryDirectory() as temporary:
         work = pathlib.Path(temporary)
         titles = staged_pages(root, work / "pages")
-        is_live = (programs / "multum").is_file()
-        if is_live:
+        why_not_live = live_page(programs, work / "live.html")
+        if why_not_live is None:
             index = work / "pages/index.md"
             index.write_text(with_live_frame(index.read_text()))
         (work / "mkdocs.yml").write_text(json.dumps(configuration(work / "pages", work / "site", titles)))
@@ -283,10 +286,10 @@ def build(root, output, programs):
         if done.returncode != 0:
             raise BuildFault(f"mkdocs failed:\n{done.stdout}{done.stderr}")
         remove_foreign_addresses(work / "site")
-        if is_live:
-            live_page(programs, work / "site/live.html")
+        if why_not_live is None:
+            shutil.copyfile(work / "live.html", work / "site/live.html")
         (work / "site" / MARK).write_text("tools/site replaces this folder.\n")
         if output.exists():
             shutil.rmtree(output)
         shutil.copytree(work / "site", output)
-    return is_live
+    return why_not_live

@@ -48,10 +48,14 @@ for (const figure of document.querySelectorAll(".compare")) {
   const stage = figure.querySelector(".stage"), [under, over] = stage.querySelectorAll("img");
   const range = figure.querySelector("input"), [left, right] = figure.querySelectorAll("select");
   const move = () => stage.style.setProperty("--split", `${range.value}%`);
-  const show = (image, select) => { image.src = select.value; image.alt = select.selectedOptions[0].text; };
+  const show = (image, select) => { image.src = select.value;
+    image.alt = `${figure.dataset.title}: ${select.selectedOptions[0].text}`; };
   range.addEventListener("input", move);
   left.addEventListener("change", () => show(under, left));
   right.addEventListener("change", () => show(over, right));
+  move(); // browsers restore the values of forms
+  show(under, left);
+  show(over, right);
   stage.addEventListener("pointermove", (event) => {
     if (event.buttons === 0 && event.pointerType !== "mouse") return;
     const box = stage.getBoundingClientRect();
@@ -189,7 +193,8 @@ def compare_figure(material, place, view):
     shown = ", ".join(f"<b>{METHODS[one][0]} {percent(error)}</b>" if error == least else
                       f"{METHODS[one][0]} {percent(error)}" for one, error in errors.items())
     title = f"{MATERIALS[material]}, {'near' if place == 'near' else 'far away'}"
-    return f"""<figure class="compare"><div class="stage" style="--split:50%">{image("under", "mip")}
+    return f"""<figure class="compare" data-title="{title}">
+<div class="stage" style="--split:50%">{image("under", "mip")}
 {image("over", "multum")}<span class="line"></span></div>
 <input type="range" min="0" max="100" step="0.5" value="50" aria-label="{title}: border between both pictures">
 <div class="sides"><select aria-label="{title}, left">{options("mip")}</select>
@@ -207,7 +212,8 @@ under a sky or in a studio, next to the reference (WebGL 2).</p>
     if not shown:
         return look
     return f"""{look}<p>The border between two pictures follows the pointer or the slider. Errors are relative L1,
-against a reference with {samples_of(materials)} samples per pixel.</p>
+against a reference with {samples_of(materials)} samples per pixel. <i>Far away</i> means that the map repeats six times
+as often, as it would on a ring six times as large and as far away.</p>
 <div class="materials">{"".join(shown)}</div>
 """
 
@@ -243,7 +249,7 @@ def make_page(folder, programs, steps, bakes, views, materials):
 multum stores the distribution of the normals instead.</p>
 {materials_section(folder, materials)}
 <h2>Test maps</h2>
-<p>Maps that are hard on purpose, and measured ground. Click a picture for its full size.</p>
+<p>These maps are hard on purpose; the terrain is measured. Click a picture for its full size.</p>
 <h3>Errors</h3>
 <p>Relative L1 error is the sum of absolute differences from the reference, divided by the sum of the reference, over
 the whole picture.</p>

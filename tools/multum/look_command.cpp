@@ -3,6 +3,8 @@
 // desktop.
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
@@ -52,6 +54,9 @@ int run_look(LookOptions& o) {
   check_count("--title", o.titles, o.inputs.size(), false);
   check_count("--base-roughness", o.roughnesses, o.inputs.size(), true);
   check_count("--metalness", o.metalnesses, o.inputs.size(), true);
+  for (const auto* values : {&o.roughnesses, &o.metalnesses})
+    if (std::any_of(values->begin(), values->end(), [](double one) { return !std::isfinite(one); }))
+      throw Error(ErrorCode::kUsage, "found nan in --base-roughness or --metalness, expected numbers");
   for (std::size_t i = 0; i < o.inputs.size(); ++i)
     o.job.maps.push_back({o.inputs[i], value_of(o.sources, i), value_of(o.albedos, i), value_of(o.titles, i),
                           value_of(o.roughnesses, i), value_of(o.metalnesses, i)});
@@ -102,7 +107,7 @@ void add_look_command(CLI::App& app, int* exit_code) {
       ->allow_extra_args(false);
   command->add_option("--title", o.titles, "name on the page, one per file (default: the file's name)")
       ->allow_extra_args(false);
-  command->add_flag("--same-source", o.job.same_source, "reject a --source that was not baked into the file");
+  command->add_flag("--same-source", o.job.same_source, "reject a --source from which the file was not baked");
   command->add_flag("--no-open", o.stays_closed, "do not open the page");
   command->add_option("--device", o.device,
                       "use this OpenCL device: its number in `multum devices`, or part of its name");
@@ -118,7 +123,7 @@ void add_look_command(CLI::App& app, int* exit_code) {
       "- a baked file of lobes (compression none, rle, zips or zip; at most 2048 texels per side), with its\n"
       "  normal map if it has no level 0\n"
       "- a KTX2 file of multum export --lobes without --zstd\n"
-      "- a normal map of this size with 8 bits\n"
+      "- a normal map of the same size, 8 bits per channel\n"
       "- a model: NAME.glb, or NAME.gltf with its files (at most a million triangles, no required extensions)\n\n"
       "Maps have at most 2048 texels per side, and together at most 4 times 2048 x 2048.");
   command->callback([options, exit_code] { *exit_code = run_look(*options); });

@@ -158,7 +158,7 @@ nlohmann::ordered_json map_data(const LookMap& map, const BakedHeader& header, c
     refuse_file(map.source, fmt::format("found {} x {} texels, expected {} x {} as in the map that {} was baked from",
                                         report.width, report.height, header.width, header.height, map.input));
   nlohmann::ordered_json data = {
-      {"title", map.title.empty() ? text_of_path(std::filesystem::path(map.input).filename().string()) : map.title},
+      {"title", text_of_path(map.title.empty() ? std::filesystem::path(map.input).filename().string() : map.title)},
       {"about", fmt::format("{} with GGX", text_of_path(header.provenance.source_name))},
       {"roughness", map.base_roughness},
       {"metalness", map.metalness},

@@ -7,6 +7,8 @@ const SLOW_MS = 50; // If a frame takes longer, the page names what draws it, an
 const REST_MS = 200; // time after the last change until the view is drawn in full
 const DRAFT_LEAST = 0.25; // width of the smallest draft, as a share of the full width
 const ROUGHNESS = [0.05, 1];
+const PLAIN = { roughness: 0.3, metalness: 0 }; // of dropped maps
+const SCREEN_KEYS = new Set(["split", "exposure", "difference"]); // change the screen, but no picture
 const DEGREE = Math.PI / 180;
 const TARGET = [0, 0.76, 0]; // target of multum-view's camera on the plane
 /**
@@ -21,6 +23,9 @@ const LIMITS = { map: [0, 63], roughness: [-1, 1], metalness: [-1, 1], split: [0
   azimuth: [-180, 180], elevation: [3, 89], distance: [-2, 5], exposure: [-4, 4], difference: [0, 1], x: [-1, 1],
   y: [-1, 1], z: [0, 1] };
 
+const IS_FRAMED = self !== top;
+if (IS_FRAMED) document.documentElement.classList.add("framed");
+
 const byId = (id) => document.getElementById(id);
 const say = (text) => { byId("problem").textContent = text; byId("problem").hidden = text === ""; };
 const bytesOfBase64 = (text) => Uint8Array.from(atob(text), (one) => one.charCodeAt(0));
@@ -30,7 +35,8 @@ const clamp = (value, [low, high]) => Math.min(high, Math.max(low, value));
 function viewOfHash(hash) {
   const view = { ...HOME };
   for (const [key, text] of new URLSearchParams(hash.replace(/^#/, ""))) {
-    if (key in LIMITS && text !== "" && Number.isFinite(Number(text))) view[key] = clamp(Number(text), LIMITS[key]);
+    const value = text === "" ? NaN : Number(text);
+    if (Object.hasOwn(LIMITS, key) && Number.isFinite(value)) view[key] = clamp(value, LIMITS[key]);
     else if ((key === "left" || key === "right") && METHODS.some(([name]) => name === text)) view[key] = text;
     else if (key === "rule" && Object.hasOwn(ENGINE_RULES, text)) view.rule = text;
     else if (key === "light" && Object.hasOwn(ENVIRONMENTS, text)) view.light = text;
@@ -89,7 +95,8 @@ class LookPage {
     this.gl = this.makeGl();
     this.dropped = null; // the last dropped map
     this.model = null; // the last dropped model
-    this.own = { roughness: 0.3, metalness: 0 }; // of the shown map
+    this.own = { ...PLAIN }; // roughness and metalness of the shown map
+    this.colours = null;
     this.drawn = 0; // number of drawn views, from which longer tasks see that the view has changed
     this.reference = new Reference();
     this.hasDrafts = true;
@@ -110,9 +117,9 @@ class LookPage {
   showOwn(number) {
     const map = this.data.maps[number];
     const normals = parseKtx2(bytesOfBase64(map.normals));
-    this.own = { roughness: map.roughness, metalness: map.metalness };
     this.show(map, normals.width, normals.height, normalsOfBytes(normals.levels[0]),
       parseLobes(bytesOfBase64(map.lobes)), exportedLevels(normals, parseKtx2(bytesOfBase64(map.exportedRoughness))));
+    this.own = { roughness: map.roughness, metalness: map.metalness };
     this.shown = number;
     this.takeColours(map.colours);
     this.view.map = number;
@@ -120,22 +127,27 @@ class LookPage {
 
   /** Shows the base colour of a map, an image in base64, or none. It arrives after the map. */
   async takeColours(base64) {
-    const { shown } = this;
     this.setColours(null);
+    const { request } = this;
     if (base64 === undefined) return;
     try {
       const image = await createImageBitmap(new Blob([bytesOfBase64(base64)]),
         { colorSpaceConversion: "none", premultiplyAlpha: "none" });
-      if (this.shown !== shown) return;
+      if (this.request !== request) {
+        image.close();
+        return;
+      }
       this.setColours(image);
       this.change({});
     } catch (error) {
-      say(`The colours of this map cannot be shown: ${errorText(error)}`);
+      if (this.request === request) say(`The colours of this map cannot be shown: ${errorText(error)}`);
     }
   }
 
   setColours(image) {
+    this.request = {}; // a picture that is still being decoded belongs to an earlier choice
     this.gl.setColours(image);
+    this.colours?.close();
     this.colours = image;
   }
 
@@ -143,6 +155,7 @@ class LookPage {
   install(map) {
     this.show(map, map.width, map.height, map.normals, map.file, null);
     this.setColours(null);
+    this.own = { ...PLAIN };
     this.dropped = map;
     this.shown = "dropped";
     this.listMaps();
@@ -224,7 +237,7 @@ class LookPage {
       byId(id).addEventListener("input", (event) => this.change({ [id]: Number(event.target.value) }));
     byId("lock").addEventListener("change", (event) => this.change({ lock: Number(event.target.value) }));
     byId("difference").addEventListener("change", (event) => this.change({ difference: event.target.checked ? 1 : 0 }));
-    byId("reset").addEventListener("click", () => this.change({ ...HOME }));
+    byId("reset").addEventListener("click", () => this.change({ ...HOME, map: this.view.map }));
     byId("measure").addEventListener("click", () => this.measure());
     byId("save").addEventListener("click", () => this.savePicture());
     byId("controls").addEventListener("submit", (event) => event.preventDefault());
@@ -281,7 +294,8 @@ class LookPage {
     } catch (error) {
       say(`This map cannot be shown: ${errorText(error)}`);
     }
-    this.change({});
+    this.change({ roughness: HOME.roughness, metalness: HOME.metalness });
+    this.redraw();
   }
 
   addPointers() {
@@ -310,6 +324,7 @@ class LookPage {
     for (const end of ["pointerup", "pointercancel"]) stage.addEventListener(end, (event) =>
       held.delete(event.pointerId));
     stage.addEventListener("wheel", (event) => {
+      if (IS_FRAMED && !event.ctrlKey && document.activeElement !== stage) return; // scrolls the page around the frame
       event.preventDefault();
       this.change({ distance: this.view.distance + 0.0015 * event.deltaY });
     }, { passive: false });
@@ -349,7 +364,7 @@ class LookPage {
   /** Applies the view of an address, which may name another map. */
   take(view) {
     const number = clamp(view.map, [0, this.data.maps.length - 1]);
-    if (number !== this.view.map) this.choose(number);
+    if (number !== this.shown) this.choose(number);
     this.change({ ...view, map: this.view.map });
   }
 
@@ -362,7 +377,14 @@ class LookPage {
     if (view.roughness >= 0) view.roughness = Math.max(view.roughness, ROUGHNESS[0]);
     if (view.shape === "model" && this.model === null) view.shape = HOME.shape;
     for (const id of ["left", "right"]) if (view[id] === "export" && !this.hasExport(view)) view[id] = HOME[id];
+    const isNew = Object.keys(more).length === 0 ||
+      Object.keys(view).some((key) => view[key] !== this.view[key] && !SCREEN_KEYS.has(key));
     this.view = view;
+    if (!isNew) {
+      this.isOther = true;
+      this.drawSoon();
+      return;
+    }
     this.isAtRest = false;
     this.redraw();
   }
@@ -413,28 +435,38 @@ class LookPage {
       (isDraft ? Math.max(DRAFT_LEAST, Math.sqrt(SLOW_MS / this.frameMs)) : 1);
     canvas.width = Math.max(1, Math.round(canvas.clientWidth * ratio));
     canvas.height = Math.max(1, Math.round(canvas.clientHeight * ratio));
-    this.gl.resize(canvas.width, canvas.height);
+    if (this.gl.resize(canvas.width, canvas.height)) {
+      this.reference.count = 0;
+      this.isChanged = true;
+    }
     this.takeShape();
     this.takeRule();
     const scene = this.scene();
+    const isTimed = this.isChanged && !isDraft && !this.hasReference;
     if (this.hasReference) this.reference.refine(this.gl, scene, isDraft ? 1 : undefined);
-    const begin = performance.now();
-    if (!this.isChanged) {
-      this.gl.show(view.left, view.right, scene); // only the reference became finer
-    } else {
-      this.gl.draw(view.left, view.right, scene);
-      this.isChanged = false;
+    const begin = performance.now(), { madeCount } = this.gl;
+    if (this.isChanged) this.gl.draw(view.left, view.right, scene);
+    else this.gl.show(view.left, view.right, scene); // the reference became finer, or only the screen changes
+    if (this.isChanged || this.isOther) {
       ++this.drawn;
       byId("error").textContent = "";
-      if (!isDraft) this.timeFrame(begin);
+      this.showControls();
+    } else {
+      this.showLabels();
     }
-    this.showControls();
-    clearTimeout(this.rest);
-    if (isDraft) this.rest = setTimeout(() => {
-      this.isAtRest = true;
-      this.redraw();
-    }, REST_MS);
-    else if (this.hasReference && !this.reference.isDone) this.drawSoon();
+    this.isChanged = this.isOther = false;
+    if (isTimed && this.gl.madeCount === madeCount) this.timeFrame(begin);
+    else if (isTimed) this.timeAgain(); // the frame compiled shaders
+    else if (this.hasReference) this.frameMs ??= 2 * this.reference.sampleMs;
+    if (isDraft) {
+      clearTimeout(this.rest);
+      this.rest = setTimeout(() => {
+        this.isAtRest = true;
+        this.redraw();
+      }, REST_MS);
+    } else if (this.hasReference && !this.reference.isDone) {
+      this.drawSoon();
+    }
     const hash = hashOfView(view);
     if (location.hash.slice(1) !== hash) history.replaceState(null, "", `#${hash}`);
   }
@@ -447,6 +479,13 @@ class LookPage {
     this.ruled = key;
   }
 
+  /** Draws the same frame once more, to time it. */
+  timeAgain() {
+    const begin = performance.now();
+    this.gl.draw(this.view.left, this.view.right, this.scene());
+    this.timeFrame(begin);
+  }
+
   // The frame is complete when the GPU has passed the fence.
   timeFrame(begin) {
     const { gl } = this.gl, wasHidden = document.hidden;
@@ -457,13 +496,7 @@ class LookPage {
       const state = gl.clientWaitSync(fence, 0, 0);
       if (state === gl.TIMEOUT_EXPIRED) return setTimeout(look, 1);
       gl.deleteSync(fence);
-      const isFirst = this.frameMs === undefined;
       this.frameMs = performance.now() - begin;
-      if (isFirst && this.frameMs > SLOW_MS) { // The first frame includes compiling shaders, so it is timed again.
-        const again = performance.now();
-        this.gl.draw(this.view.left, this.view.right, this.scene());
-        this.timeFrame(again);
-      }
       this.isTimed = !wasHidden && !document.hidden; // timers of background tabs are delayed
       return this.showFacts();
     };
@@ -472,8 +505,9 @@ class LookPage {
 
   /** Shows the error of both pictures against the map itself, unless the view changes first. */
   async measure() {
-    const { left, right } = this.view, { drawn } = this, percent = (share) => `${(100 * share).toFixed(1)} %`;
     if (this.gl.isLost) return;
+    await this.drawnInFull();
+    const { left, right } = this.view, { drawn } = this, percent = (share) => `${(100 * share).toFixed(1)} %`;
     const methods = [...new Set([left, right])].filter((one) => one !== "reference");
     byId("measure").disabled = true;
     let found = null;
@@ -484,38 +518,54 @@ class LookPage {
     } catch (error) {
       byId("error").textContent = `The error cannot be measured: ${errorText(error)}.`;
     } finally {
-      byId("measure").disabled = false;
+      this.showControls();
     }
     if (found === null || this.drawn !== drawn) return;
+    const errors = methods.map((one, i) => `${this.nameOf(one)} ${percent(found.errors[i])}`).join(", ");
     byId("error").textContent = `Relative L1 error of the radiance, against ${PLACE_COUNT} samples per pixel of the ` +
-      `map itself: ${methods.map((one, i) => `${this.nameOf(one)} ${percent(found.errors[i])}`).join(", ")}; the ` +
-      `samples' own noise is about ${percent(found.noise)}.`;
+      `map itself, without the background: ${errors}; the samples' own noise is about ${percent(found.noise)}.`;
   }
 
   /** Saves both pictures side by side, with a complete reference. */
   async savePicture() {
-    const { drawn, view } = this;
     if (this.gl.isLost) return;
     byId("save").disabled = true;
     try {
-      while (this.hasReference && !this.reference.isDone) {
+      await this.drawnInFull();
+      const { drawn, view } = this;
+      const isStale = () => this.drawn !== drawn || this.view !== view || this.gl.isLost;
+      byId("error").textContent = "Saving both pictures ...";
+      while (!isStale() && this.hasReference && !this.reference.isDone) {
         this.reference.refine(this.gl, this.scene(), PLACES_ACROSS);
-        byId("error").textContent = `Drawing the reference: ${this.reference.count} of ${PLACE_COUNT} samples`;
         await giveWay();
-        if (this.drawn !== drawn || this.gl.isLost) return;
+      }
+      if (isStale()) {
+        byId("error").textContent = "The view has changed, so nothing was saved.";
+        return;
       }
       byId("error").textContent = "";
-      const lines = [`${byId("title").textContent}: roughness ${this.roughness.toFixed(2)}, metalness ` +
-        `${this.metalness.toFixed(2)}, ${ENVIRONMENTS[view.light].text}, distance ${(2 ** view.distance).toFixed(1)}`];
+      const title = byId("title").textContent;
+      const lines = [`${title}: roughness ${this.roughness.toFixed(2)}, metalness ${this.metalness.toFixed(2)}, ` +
+        `${ENVIRONMENTS[view.light].text}, distance ${(2 ** view.distance).toFixed(1)}`];
       const blob = await pictureOfBoth(byId("canvas"), [view.left, view.right].map((one) => this.labelOf(one)), lines,
         (split) => this.gl.show(view.left, view.right, { ...this.scene(), split, difference: false }));
-      saveFile(blob, `${byId("title").textContent.replace(/\W+/g, "_")}_${view.left}_${view.right}.png`);
+      saveFile(blob, `${title.replace(/[^\p{L}\p{N}]+/gu, "_")}_${view.left}_${view.right}.png`);
     } catch (error) {
       say(`The picture cannot be saved: ${errorText(error)}`);
     } finally {
       byId("save").disabled = false;
       this.drawSoon();
     }
+  }
+
+  /** Waits until the view is drawn, and not only a draft of it. */
+  async drawnInFull() {
+    await this.waiting;
+    const canvas = byId("canvas"), ratio = this.pixelRatio ?? Math.min(devicePixelRatio, 2);
+    if (canvas.width === Math.max(1, Math.round(canvas.clientWidth * ratio))) return;
+    this.isAtRest = true;
+    this.redraw();
+    await this.waiting;
   }
 
   nameOf(method) { return method === "rule" ? ENGINE_RULES[this.view.rule][0] : Object.fromEntries(METHODS)[method]; }
@@ -536,11 +586,17 @@ class LookPage {
     }
     byId("map").value = String(this.shown);
     byId("difference").checked = view.difference !== 0;
-    byId("left-name").textContent = this.labelOf(view.left);
-    byId("right-name").textContent = this.labelOf(view.right);
+    byId("measure").disabled = view.left === "reference" && view.right === "reference";
+    byId("light").disabled = ENVIRONMENTS[view.light].sun.every((one) => one === 0);
+    this.showLabels();
     byId("divider").style.left = `${100 * view.split}%`;
     byId("divider").hidden = view.difference !== 0;
     this.showFacts();
+  }
+
+  showLabels() {
+    byId("left-name").textContent = this.labelOf(this.view.left);
+    byId("right-name").textContent = this.labelOf(this.view.right);
   }
 
   /** Returns a method's name, with what is stored for it. */
@@ -567,16 +623,17 @@ class LookPage {
 
   /** Names what draws, if it is slow. */
   get slowText() {
-    if (!this.isTimed || !(this.frameMs > SLOW_MS)) return "";
+    if (this.hasReference || !this.isTimed || !(this.frameMs > SLOW_MS)) return "";
     return ` This browser draws with ${this.gl.rendererName}.`;
   }
 
   showFacts() {
     const { means, view, gl: { size } } = this;
     const methods = [...new Set([view.left, view.right])];
-    const time = this.frameMs === undefined ? "is being timed" : this.isTimed
-      ? `takes ${this.frameMs.toFixed(1)} ms from the first command until the GPU is done`
-      : "is not timed while this page is in the background";
+    const time = this.hasReference ? "is not timed beside the reference"
+      : this.frameMs === undefined ? "is being timed"
+        : this.isTimed ? `takes ${this.frameMs.toFixed(1)} ms from the first command until the GPU is done`
+          : "is not timed while this page is in the background";
     byId("facts").replaceChildren(...[
       `Map of ${means[0].width} x ${means[0].height}, ${this.countText}.`,
       `Memory on the GPU, all mip levels, as engines keep them: ${methods.map((method) =>

@@ -11,6 +11,7 @@ void main() {
 
 // The light that the surface at st sends to the eye.
 const LOOK_SHADED = `
+const float BRIGHTEST = 60000.0;  // floats of 16 bits end at 65504
 uniform float u_locked_level;  // level of the surface's texture to show; below -100 if none is chosen
 uniform float u_locked_colours;  // level of the colours to show with it
 uniform sampler2D u_colours;  // a base colour, as in glTF 2.0
@@ -49,7 +50,7 @@ void main() {
   vec2 st = vec2(position.x + 30.0, 60.0 - position.y);
   vec3 seen = look_shaded(st, to_world, position, v);
   if (ray.z >= 0.0) discard;
-  o_colour = vec4(seen, 1.0);
+  o_colour = vec4(min(seen, vec3(BRIGHTEST)), 1.0);
 }`;
 
 const MODEL_VERTEX = `#version 300 es
@@ -84,17 +85,17 @@ void main() {
   vec3 up = cross(n, t);
   mat3 to_world = mat3(t, dot(up, b) < 0.0 ? -up : up, n);
   vec3 v = normalize(u_eye - v_position) * to_world;
-  o_colour = vec4(look_shaded(v_st, to_world, v_position, v), 1.0);
+  o_colour = vec4(min(look_shaded(v_st, to_world, v_position, v), vec3(BRIGHTEST)), 1.0);
 }`;
 
-// Draws the environment, slightly out of focus.
+// Draws the environment, slightly out of focus. Its alpha is 0, so that errors leave it out.
 const BACKGROUND_FRAGMENT = `#version 300 es
 precision highp float;
 precision highp sampler2D;
 ${RAY}${SKY_PLACES}
 uniform sampler2D u_sky;
 out vec4 o_colour;
-void main() { o_colour = vec4(textureLod(u_sky, look_sky_st(normalize(look_ray())), 0.7).rgb, 1.0); }`;
+void main() { o_colour = vec4(textureLod(u_sky, look_sky_st(normalize(look_ray())), 0.7).rgb, 0.0); }`;
 
 // Shades one normal and one roughness per texel, filtered as in an engine.
 const ONE_NORMAL = `
@@ -172,6 +173,7 @@ class LookGl {
     this.background = this.program(SCREEN_VERTEX, BACKGROUND_FRAGMENT);
     this.copy = this.program(SCREEN_VERTEX, COPY_FRAGMENT);
     this.light = new LookLight(gl, (vertex, fragment) => this.program(vertex, fragment));
+    this.madeCount = 0; // programs and environments made so far, from which timings see that a frame made some
     this.model = null; // the model drawn in place of the plane: an array of vertices and their count
     this.oneNormal = this.programs(["MULTUM_ROUGHNESS_TEXTURE"], "", ONE_NORMAL);
     this.setColours(null);
@@ -188,6 +190,7 @@ class LookGl {
     return {
       take: (isModel, hasSky) => {
         const key = `${isModel} ${hasSky}`;
+        if (!made.has(key)) ++this.madeCount;
         if (!made.has(key)) made.set(key, this.program(isModel ? MODEL_VERTEX : SCREEN_VERTEX,
           this.fragment(hasSky ? ["MULTUM_ENVIRONMENT", ...flags] : flags, brdf, surface,
             LOOK_SHADED + (isModel ? MODEL_MAIN : LOOK_MAIN))));
@@ -319,7 +322,7 @@ class LookGl {
     for (const old of [this.lobes?.texture, this.lobes?.map]) gl.deleteTexture(old ?? null);
     this.lobes?.programs.free();
     this.lobes = { texture, map, programs, unpacking: file.unpacking, firstLevel: file.lobes.firstLevel,
-      size: normals[0].width,
+      size: Math.max(normals[0].width, normals[0].height),
       bytes: file.levels.reduce((sum, level) => sum + level.length, 0) + texelBytes(VK_BC5, normals[0].width,
         normals[0].height) };
   }
@@ -345,9 +348,10 @@ class LookGl {
     return String(gl.getParameter(more === null ? gl.RENDERER : more.UNMASKED_RENDERER_WEBGL));
   }
 
+  /** Makes empty pictures of a size. Returns whether the size is new. */
   resize(width, height) {
     const { gl } = this;
-    if (this.size[0] === width && this.size[1] === height) return;
+    if (this.size[0] === width && this.size[1] === height) return false;
     for (const { texture, frame } of this.targets) { gl.deleteTexture(texture); gl.deleteFramebuffer(frame); }
     gl.deleteRenderbuffer(this.depth ?? null);
     this.depth = gl.createRenderbuffer(); // shared by both pictures
@@ -368,6 +372,7 @@ class LookGl {
       return { texture, frame };
     });
     this.size = [width, height];
+    return true;
   }
 
   /**
@@ -441,10 +446,11 @@ class LookGl {
 
   drawMethod(method, frame, scene) {
     const { gl } = this;
-    const lobes = method === "lobes" ? this.lobes : null, sky = this.light.environment(scene.environment);
+    const lobes = method === "lobes" ? this.lobes : null;
+    const sky = this.light.environment(scene.environment, () => ++this.madeCount);
     gl.viewport(0, 0, ...this.size);
     gl.bindFramebuffer(gl.FRAMEBUFFER, frame);
-    gl.clearColor(0, 0, 0, 1);
+    gl.clearColor(0, 0, 0, 0);
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
     if (sky !== null) {
       this.setRays(this.use(this.background, [["u_sky", gl.TEXTURE_2D, sky.texture]]), scene);

@@ -172,7 +172,7 @@ void main() {
   o_colour = vec4(sum / total, 1.0);
 }`;
 
-// Stands between the common shaders and a surface, for which it defines multum_environment_lobe(). The amount of
+// Goes between the common shaders and a surface, for which it defines multum_environment_lobe(). The amount of
 // reflected light follows from the surface's own roughness.
 const SKY_SHADING = `${SKY_PLACES}
 uniform sampler2D u_sky;
@@ -222,11 +222,14 @@ class LookLight {
     gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, 0, SHARES_SIDE, SHARES_SIDE, gl.RGBA, gl.FLOAT, sharesTexels());
   }
 
-  /** Returns { texture, harmonics } of an environment, or null if it has none. */
-  environment(name) {
+  /** Returns { texture, harmonics } of an environment, or null if it has none. Calls `onMade` if it is new. */
+  environment(name, onMade) {
     const { radiance } = ENVIRONMENTS[name];
     if (radiance === null) return null;
-    if (!this.made.has(name)) this.made.set(name, this.make(makeSky(radiance)));
+    if (!this.made.has(name)) {
+      this.made.set(name, this.make(makeSky(radiance)));
+      onMade();
+    }
     return this.made.get(name);
   }
 

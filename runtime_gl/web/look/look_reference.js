@@ -11,11 +11,12 @@ function sceneAtPlace(scene, size, index) {
   return movedWithinPixel(scene, size, at(place % PLACES_ACROSS), at(Math.floor(place / PLACES_ACROSS)));
 }
 
-/** The reference on the screen. It begins anew with every view, and becomes finer from frame to frame. */
+/** The reference on the screen. It restarts with each view, and becomes finer from frame to frame. */
 class Reference {
   constructor() {
     this.count = 0; // samples per pixel so far
     this.perFrame = 2;
+    this.sampleMs = 0; // time of the last samples, each
   }
 
   get isDone() { return this.count === PLACE_COUNT; }
@@ -27,6 +28,7 @@ class Reference {
     if (this.count === from) return;
     gl.finish();
     const ms = Math.max(0.1, (performance.now() - begin) / (this.count - from));
+    this.sampleMs = ms;
     this.perFrame = Math.min(24, Math.max(1, Math.round(REFERENCE_FRAME_MS / ms)));
   }
 }
@@ -43,17 +45,17 @@ function movedWithinPixel(scene, [width, height], x, y) {
   return { ...scene, rays, toClip };
 }
 
-/** Returns the sum of absolute differences of two RGBA pictures' colours. */
-function differenceOf(one, other) {
+/** Returns the sum of absolute differences of two RGBA pictures' colours, where `covered` has alpha. */
+function differenceOf(one, other, covered) {
   let sum = 0;
-  for (let i = 0; i < one.length; ++i) if (i % 4 !== 3) sum += Math.abs(one[i] - other[i]);
+  for (let i = 0; i < one.length; ++i) if (i % 4 !== 3 && covered[i | 3] > 0) sum += Math.abs(one[i] - other[i]);
   return sum;
 }
 
 /**
- * Returns the relative L1 error of each method's radiance against the mean of the map's finest level, and `noise`: half
- * the difference of the means of two halves of the places. Returns null if `isStale()` reports a changed view.
- * `onShare` gets the progress, 0 to 1.
+ * Returns the relative L1 error of each method's radiance against the mean of the map's finest level, without the
+ * background, and `noise`: half the difference of the means of two halves of the places. Returns null if `isStale()`
+ * reports a changed view. `onShare` gets the progress, 0 to 1.
  */
 async function errorsBesideMap(gl, methods, scene, isStale, onShare) {
   const halves = [0, 1].map(() => new Float32Array(4 * gl.size[0] * gl.size[1]));
@@ -67,7 +69,7 @@ async function errorsBesideMap(gl, methods, scene, isStale, onShare) {
     if (isStale()) return null;
   }
   const mean = halves[0].map((one, i) => (one + halves[1][i]) / PLACE_COUNT);
-  const whole = Math.max(differenceOf(mean, new Float32Array(mean.length)), Number.MIN_VALUE);
-  return { noise: differenceOf(halves[0], halves[1]) / PLACE_COUNT / whole,
-    errors: methods.map((method) => differenceOf(gl.radiance(method, scene), mean) / whole) };
+  const whole = Math.max(differenceOf(mean, new Float32Array(mean.length), mean), Number.MIN_VALUE);
+  return { noise: differenceOf(halves[0], halves[1], mean) / PLACE_COUNT / whole,
+    errors: methods.map((method) => differenceOf(gl.radiance(method, scene), mean, mean) / whole) };
 }
