@@ -364,7 +364,7 @@ class LookPage {
   /** Applies the view of an address, which may name another map. */
   take(view) {
     const number = clamp(view.map, [0, this.data.maps.length - 1]);
-    if (number !== this.shown) this.choose(number);
+    if (number !== this.view.map) this.choose(number);
     this.change({ ...view, map: this.view.map });
   }
 
