@@ -36,7 +36,8 @@ execFileSync(path.join(tools, "site"), ["-o", site, "--no-install", "--no-check"
 rmSync(screenshots, { recursive: true, force: true });
 mkdirSync(screenshots, { recursive: true });
 const files = readdirSync(site, { recursive: true }).filter((file) => statSync(path.join(site, file)).isFile());
-const pages = files.filter((file) => file.endsWith(".html")).sort();
+const LIVE = "live.html"; // a page of multum look, in a frame of the first page; tests/look tests such pages
+const pages = files.filter((file) => file.endsWith(".html") && file !== LIVE).sort();
 assert.ok(pages.length > 20, `${pages.length} pages`);
 
 // Matches addresses on other machines from which a file would be loaded. Pages may contain links to other machines. The
@@ -74,8 +75,8 @@ await new Promise((resolve) => server.listen(0, "127.0.0.1", resolve));
 const served = `http://127.0.0.1:${server.address().port}/`;
 const onDisk = `${pathToFileURL(site).href}/`;
 
-const browser = await chromium.launch({ executablePath, args: ["--no-sandbox", "--disable-gpu", "--headless=new",
-  "--disable-dev-shm-usage"] });
+const browser = await chromium.launch({ executablePath, args: ["--no-sandbox", "--headless=new",
+  "--disable-dev-shm-usage", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"] });
 const faults = new Set();
 
 async function openContext(base, size, colorScheme) {
@@ -163,6 +164,19 @@ async function search(base, size) {
   await context.close();
 }
 
+/** The first page shows materials live, on a server and from a disk. */
+async function showMaterials(base) {
+  const { context, page } = await openContext(base, SIZES[1], "light");
+  await page.goto(`${base}index.html`);
+  await page.locator("iframe.live").scrollIntoViewIfNeeded();
+  const frame = page.frameLocator("iframe.live");
+  await frame.getByText("Map of 256 x 256, 4 lobes.").waitFor();
+  assert.equal(await frame.locator("#problem").isVisible(), false);
+  assert.deepEqual(await frame.locator("#map option").allTextContents(), ["Hammered metal", "Car paint", "Bricks"]);
+  await page.screenshot(screenshotOf(`live_${base === onDisk ? "disk" : "server"}`));
+  await context.close();
+}
+
 /** The button changes the colours, and the next page keeps them. */
 async function changeColours() {
   const { context, page } = await openContext(served, SIZES[1], "light");
@@ -179,6 +193,7 @@ try {
     await search(served, size);
     await search(onDisk, size);
   }
+  for (const base of [served, onDisk]) await showMaterials(base);
   await changeColours();
   for (const [page, target] of links) {
     if (!target.startsWith(served)) continue;
