@@ -630,7 +630,7 @@ class LookPage {
   showFacts() {
     const { means, view, gl: { size } } = this;
     const methods = [...new Set([view.left, view.right])];
-    const time = this.hasReference ? "is not timed beside the reference"
+    const time = this.hasReference ? "is not timed next to the reference"
       : this.frameMs === undefined ? "is being timed"
         : this.isTimed ? `takes ${this.frameMs.toFixed(1)} ms from the first command until the GPU is done`
           : "is not timed while this page is in the background";
