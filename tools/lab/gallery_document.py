@@ -15,13 +15,12 @@ import dataclasses
 import json
 import pathlib
 import re
-import subprocess
-import sys
 import tarfile
 import tempfile
 
 import committed_tree
 import debian_python
+from model_views import fail, run
 
 debian_python.use_a_python_with("numpy", "OpenImageIO")
 import OpenImageIO as oiio  # noqa: E402
@@ -118,17 +117,6 @@ multum has the lowest error in {won} of {views} pictures. The rest:
 """
 
 
-def refuse(text):
-    sys.exit(f"gallery_document.py: {text}")
-
-
-def run(*words):
-    done = subprocess.run([str(word) for word in words], capture_output=True, text=True, check=False)
-    if done.returncode != 0:
-        refuse(f"exit code {done.returncode}: {' '.join(map(str, words))}\n{done.stderr}")
-    return done.stdout
-
-
 def unpack_normals(package, folder):
     """Writes the WebP pictures that are in the package as modules with data in base64."""
     if package is None:
@@ -181,10 +169,10 @@ def compose(material, errors, folder, path):
             oiio.ImageBufAlgo.paste(sheet, x, y + label, 0, 0, oiio.ImageBufAlgo.channels(picture, (0, 1, 2)))
             text = f"{view}: {words}" if method not in found else f"{words}, {100 * found[method]:.1f} %"
             if not oiio.ImageBufAlgo.render_text(sheet, x, y + FONT_PIXELS, text, FONT_PIXELS, FONT, (0.0, 0.0, 0.0)):
-                refuse(f"found no font {FONT}, expected fonts-dejavu-core to be installed")
+                fail(f"found no font {FONT}, expected fonts-dejavu-core to be installed")
     sheet.specmod().attribute("Compression", "jpeg:85")
     if not sheet.write(str(path)):
-        refuse(f"{path}: cannot write the picture: {sheet.geterror()}")
+        fail(f"{path}: cannot write the picture: {sheet.geterror()}")
 
 
 def page_text(drawn, images, out, commit):
