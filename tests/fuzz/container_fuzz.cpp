@@ -76,7 +76,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     // The libraries get only these parts of the file.
     FileRanges ranges(path, container.ranges);
     std::string bytes(ranges.size(), '\0');
-    MULTUM_CHECK(bytes.size() <= size && ranges.pread(bytes.data(), bytes.size(), 0) == bytes.size());
+    MULTUM_CHECK(bytes.size() <= size && ranges.read(bytes.data(), bytes.size(), 0) == bytes.size());
   });
   set_image_opener([](const std::string& name, const ImageFileSettings&) -> std::unique_ptr<ImageFile> {
     throw Error(ErrorCode::kInput, name + ": is no Radiance file");

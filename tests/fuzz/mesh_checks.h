@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "host/formats/decoder/mesh_readers.h"
+#include "host/formats/decoder/libraries/mesh_readers.h"
 #include "host/formats/mesh/mesh_messages.h"
 #include "tests/fuzz/fuzz.h"
 

@@ -6,7 +6,7 @@
 
 #include <algorithm>
 
-#include "host/formats/decoder/mesh_decoder.h"
+#include "host/formats/decoder/libraries/mesh_decoder.h"
 #include "host/formats/mesh/gltf_material.h"
 #include "host/foundation/base/base64.h"
 #include "tests/fuzz/mesh_checks.h"

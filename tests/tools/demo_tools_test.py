@@ -19,7 +19,7 @@ SHELL_SCRIPTS = [TOOLS / "demo", TOOLS / "test", TOOLS / "install_dependencies",
 # Maps each find_package of the CMake files to the package that provides it, or to None if it comes with the compiler or
 # CMake.
 PACKAGE_OF = {"glm": "libglm-dev", "fmt": "libfmt-dev", "OpenSSL": "libssl-dev",
-              "OpenEXR": "libopenexr-dev", "ZLIB": "zlib1g-dev", "PNG": "libpng-dev",
+              "OpenEXR": "libopenexr-dev", "ZLIB": "zlib1g-dev", "PNG": "libpng-dev", "JPEG": "libjpeg-dev",
               "OpenImageIO": "libopenimageio-dev",
               "OpenCL": "ocl-icd-opencl-dev", "tomlplusplus": "libtomlplusplus-dev",
               "nlohmann_json": "nlohmann-json3-dev", "CLI11": "libcli11-dev", "assimp": "libassimp-dev",

@@ -104,7 +104,7 @@ int run_bake(const CLI::App& bake, BakeOptions& o) {
   check_scopes(o.values);
   check_target_values(o.values);
   apply(o.values, job);
-  job.keeps_mosaic = job.measure && !o.common.quiet && !has_manifest && !has_scene;
+  job.keeps_mosaic = job.measure && !o.common.quiet;
   const DeviceChoice device_choice{o.values.text("device").value_or(""), o.values.flag("scalar")};
   if (!o.shard.empty() && o.merged_shards > 0)
     throw Error(ErrorCode::kUsage, "--shard and --merge are mutually exclusive");

@@ -12,6 +12,7 @@
 #include "host/foundation/base/system_failure.h"
 #include "host/foundation/parameters/bake_parameters.h"
 #include "tools/command_line/parameter_options.h"
+#include "tools/multum/check/verdict_line.h"
 #include "tools/multum/openjd_lines.h"
 
 namespace multum {
@@ -47,9 +48,14 @@ void print_result(const ManifestMap& map, const BakePrinting& printing, const Ma
   }
 }
 
+struct MapOutcome {
+  MapResult result;
+  std::optional<GainVerdict> gain;  // set if the map was baked
+};
+
 // Bakes or checks one map. If it fails, the other maps are still handled.
-MapResult run_map(const ManifestMap& map, const ManifestModeOptions& o, Device& device, const CommonOptions& common,
-                  const BakePrinting& printing) {
+MapOutcome run_map(const ManifestMap& map, const ManifestModeOptions& o, Device& device, const CommonOptions& common,
+                   const BakePrinting& printing) {
   const Stopwatch stopwatch;
   MapResult result;
   try {
@@ -60,10 +66,13 @@ MapResult run_map(const ManifestMap& map, const ManifestModeOptions& o, Device& 
   }
   result.seconds = stopwatch.seconds();
   print_result(map, printing, result, o.run.check);
-  return result;
+  if (!result.report) return {result, std::nullopt};
+  const std::optional<GainVerdict> gain = end_with_verdict(map.job, *result.report, common, device, printing.out);
+  result.report->mosaic.reset();  // all results stay in memory until the run ends
+  return {result, gain};
 }
 
-OrderedJson map_json(const ManifestMap& map, const MapResult& result) {
+OrderedJson map_json(const ManifestMap& map, const MapResult& result, const std::optional<GainVerdict>& gain) {
   OrderedJson json = {{"name", result.name}, {"state", map_state_name(result.state)}};
   if (!result.why.empty()) json["why"] = result.why;
   for (const auto& [key, value] : {std::pair{"error", &result.error}, std::pair{"stated_error", &result.stated},
@@ -71,16 +80,17 @@ OrderedJson map_json(const ManifestMap& map, const MapResult& result) {
     if (*value) json[key] = **value;
   json["seconds"] = result.seconds;
   json["bytes"] = result.bytes;
-  if (result.report) json["report"] = bake_json(map.job, *result.report);
+  if (result.report) json["report"] = with_verdict(bake_json(map.job, *result.report), gain);
   return json;
 }
 
-OrderedJson outcome_json(const ManifestOutcome& outcome, const std::vector<ManifestMap>& maps) {
+OrderedJson outcome_json(const ManifestOutcome& outcome, const std::vector<ManifestMap>& maps,
+                         const std::vector<std::optional<GainVerdict>>& gains) {
   OrderedJson json = {{"manifest", path_json(outcome.manifest)},
                       {"passed", manifest_exit_code(outcome) == 0},
                       {"seconds", outcome.seconds},
                       {"maps", OrderedJson::array()}};
-  for (std::size_t i = 0; i < maps.size(); ++i) json["maps"].push_back(map_json(maps[i], outcome.results[i]));
+  for (std::size_t i = 0; i < maps.size(); ++i) json["maps"].push_back(map_json(maps[i], outcome.results[i], gains[i]));
   return json;
 }
 
@@ -138,16 +148,19 @@ int run_manifest(const ManifestModeOptions& o, const BakeJob& pattern, const Dev
   maps = pieces_of(o.shard, std::move(maps));
   Device device = Device::open(device_choice);
   ManifestOutcome outcome{o.manifest, o.run, {}, 0.0};
+  std::vector<std::optional<GainVerdict>> gains;
   for (std::size_t i = 0; i < maps.size(); ++i) {
     openjd_part(i, maps.size());
-    outcome.results.push_back(run_map(maps[i], o, device, common, printing));
+    MapOutcome made = run_map(maps[i], o, device, common, printing);
+    outcome.results.push_back(std::move(made.result));
+    gains.push_back(std::move(made.gain));
   }
   outcome.seconds = stopwatch.seconds();
   print_outcome(outcome, printing);
   if (!o.junit.empty()) write_text_file(o.junit, manifest_junit(outcome));
   if (o.summary == kStdout) write_shown(stdout, manifest_summary(outcome));
   else if (!o.summary.empty()) write_text_file(o.summary, manifest_summary(outcome));
-  if (common.json) print_json(outcome_json(outcome, maps));
+  if (common.json) print_json(outcome_json(outcome, maps, gains));
   return manifest_exit_code(outcome);
 }
 

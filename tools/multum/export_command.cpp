@@ -151,14 +151,18 @@ void export_of_manifest(const ManifestExport& map, const ExportOptions& o, Devic
   const ManifestExportResult result = run_manifest_export(map, o.dry_run, device, progress.get());
   OrderedJson json = {{"name", map.name}, {"state", finding_name(result.found.finding)}};
   if (!result.found.why.empty()) json["why"] = result.found.why;
-  if (result.report) json["report"] = export_json(map.job, *result.report);
+  if (result.report) {
+    print_export(map.job, o.common, *result.report);
+    json["report"] =
+        with_verdict(export_json(map.job, *result.report), end_with_verdict(map.job, *result.report, o.common, device));
+    ++counts.exported;
+  }
   counts.maps.push_back(json);
   if (result.found.finding == ExportFinding::kInPlace && !result.report) {
     if (prints_text(o.common)) print_shown(stdout, "%s: unchanged\n", map.name.c_str());
     ++counts.unchanged;
     return;
   }
-  if (result.report) print_export(map.job, o.common, *result.report), ++counts.exported;
   if (!o.check) return;
   print_shown(stderr, "multum: %s: %s: %s%s\n", map.name.c_str(), finding_name(result.found.finding),
               result.found.why.c_str(), result.report ? "; exported now" : "");
@@ -257,7 +261,7 @@ int run_export(ExportOptions& o) {
   o.job.threads = apply(o.common);
   keep_freed_memory();
   apply(o.values, o.job);
-  o.job.keeps_mosaic = o.job.measure && !o.common.quiet && !has_manifest;
+  o.job.keeps_mosaic = o.job.measure && !o.common.quiet;
   if (!o.shard_text.empty()) o.shard = parse_work_shard("--shard", o.shard_text);
   if (has_manifest) add_key_words(export_parameters().names(kInManifest));
   if (has_manifest) return run_export_manifest(o);

@@ -2,15 +2,36 @@
 // The program multum-decode is the child process in which multum and multum-view read images and meshes
 // (host/foundation/sandbox/decoding_child.h). Users cannot run it themselves, because it receives its requests through
 // an inherited socket.
+#include <dlfcn.h>
+
 #include <cstdio>
+#include <cstdlib>
 
 #include "host/formats/decoder/image_decoder.h"
-#include "host/formats/decoder/mesh_decoder.h"
+#include "host/formats/decoder/libraries/decoder_module.h"
+#include "host/formats/decoder/zlib_uncompress.h"
 #include "host/foundation/base/error.h"
+#include "host/foundation/base/process_rules/process_rules.h"
+#include "host/foundation/sandbox/decoding_answer.h"
 #include "host/foundation/sandbox/helper_service.h"
 
 namespace multum {
 namespace {
+
+// The exit code of a program whose libraries cannot be loaded (ld.so).
+constexpr int kNotLoaded = 127;
+
+// Loads the module. If it cannot be loaded, ends this process like a program whose libraries are missing.
+DecoderModule* load_module() {
+  const std::string path = program_folder() + "/" + kDecoderModuleFile;
+  void* const module = ::dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
+  void* const found = module != nullptr ? ::dlsym(module, kGetDecoderModule) : nullptr;
+  if (found == nullptr) {
+    std::fprintf(stderr, "%s\n", ::dlerror());
+    std::exit(kNotLoaded);
+  }
+  return reinterpret_cast<GetDecoderModule>(found)();
+}
 
 class Decoder {
  public:
@@ -19,22 +40,32 @@ class Decoder {
     switch (DecodingRequest{in.number<std::uint8_t>()}) {
       case DecodingRequest::kOpenMesh:
       case DecodingRequest::kOpenObjects:
-      case DecodingRequest::kReadMesh: return meshes_.answer(request, memory);
-      case DecodingRequest::kOpenImage:
-      case DecodingRequest::kReadImage: return images_.answer(request, memory);
+      case DecodingRequest::kReadMesh: return module().answer(request, memory);
+      case DecodingRequest::kOpenImage: {
+        std::string answer = images_.answer(request, memory);
+        return images_.is_open() ? answer : module().answer(request, memory);
+      }
+      case DecodingRequest::kReadImage:
+        return images_.is_open() ? images_.answer(request, memory) : module().answer(request, memory);
       case DecodingRequest::kClose: break;
     }
     images_.close();
-    meshes_.close();
+    if (module_ != nullptr) return module_->answer(request, memory);
     return MessageWriter().number(DecodingAnswer::kDone).take();
   }
 
  private:
-  ImageDecoder images_;
-  MeshDecoder meshes_;
+  DecoderModule& module() {
+    if (module_ == nullptr) module_ = load_module();
+    return *module_;
+  }
+
+  ImageDecoder images_{open_small_library_image};
+  DecoderModule* module_ = nullptr;
 };
 
 int run(int, char**) {
+  MULTUM_CHECK(replaces_zlib_uncompress());
   Decoder decoder;
   const int exit_code = serve_helper([&](std::string_view request, SharedMemory& memory) {
     return answer_or_refusal([&] { return decoder.answer(request, memory); });

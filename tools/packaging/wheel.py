@@ -50,12 +50,14 @@ def fill(folder, build):
         if file.suffix in (".py", ".pyi", ".typed"):
             shutil.copyfile(file, package / file.name)
     place_with_path(module, package / module.name, ["$ORIGIN/lib", *SYSTEM_FOLDERS, "$ORIGIN/lib/system"])
-    real, stand_ins = closure([module, build / "lib/libmultum.so.1", build / "bin/multum-decode"],
+    decoder = ("multum-decode", "multum-decode-libraries.so")
+    real, stand_ins = closure([module, build / "lib/libmultum.so.1", *(build / "bin" / name for name in decoder)],
                               opened=("libOpenCL.so.1",), given=("libmultum.so.1",))
     # Drivers of OpenCL need the system's own copies of these libraries, which come first (tools/bundle).
     own = ["$ORIGIN", *SYSTEM_FOLDERS, "$ORIGIN/system"]
     place_with_path(build / "lib/libmultum.so.1", libraries / "libmultum.so.1", own)
-    place_with_path(build / "bin/multum-decode", libraries / "multum-decode", own)
+    for name in decoder:
+        place_with_path(build / "bin" / name, libraries / name, own)
     for soname, path in real.items():
         place_with_path(path, place_of(libraries, soname), own)
     for soname, user in stand_ins.items():

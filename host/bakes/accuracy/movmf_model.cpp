@@ -5,6 +5,7 @@
 #include <array>
 
 #include "host/formats/asset/lobes/lobe_family.h"
+#include "host/formats/opencl/launch_shape.h"
 #include "host/foundation/base/error.h"
 #include "host/foundation/base/processes/parallel.h"
 
@@ -19,19 +20,24 @@ glm::dvec4 as_gaussian(const glm::dvec4& mean) {
 
 }  // namespace
 
-ProgramChoice MovmfModel::program(Representation representation, int lobe_count, int first_level) {
+ProgramChoice MovmfModel::program(const Device& device, Representation representation, int lobe_count,
+                                  int first_level) {
   const int lobes = lobe_count + (first_level > 0 ? 1 : 0);  // the averages of the map form one more lobe
-  return {"movmf_shade", {lobes, 1, false, lobe_family(representation).is_planar}};
+  return {"movmf_shade", {lobes, device.shape().vector_width, false, lobe_family(representation).is_planar}};
 }
 
 MovmfModel::MovmfModel(const MovmfMipmap& mipmap, bool has_colours, const TexelSelection& texels)
     : AccuracyModel(texels, mipmap.header.first_level),
       is_planar_(lobe_family(mipmap.header.representation).is_planar),
-      program_(program(mipmap.header.representation, mipmap.lobe_count(), mipmap.header.first_level)),
+      representation_(mipmap.header.representation),
       lobe_count_(static_cast<std::size_t>(mipmap.lobe_count())),
       lobes_(kept().count() * lobe_count_),
       colours_(has_colours ? lobes_.size() : 0) {
   MULTUM_CHECK(mipmap.lobe_count() >= 1 && mipmap.lobe_count() <= kLobeCountMax);
+}
+
+ProgramChoice MovmfModel::program(const Device& device) const {
+  return program(device, representation_, static_cast<int>(lobe_count_), first_level());
 }
 
 void MovmfModel::add_rows(int level, int first_row, const MovmfLevel& rows) {
@@ -88,7 +94,8 @@ class MovmfShading : public PointShading {
       : device_(device),
         model_(model),
         directions_(device, directions),
-        kernel_(device.kernel(model.program().file, "movmf_shade", model.program().variant)) {}
+        width_(static_cast<std::size_t>(device.shape().vector_width)),
+        kernel_(device.kernel("movmf_shade", "movmf_shade", model.program(device).variant)) {}
 
   void shade(const PointTaps& points, int, int channel, int threads, std::vector<float>& values) override {
     const std::vector<glm::vec4> lobes = model_.filtered_lobes(points, channel, threads);
@@ -97,9 +104,9 @@ class MovmfShading : public PointShading {
     const DeviceBuffer lobe_buffer =
         device_.wrap_buffer(lobes.data(), lobes.size() * sizeof(glm::vec4), "filtered lobes");
     if (value_buffer_.byte_count() < byte_count) value_buffer_ = device_.make_buffer(byte_count, "shaded values");
-    kernel_.launch({points.size()}, lobe_buffer, directions_.half_vectors(), directions_.lights(),
-                   directions_.highlights(), value_buffer_, static_cast<int>(points.size()), directions_.half_count(),
-                   directions_.light_count(), directions_.highlight_count());
+    kernel_.launch({(points.size() + width_ - 1) / width_}, lobe_buffer, directions_.half_vectors(),
+                   directions_.lights(), directions_.highlights(), value_buffer_, static_cast<int>(points.size()),
+                   directions_.half_count(), directions_.light_count(), directions_.highlight_count());
     device_.read(value_buffer_, values.data(), byte_count);
   }
 
@@ -107,6 +114,7 @@ class MovmfShading : public PointShading {
   Device& device_;
   const MovmfModel& model_;
   const DirectionBuffers directions_;
+  const std::size_t width_;  // samples per work-item
   Kernel kernel_;
   DeviceBuffer value_buffer_;
 };

@@ -18,8 +18,8 @@ namespace multum {
 
 class MovmfModel : public AccuracyModel {
  public:
-  /// The program that shades models of such mipmaps.
-  static ProgramChoice program(Representation representation, int lobe_count, int first_level);
+  /// The program that shades models of such mipmaps on a device.
+  static ProgramChoice program(const Device& device, Representation representation, int lobe_count, int first_level);
 
   /// `mipmap` needs no texels. `texels` must outlive the model.
   MovmfModel(const MovmfMipmap& mipmap, bool has_colours, const TexelSelection& texels);
@@ -31,7 +31,7 @@ class MovmfModel : public AccuracyModel {
   /// Returns the number of lobes per filtered point. The lobes of the file come first. If fine levels are missing, one
   /// lobe for the map's averages follows.
   std::size_t lobe_count() const { return lobe_count_ + (first_level() > 0 ? 1 : 0); }
-  const ProgramChoice& program() const { return program_; }
+  ProgramChoice program(const Device& device) const;
 
   /// Returns lobes[point][lobe], filtered as in hardware. The lobes are multiplied by their colours of channel
   /// `channel`, unless `channel` is -1.
@@ -41,7 +41,7 @@ class MovmfModel : public AccuracyModel {
   void add_tap(std::size_t slot, double weight, int channel, glm::dvec4* lobes, double* colours) const;
 
   bool is_planar_;
-  ProgramChoice program_;
+  Representation representation_;
   std::size_t lobe_count_;
   std::vector<glm::vec4> lobes_;    // [kept texel][lobe]
   std::vector<glm::vec3> colours_;  // [kept texel][lobe]

@@ -111,7 +111,8 @@ void bake_lobe_file(const BakeRun& run, BakeReport& report, Progress* progress) 
   std::optional<MovmfMeter> meter;
   if (job.measure) {
     meter.emplace(header, run.header.has_colours, accuracy_settings(job));
-    run.device.prepare({MovmfModel::program(job.representation, job.fitting.lobe_count, job.fitting.first_level)});
+    run.device.prepare(
+        {MovmfModel::program(run.device, job.representation, job.fitting.lobe_count, job.fitting.first_level)});
   }
   BakeOutput output(writer, meter ? &*meter : nullptr, header, job.threads, report.output);
   MapInputs map = run;

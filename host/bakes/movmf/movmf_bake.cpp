@@ -126,7 +126,7 @@ StartCandidates find_candidates(const PlaneStore& normals, const StartSearch& se
 ChosenStart try_candidates(Device& device, const NormalMap& proxy, const MovmfSettings& whole,
                            const MipSchedule& schedule, const std::vector<std::vector<MultumVmfLobe>>& candidates,
                            bool is_timed) {
-  device.prepare({MovmfModel::program(whole.representation, whole.lobe_count, whole.first_level)});
+  device.prepare({MovmfModel::program(device, whole.representation, whole.lobe_count, whole.first_level)});
   const StartTrial start_trial(device, proxy, whole, schedule);  // uses the kernels of the map, so that no others are
                                                                  // built
   if (is_timed) start_trial.error_from(candidates.front());

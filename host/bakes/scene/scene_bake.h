@@ -47,7 +47,8 @@ struct SceneReport {
   std::string to_text() const;
 };
 
-using SceneMapDone = std::function<void(const MapPlan&, const SceneMapReport&)>;
+/// Receives each map when its files are complete, and the device of the bake.
+using SceneMapDone = std::function<void(const MapPlan&, const SceneMapReport&, Device&)>;
 
 /// The folder must exist. Throws Error for the first map that fails, and Cancelled. Finished maps remain.
 SceneReport bake_scene(const SceneDescription& scene, const ScenePlan& plan, const SceneFiles& files, Device& device,

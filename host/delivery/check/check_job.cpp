@@ -101,14 +101,14 @@ std::vector<GainVerdict> check_file(const CheckJob& job, Device& device, Progres
   return {measured(job.input, surface, job.base_roughness, settings, device, progress)};
 }
 
-GainVerdict quick_verdict(const CheckJob& job, const MapMosaic& mosaic, Device& device) {
+GainVerdict quick_verdict(const CheckJob& job, const MapMosaic& mosaic, Device& device, Progress* progress) {
   GainSurface surface = surface_of_mosaic(mosaic, job.tile_metres);
   surface.has_roughness = surface.has_roughness || job.has_roughness;
   surface.has_metalness = job.has_metalness;
   surface.metalness = job.is_metal || job.has_metalness ? 1.0 : 0.0;
   GainSettings settings = settings_of(job, job.base_roughness, kQuickDistances);
   settings.cases.front().pixels_per_view = kQuickPixels;
-  return measured(job.input, surface, job.base_roughness, settings, device, nullptr);
+  return measured(job.input, surface, job.base_roughness, settings, device, progress);
 }
 
 }  // namespace multum

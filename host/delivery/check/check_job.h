@@ -41,6 +41,6 @@ std::vector<GainVerdict> check_file(const CheckJob& job, Device& device, Progres
 
 /// Returns a coarser verdict for a mosaic in a fraction of the time: fewer pixels, and only the roughness of the
 /// sentence.
-GainVerdict quick_verdict(const CheckJob& job, const MapMosaic& mosaic, Device& device);
+GainVerdict quick_verdict(const CheckJob& job, const MapMosaic& mosaic, Device& device, Progress* progress);
 
 }  // namespace multum

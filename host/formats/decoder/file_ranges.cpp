@@ -9,20 +9,14 @@ namespace multum {
 
 FileRanges::FileRanges(const std::string& path, const std::vector<ByteRange>& ranges, std::vector<ByteRange> byte_words,
                        std::vector<BytePatch> patches)
-    : IOProxy(path, Read), stream_(path), byte_words_(std::move(byte_words)), patches_(std::move(patches)) {
+    : stream_(path), byte_words_(std::move(byte_words)), patches_(std::move(patches)) {
   for (const ByteRange& range : ranges) {
     pieces_.push_back({size_, range});
     size_ += range.end - range.begin;
   }
 }
 
-std::size_t FileRanges::read(void* data, std::size_t byte_count) {
-  const std::size_t got = pread(data, byte_count, m_pos);
-  m_pos += static_cast<std::int64_t>(got);
-  return got;
-}
-
-std::size_t FileRanges::pread(void* data, std::size_t byte_count, std::int64_t offset) {
+std::size_t FileRanges::read(void* data, std::size_t byte_count, std::int64_t offset) {
   const std::lock_guard<std::mutex> lock(mutex_);
   char* to = static_cast<char*>(data);
   auto next = std::upper_bound(pieces_.begin(), pieces_.end(), offset,

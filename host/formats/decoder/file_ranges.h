@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Presents byte ranges of a file to OpenImageIO as if they were the whole file. The result is a picture without its
-// metadata, which is read on demand. The PNG reader of OpenImageIO 2.4 accepts this, but its JPEG reader accepts only
-// files and memory.
+// Presents byte ranges of a file to an image library as if they were the whole file. The result is a picture without
+// its metadata, which is read on demand.
 //   file       |signature IHDR|XMP ......|IDAT ........|text|IEND|
 //   presented  |signature IHDR|IDAT ........|IEND|
 #pragma once
@@ -11,24 +10,21 @@
 #include <string>
 #include <vector>
 
-#include <OpenImageIO/filesystem.h>
-
 #include "host/formats/image/files/image_container.h"
 #include "host/foundation/base/files/regular_file.h"
 
 namespace multum {
 
-class FileRanges : public OIIO::Filesystem::IOProxy {
+class FileRanges {
  public:
   /// `byte_words` are ranges that contain 16-bit words `v * 256`. They are presented as `v * 257`, so that both bytes
   /// of a word have the larger value. `patches` are bytes that are presented instead of the file's bytes.
   FileRanges(const std::string& path, const std::vector<ByteRange>& ranges, std::vector<ByteRange> byte_words = {},
              std::vector<BytePatch> patches = {});
 
-  const char* proxytype() const override { return "file ranges"; }
-  std::size_t read(void* data, std::size_t byte_count) override;
-  std::size_t pread(void* data, std::size_t byte_count, std::int64_t offset) override;
-  std::size_t size() const override { return static_cast<std::size_t>(size_); }
+  /// Returns the number of bytes that were read. Several threads may call this function.
+  std::size_t read(void* data, std::size_t byte_count, std::int64_t offset);
+  std::int64_t size() const { return size_; }
 
  private:
   void fill_words(std::int64_t begin, std::int64_t end, char* data);

@@ -16,8 +16,8 @@ std::string ImageDecoder::answer(std::string_view request, SharedMemory& memory)
     settings.texel_count_max = in.number<std::int64_t>();
     settings.threads = in.number<int>();
     settings.all_parts = in.number<std::uint8_t>() != 0;
-    file_ = open_library_image(path, settings);
-    return open_answer(file_->description());
+    file_ = opener_(path, settings);
+    return file_ != nullptr ? open_answer(file_->description()) : "";
   }
   PixelBlock block;
   for (int* number :

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Opens image files with OpenImageIO in this process. This code is used by multum-decode, which may crash on a broken
+// Reads an image file with a library in this process. This code is used by multum-decode, which may crash on a broken
 // file, and by tests.
 #pragma once
 
@@ -25,7 +25,8 @@ class LibraryImageFile : public ImageFile {
   std::vector<std::byte> memory_;
 };
 
-/// Throws like open_image_file(). This function can be passed to set_image_opener().
-std::unique_ptr<LibraryImageFile> open_library_image(const std::string& path, const ImageFileSettings& settings);
+/// Opens a JPEG, KTX2 or PNG file with the small library of its format. Returns null for other formats, for CMYK, and
+/// if the texts of a JPEG or PNG file are wanted. Throws like open_image_file().
+std::unique_ptr<LibraryImageFile> open_small_library_image(const std::string& path, const ImageFileSettings& settings);
 
 }  // namespace multum

@@ -25,7 +25,9 @@ bool replaces_zlib_uncompress() { return true; }
 
 }  // namespace multum
 
-extern "C" int uncompress(Bytef* destination, uLongf* destination_size, const Bytef* source, uLong source_size) {
+// The program must export the function, because otherwise OpenEXR finds only zlib's (tools/check_layering --programs).
+extern "C" __attribute__((visibility("default"))) int uncompress(Bytef* destination, uLongf* destination_size,
+                                                                 const Bytef* source, uLong source_size) {
   static thread_local std::unique_ptr<libdeflate_decompressor, multum::FreeInflater> mine(
       libdeflate_alloc_decompressor());
   if (mine == nullptr) return Z_MEM_ERROR;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Messages between a process and its decoder of meshes (host/formats/decoder/mesh_decoder.h).
+// Messages between a process and its decoder of meshes (host/formats/decoder/libraries/mesh_decoder.h).
 //
 //   request   kOpenMesh, path, uv_set      answer   counts, parts
 //             kOpenObjects, path, uv_set            for each object: counts, name, transform

@@ -326,15 +326,15 @@ std::vector<NumericalCase> planar_cases() {
                     "a mean near 1 is rounded twice, which changes a variance of 1e-4 by up to 1.2e-7, or 0.12 %"},
                    filtered_variance_below_0,
                    {shade_edit("max(spread, 0.0f)", "spread")}});
-  cases.push_back(
-      {{"planar-amplitude-to-0", "movmf_shade (planar)",
-        "the moments of a lobe without normals are divided by the lobe's amplitude, which is 0",
-        "lobes with amplitudes up to 1e-6 are ignored", 6e-4,
-        "of the peak of an upright lobe (light that must be 0 counts as an error of 1)",
-        "a mean near 1 is rounded twice, which changes a variance of 1e-4 by up to 1.2e-7, or 0.12 %"},
-       vanishing_gaussian,
-       {shade_edit("shape.amplitude = lobe.w <= GMM_AMPLITUDE_MIN ? 0.0f : lobe.w;", "shape.amplitude = lobe.w;"),
-        shade_edit("if (lobe.w <= GMM_AMPLITUDE_MIN) return 0.0f;", "")}});
+  cases.push_back({{"planar-amplitude-to-0", "movmf_shade (planar)",
+                    "the moments of a lobe without normals are divided by the lobe's amplitude, which is 0",
+                    "lobes with amplitudes up to 1e-6 are ignored", 6e-4,
+                    "of the peak of an upright lobe (light that must be 0 counts as an error of 1)",
+                    "a mean near 1 is rounded twice, which changes a variance of 1e-4 by up to 1.2e-7, or 0.12 %"},
+                   vanishing_gaussian,
+                   {shade_edit("shape.amplitude = lobe.w <= GMM_AMPLITUDE_MIN ? (real_v)(0.0f) : lobe.w;",
+                               "shape.amplitude = lobe.w;"),
+                    shade_edit("lobe.w <= GMM_AMPLITUDE_MIN ? (real_v)(0.0f) : ", "")}});
   cases.push_back(storage_case(StorageEncoding::kHalf, "half"));
   cases.push_back(storage_case(StorageEncoding::kSnorm16, "snorm16"));
   return cases;

@@ -203,8 +203,8 @@ std::vector<NumericalCase> lobe_cases() {
         "the kernel uses an arbitrary direction, because the result does not depend on it", 6e-4, "of the peak",
         kReason},
        no_mean_direction,
-       {shade_edit("const float inverse = length > 1e-12f ? 1.0f / length : 0.0f;",
-                   "const float inverse = 1.0f / length;")}},
+       {shade_edit("const real_v inverse = length > 1e-12f ? 1.0f / length : (real_v)(0.0f);",
+                   "const real_v inverse = 1.0f / length;")}},
   };
 }
 
@@ -220,15 +220,16 @@ std::vector<NumericalCase> shading_cases() {
         "of the peak times the amplitude (light that must be 0 counts as an error of 1)",
         "the error of kappa (2.3e-4) changes both the peak and the exponent of the highlight"},
        vanishing_amplitude,
-       {shade_edit("shape.amplitude = lobe.w <= AMPLITUDE_SHADED_MIN ? 0.0f : lobe.w;", "shape.amplitude = lobe.w;"),
-        shade_edit("if (lobe.w <= AMPLITUDE_SHADED_MIN) return 0.0f;", "")}});
+       {shade_edit("shape.amplitude = lobe.w <= AMPLITUDE_SHADED_MIN ? (real_v)(0.0f) : lobe.w;",
+                   "shape.amplitude = lobe.w;"),
+        shade_edit("lobe.w <= AMPLITUDE_SHADED_MIN ? (real_v)(0.0f) : ", "")}});
   cases.push_back(
       {{"terms-of-either-sign", "movmf_shade",
         "a sum of vMFs with positive and negative weights can be negative, and negative light darkens its surroundings",
         "the sum over the terms of a lobe is at least 0", 6e-4, "of the sum of the terms' peaks",
         "the kappa of every term is computed with an error of 2.3e-4"},
        terms_of_either_sign,
-       {shade_edit("return lobe.w * max(sum, 0.0f);", "return lobe.w * sum;")}});
+       {shade_edit("lobe.w * max(sum, 0.0f);", "lobe.w * sum;")}});
   cases.push_back(
       {{"lambert-of-every-spread", "movmf_shade",
         "the paper's approximation max(mu . l, 0) ignores the spread of the lobe",

@@ -4,6 +4,7 @@
 #include "host/delivery/check/check_job.h"
 #include "host/foundation/base/error.h"
 #include "host/foundation/base/log.h"
+#include "host/foundation/base/progress.h"
 #include "host/foundation/base/shown_text.h"
 #include "host/foundation/base/system_failure.h"
 
@@ -13,9 +14,10 @@ namespace {
 std::optional<GainVerdict> measured(const CheckJob& job, const MapMosaic* mosaic, Device& device) {
   if (mosaic == nullptr) return std::nullopt;
   try {
-    return quick_verdict(job, *mosaic, device);
+    const auto progress = make_terminal_progress(false);
+    return quick_verdict(job, *mosaic, device, progress.get());
   } catch (const Cancelled&) {
-    throw;
+    return std::nullopt;
   } catch (...) {
     log_warning(job.input, std::string("its gain was not measured: ") + caught_error(job.input).what());
     return std::nullopt;
@@ -32,9 +34,9 @@ CheckJob check_of(const std::string& input, int threads) {
 }  // namespace
 
 std::optional<GainVerdict> end_with_verdict(const BakeJob& job, const BakeReport& report, const CommonOptions& common,
-                                            Device& device) {
+                                            Device& device, std::FILE* out) {
   const auto verdict = measured(check_of(job.input, job.threads), report.mosaic.get(), device);
-  print_verdict(job.output, verdict, common);
+  print_verdict(job.output, verdict, common, out);
   return verdict;
 }
 
@@ -50,10 +52,11 @@ std::optional<GainVerdict> end_with_verdict(const ExportJob& job, const ExportRe
   return verdict;
 }
 
-void print_verdict(const std::string& name, const std::optional<GainVerdict>& verdict, const CommonOptions& common) {
+void print_verdict(const std::string& name, const std::optional<GainVerdict>& verdict, const CommonOptions& common,
+                   std::FILE* out) {
   if (!verdict || !prints_text(common)) return;
-  print_shown(stdout, "%s: %s\n", name.c_str(), verdict->to_text().c_str());
-  if (common.verbose && !verdict->measured.empty()) print_shown(stdout, "%s", verdict->to_table().c_str());
+  print_shown(out, "%s: %s\n", name.c_str(), verdict->to_text().c_str());
+  if (common.verbose && !verdict->measured.empty()) print_shown(out, "%s", verdict->to_table().c_str());
 }
 
 OrderedJson with_verdict(OrderedJson json, const std::optional<GainVerdict>& verdict) {

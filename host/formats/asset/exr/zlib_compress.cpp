@@ -96,8 +96,9 @@ bool replaces_zlib_compress() { return true; }
 
 }  // namespace multum
 
-extern "C" int compress2(Bytef* destination, uLongf* destination_size, const Bytef* source, uLong source_size,
-                         int level) {
+// Programs must export the function, because otherwise OpenEXR finds only zlib's (tools/check_layering --programs).
+extern "C" __attribute__((visibility("default"))) int compress2(Bytef* destination, uLongf* destination_size,
+                                                                const Bytef* source, uLong source_size, int level) {
   constexpr uLong kQuickBytesMax = std::numeric_limits<std::uint32_t>::max();
   const bool is_quick = level >= 1 && level <= multum::kQuickLevelMax && source_size <= kQuickBytesMax &&
                         *destination_size <= kQuickBytesMax;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Runs OpenImageIO in a child process (host/foundation/sandbox/decoding_child.h).
+// Runs image libraries in a child process (host/foundation/sandbox/decoding_child.h).
 //
 // Limits of a child. In the worst case, a reader holds the whole picture, and some rows for every thread. Some readers,
 // such as WebP, hold the picture twice and with 4 channels. Therefore the limits are
@@ -28,13 +28,18 @@ std::uint64_t picture_bytes(const ImageDescription& description) {
   return bytes;
 }
 
+// Returns the library that reads most files of a format.
+const char* library_of(const std::string& format) {
+  return format == "png" ? "libpng" : format == "jpeg" ? "libjpeg" : "OpenImageIO";
+}
+
 class ChildImageFile : public ImageFile {
  public:
   // Examines the container before a library opens the file, and finds the amount of data to decode.
   ChildImageFile(const DecodingChild& child, std::string path, const ImageFileSettings& settings)
       : path_(std::move(path)),
         container_(inspect_image_container(path_, settings.texel_count_max)),
-        file_(child, path_, "OpenImageIO") {
+        file_(child, path_, library_of(container_.format)) {
     const auto texels = static_cast<std::uint64_t>(container_.width * container_.height);
     const std::uint64_t held = 2 * static_cast<std::uint64_t>(container_.file_size) + 16 * texels;
     file_.allow(held, time_for(4 * texels));

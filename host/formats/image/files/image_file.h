@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads the numbers of an image file. No other code in the project uses OpenImageIO's readers. The readers run in a
-// child process (child_image_file.cpp), because some broken files crash the process that opens them, and because
-// loading their libraries takes a quarter of a second.
+// Reads the numbers of an image file. Image libraries run in a child process (child_image_file.cpp), because some
+// broken files crash the process that opens them, and because loading OpenImageIO takes a quarter of a second.
 #pragma once
 
 #include <cstddef>

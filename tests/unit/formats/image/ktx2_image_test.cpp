@@ -100,7 +100,7 @@ class Ktx2ImageTest : public ::testing::Test {
  protected:
   std::unique_ptr<LibraryImageFile> open(const Ktx2Parts& parts) const {
     write_bytes(path_, ktx2_of(parts));
-    return open_library_image(path_, {});
+    return open_small_library_image(path_, {});
   }
   std::vector<std::uint8_t> rows(LibraryImageFile& file, int begin, int end, int channel_begin, int channel_end) const {
     const PixelBlock block = {0, begin, end, channel_begin, channel_end, number_type::kUint8};
@@ -111,7 +111,7 @@ class Ktx2ImageTest : public ::testing::Test {
   void expect_refusal(const Ktx2Parts& parts, const std::vector<std::string>& says) const {
     write_bytes(path_, ktx2_of(parts));
     expect_error(ErrorCode::kInput, says, [&] {
-      const auto file = open_library_image(path_, {});
+      const auto file = open_small_library_image(path_, {});
       rows(*file, 0, 3, 0, 4);
     });
   }
@@ -181,7 +181,7 @@ TEST_F(Ktx2ImageTest, Refusals) {
       },
       {"block (0, 0)", "not a UASTC block"});
   write_bytes(path_, ktx2_of(good).substr(0, 150));
-  expect_error(ErrorCode::kInput, {path_, "cut"}, [&] { open_library_image(path_, {}); });
+  expect_error(ErrorCode::kInput, {path_, "cut"}, [&] { open_small_library_image(path_, {}); });
 }
 
 // Tests a texture as multum gltf --format rgba8 writes it, and one inside KHR_texture_basisu.
@@ -198,7 +198,7 @@ TEST_F(Ktx2ImageTest, MaterialsOfModels) {
     const GltfMaterials found = model(texture);
     ASSERT_EQ(found.images.size(), 1u);
     EXPECT_EQ(found.materials[0].normal->image, 0);
-    EXPECT_EQ(open_library_image(extract_image(found.images[0], folder_.path()), {})->part(0).width, 5);
+    EXPECT_EQ(open_small_library_image(extract_image(found.images[0], folder_.path()), {})->part(0).width, 5);
   }
 }
 

@@ -19,11 +19,11 @@ namespace {
 
 using OIIO::TypeDesc;
 
-constexpr int kSide = 128;
+constexpr int kMapSide = 128;
 
 /// Returns normals that tilt by up to `degrees`.
 std::vector<glm::dvec3> tilted_normals(double degrees) {
-  std::vector<glm::dvec3> normals = surface_normals(kSide, kSide);
+  std::vector<glm::dvec3> normals = surface_normals(kMapSide, kMapSide);
   double steepest = 0.0;
   for (const glm::dvec3& n : normals) steepest = std::max(steepest, std::hypot(n.x, n.y) / n.z);
   const double scale = std::tan(degrees * std::numbers::pi / 180.0) / steepest;
@@ -34,7 +34,7 @@ std::vector<glm::dvec3> tilted_normals(double degrees) {
 /// Makes an image with x and y as 0..1. `blue` gives the value of blue for each normal and position.
 TestImage image_of(const std::vector<glm::dvec3>& normals,
                    const std::function<double(const glm::dvec3&, std::size_t)>& blue) {
-  TestImage image{.width = kSide, .height = kSide};
+  TestImage image{.width = kMapSide, .height = kMapSide};
   for (std::size_t i = 0; i < normals.size(); ++i)
     for (const double value : {0.5 + 0.5 * normals[i].x, 0.5 + 0.5 * normals[i].y, blue(normals[i], i)})
       image.values.push_back(static_cast<float>(value));
@@ -46,7 +46,7 @@ double positive_z(const glm::dvec3& n, std::size_t) { return n.z; }
 /// Makes waves from `low` to 1 that are independent of the normals.
 std::function<double(const glm::dvec3&, std::size_t)> occlusion(double low, double period = 23.0) {
   return [=](const glm::dvec3&, std::size_t i) {
-    const double x = static_cast<double>(i % kSide), y = static_cast<double>(i / kSide);
+    const double x = static_cast<double>(i % kMapSide), y = static_cast<double>(i / kMapSide);
     return low + (1.0 - low) * (0.5 + 0.25 * std::sin(x / period * 6.283 + 1.0) + 0.25 * std::sin(y / 17.0 * 6.283));
   };
 }
@@ -147,11 +147,11 @@ TEST_F(UseOfBlue, WhoSaysThatItIsZIsObeyed) {
 TEST_F(UseOfBlue, ShortAndLossyNormalsAreNotRefused) {
   const std::vector<glm::dvec3> fine = tilted_normals(65.0);
   std::vector<glm::dvec3> averaged(fine.size());
-  for (int y = 0; y < kSide; ++y)
-    for (int x = 0; x < kSide; ++x)
+  for (int y = 0; y < kMapSide; ++y)
+    for (int x = 0; x < kMapSide; ++x)
       for (int k = 0; k < 49; ++k)
-        averaged[static_cast<std::size_t>(y * kSide + x)] +=
-            fine[static_cast<std::size_t>((y + k / 7) % kSide * kSide + (x + k % 7) % kSide)] / 49.0;
+        averaged[static_cast<std::size_t>(y * kMapSide + x)] +=
+            fine[static_cast<std::size_t>((y + k / 7) % kMapSide * kMapSide + (x + k % 7) % kMapSide)] / 49.0;
   for (const char* name : {"a.png", "a.jpg", "a.webp"}) {
     const auto z = [](const glm::dvec3& n, std::size_t) { return 0.5 + 0.5 * n.z; };
     write_test_image(folder_ / name, image_of(averaged, z));
@@ -195,7 +195,7 @@ TEST_F(UseOfBlue, WhatWasNeverWrittenIsFlatAndNoEvidence) {
   for (const float empty : {0.0f, kNan})
     for (const auto& [type, is_signed] :
          {std::pair{TypeDesc::FLOAT, true}, {TypeDesc::HALF, true}, {TypeDesc::FLOAT, false}}) {
-      TestImage image{.width = kSide, .height = kSide, .type = type};
+      TestImage image{.width = kMapSide, .height = kMapSide, .type = type};
       for (std::size_t i = 0; i < normals.size(); ++i)
         for (const double value : {normals[i].x, normals[i].y, normals[i].z})
           image.values.push_back(i < normals.size() / 4 ? empty
@@ -203,7 +203,7 @@ TEST_F(UseOfBlue, WhatWasNeverWrittenIsFlatAndNoEvidence) {
       write_test_image(folder_ / "a.exr", image);
       SCOPED_TRACE(::testing::Message() << "empty " << empty << ", signed " << is_signed);
       const NormalMap map = read_map(folder_ / "a.exr");
-      EXPECT_EQ(map.report.unused_texels, kSide * kSide / 4);
+      EXPECT_EQ(map.report.unused_texels, kMapSide * kMapSide / 4);
       EXPECT_EQ(map.report.nonfinite_repaired + map.report.zero_length_repaired, 0);
       EXPECT_TRUE(contains(map.report.encoding_reason, "length within 10 % of 1 in 100.0 %"))
           << map.report.encoding_reason;
@@ -217,7 +217,7 @@ TEST_F(UseOfBlue, WhatWasNeverWrittenIsFlatAndNoEvidence) {
 // A few empty texels are faults of a renderer. They are repaired from their neighbours and counted.
 TEST_F(UseOfBlue, SingleEmptyTexelsAreRepaired) {
   for (const float empty : {0.0f, kNan}) {
-    TestImage image = normal_image(kSide, kSide, true);
+    TestImage image = normal_image(kMapSide, kMapSide, true);
     image.type = TypeDesc::FLOAT;
     for (int c = 0; c < 3; ++c) image.at(7, 9, c) = empty;
     write_test_image(folder_ / "a.exr", image);

@@ -9,7 +9,7 @@
 #include <fstream>
 #include <random>
 
-#include "host/formats/decoder/library_image_file.h"
+#include "host/formats/decoder/libraries/oiio_image_file.h"
 #include "host/formats/image/files/exr_layers.h"
 #include "host/formats/image/files/image_file.h"
 #include "host/formats/image/image_reader.h"

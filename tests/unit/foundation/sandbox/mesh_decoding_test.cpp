@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "host/formats/decoder/mesh_readers.h"
+#include "host/formats/decoder/libraries/mesh_readers.h"
 #include "host/formats/mesh/mesh_messages.h"
 #include "host/formats/mesh/mesh_source.h"
 #include "host/foundation/base/processes/sanitizers.h"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Reads all meshes of a file as one list of triangles.
-#include "host/formats/decoder/mesh_readers.h"
+#include "host/formats/decoder/libraries/mesh_readers.h"
 
 #include <array>
 #include <cmath>
@@ -11,7 +11,7 @@
 #include <fmt/format.h>
 #include <glm/geometric.hpp>
 
-#include "host/formats/decoder/assimp_scene.h"
+#include "host/formats/decoder/libraries/assimp_scene.h"
 #include "host/formats/mesh/tangent_space.h"
 
 namespace multum {

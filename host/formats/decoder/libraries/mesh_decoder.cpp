@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/formats/decoder/mesh_decoder.h"
+#include "host/formats/decoder/libraries/mesh_decoder.h"
 
-#include "host/formats/decoder/mesh_readers.h"
+#include "host/formats/decoder/libraries/mesh_readers.h"
 #include "host/foundation/sandbox/damaged_file.h"
 
 namespace multum {

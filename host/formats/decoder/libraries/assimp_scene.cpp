@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/formats/decoder/assimp_scene.h"
+#include "host/formats/decoder/libraries/assimp_scene.h"
 
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
@@ -10,7 +10,7 @@
 #include <exception>
 #include <mutex>
 
-#include "host/formats/decoder/model_files.h"
+#include "host/formats/decoder/libraries/model_files.h"
 #include "host/formats/mesh/gltf_check.h"
 #include "host/foundation/base/files/regular_file.h"
 #include "host/foundation/sandbox/damaged_file.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Flattens assimp's node tree to one object for each node that has triangles. Only equal vertices are joined, and this
 // is done here because assimp merges positions that are closer than 1e-5, no matter what the unit is.
-#include "host/formats/decoder/mesh_readers.h"
+#include "host/formats/decoder/libraries/mesh_readers.h"
 
 #include <array>
 #include <cmath>
@@ -12,7 +12,7 @@
 #include <assimp/scene.h>
 #include <fmt/format.h>
 
-#include "host/formats/decoder/assimp_scene.h"
+#include "host/formats/decoder/libraries/assimp_scene.h"
 
 namespace multum {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/formats/decoder/model_files.h"
+#include "host/formats/decoder/libraries/model_files.h"
 
 #include <sys/stat.h>
 #include <sys/types.h>
