@@ -7,6 +7,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <memory>
+#include <utility>
 
 #include "host/bakes/accuracy/accuracy_reference.h"
 #include "host/foundation/base/error.h"
@@ -135,31 +136,35 @@ void append_taps(const SamplePoint& point, const std::vector<std::size_t>& model
   taps.finish_point();
 }
 
-// One measurement. Each pass evaluates the reference for as many directions as fit into memory, and compares the
-// reference with the model. There are few footprints, so the first pass handles all of them.
+// One measurement of one or several models of the same kind. Each pass evaluates the reference for as many directions
+// as fit into memory, and compares the reference with the models. There are few footprints, so the first pass handles
+// all of them.
 class Comparison {
  public:
-  Comparison(const AccuracySettings& settings, const MeasuredPlaces& places, const AccuracyModel& model,
+  Comparison(const AccuracySettings& settings, const MeasuredPlaces& places, std::vector<AccuracyModel*> models,
              bool has_colours)
       : settings_(settings),
         places_(places),
         points_(places.points),
+        models_(std::move(models)),
         highlights_(highlights_of(settings)),
-        shadings_(model.shadings()),
+        shadings_(models_.front()->shadings()),
         channel_count_(has_colours ? 3 : 0),
         plain_count_(highlights_.size() + 1),
         averages_(points_.texels(), static_cast<int>(points_.texels().sizes().size())),
-        sums_(points_, brdf_count()) {
+        sums_(models_.size(), ErrorSums(points_, brdf_count())),
+        footprint_sums_(models_.size()) {
     if (has_footprints()) MULTUM_CHECK(settings.directions.half_vector_lights.size() >= half_count());
   }
 
-  void run(Device& device, const FinestPlanes& planes, AccuracyModel& model, Progress* progress) {
-    const TexelAverages map_averages(places_.model_texels, model.first_level());
+  void run(Device& device, const FinestPlanes& planes, Progress* progress) {
+    const int first_level = models_.front()->first_level();
+    const TexelAverages map_averages(places_.model_texels, first_level);
     PlaneAverages map_lobes(map_averages, channel_count_ > 0);
     std::vector<RowSums*> streamed;
     const std::vector<std::unique_ptr<FootprintReference>> footprint_references = make_footprint_references();
-    if (model.first_level() > 0) streamed.push_back(&map_lobes);
-    model.set_map_averages(&map_lobes);
+    if (first_level > 0) streamed.push_back(&map_lobes);
+    for (AccuracyModel* model : models_) model->set_map_averages(&map_lobes);
     if (points_.samples().empty()) {
       for (const auto& reference : footprint_references) streamed.push_back(reference.get());
       stream_rows(planes, {settings_.threads}, streamed, progress);
@@ -173,37 +178,39 @@ class Comparison {
         else streamed.push_back(footprint_references[d].get());
       stream_rows(planes, {settings_.threads}, streamed, progress);
       streamed.clear();
-      compare(device, pass, model, direction == 0, progress);
+      for (std::size_t m = 0; m < models_.size(); ++m) compare(device, pass, m, direction == 0, progress);
       direction += pass.references.size();
     }
-    if (has_footprints()) compare_footprints(device, footprint_references, model);
-    model.set_map_averages(nullptr);
+    for (std::size_t m = 0; m < models_.size() && has_footprints(); ++m)
+      compare_footprints(device, footprint_references, m);
+    for (AccuracyModel* model : models_) model->set_map_averages(nullptr);
   }
 
-  std::vector<AccuracyRow> rows() const {
+  std::vector<AccuracyRow> rows(std::size_t model) const {
     std::vector<AccuracyRow> rows;
     for (int l = 0; l < static_cast<int>(points_.texels().sizes().size()); ++l)
       for (AccuracyPoint kind :
            {AccuracyPoint::kCentre, AccuracyPoint::kMidX, AccuracyPoint::kMidY, AccuracyPoint::kBetween})
         for (std::size_t b = 0; b < brdf_count(); ++b) {
-          AccuracyRow made = sums_.row(l, kind, b, what_of(b));
+          AccuracyRow made = sums_[model].row(l, kind, b, what_of(b));
           if (made.sample_count > 0) rows.push_back(std::move(made));
         }
     return rows;
   }
 
   // Measures one part of the footprints, which are split into `count` equal, consecutive parts.
-  std::vector<FootprintError> footprint_errors(int part, int count) const {
+  std::vector<FootprintError> footprint_errors(std::size_t model, int part, int count) const {
     const std::vector<Footprint>& all = places_.footprints.footprints();
     const auto place = [&](int number) {
       return static_cast<std::ptrdiff_t>(all.size()) / count * static_cast<std::ptrdiff_t>(number);
     };
     const std::vector<Footprint> footprints(all.begin() + place(part), all.begin() + place(part + 1));
     std::vector<FootprintError> errors;
-    for (std::size_t b = 0; b < footprint_sums_.size(); ++b)
+    for (std::size_t b = 0; b < footprint_sums_[model].size(); ++b) {
+      const std::vector<ErrorSum>& sums = footprint_sums_[model][b];
       errors.push_back(
-          footprint_error(what_of(b), footprints,
-                          {footprint_sums_[b].begin() + place(part), footprint_sums_[b].begin() + place(part + 1)}));
+          footprint_error(what_of(b), footprints, {sums.begin() + place(part), sums.begin() + place(part + 1)}));
+    }
     return errors;
   }
 
@@ -262,9 +269,9 @@ class Comparison {
     return references;
   }
 
-  // Fills footprint_sums_[BRDF][footprint].
+  // Fills footprint_sums_[model][BRDF][footprint].
   void compare_footprints(Device& device, const std::vector<std::unique_ptr<FootprintReference>>& references,
-                          const AccuracyModel& model) {
+                          std::size_t model) {
     const std::vector<Footprint>& footprints = places_.footprints.footprints();
     const FootprintSettings settings = footprint_settings(settings_);
     PointTaps points;
@@ -281,24 +288,25 @@ class Comparison {
       }
       point_begin.push_back(points.size());
     }
-    const std::unique_ptr<PointShading> shading = model.make_shading(
+    const std::unique_ptr<PointShading> shading = models_[model]->make_shading(
         device, {half_count() > 0 ? settings_.directions.half_vectors : std::vector<glm::dvec3>{},
                  settings_.directions.lights, highlights_, settings_.has_roughness ? settings_.mean_cosine : 0.0f,
                  half_count() > 0 ? settings_.directions.half_vector_lights : std::vector<int>{}});
-    footprint_sums_.assign(brdf_count(), std::vector<ErrorSum>(footprints.size()));
+    footprint_sums_[model].assign(brdf_count(), std::vector<ErrorSum>(footprints.size()));
     std::vector<float> values;
     for (std::size_t way = 0; way < shadings_.size(); ++way)
       for (int channel = -1; channel < static_cast<int>(channel_count_); ++channel) {
         shading->shade(points, static_cast<int>(way), channel, settings_.threads, values);
         const std::size_t first_brdf = (way * groups_per_shading() + (channel < 0 ? 0 : 1)) * plain_count_;
-        add_footprints(references, point_begin, values, channel, first_brdf);
+        add_footprints(references, point_begin, values, channel, &footprint_sums_[model][first_brdf]);
       }
   }
 
-  // Adds the errors of one colour channel. The channel is -1 if there are no colours.
+  // Adds the errors of one colour channel to sums_of[highlights, then Lambert]. The channel is -1 if there are no
+  // colours.
   void add_footprints(const std::vector<std::unique_ptr<FootprintReference>>& references,
                       const std::vector<std::size_t>& point_begin, const std::vector<float>& values, int channel,
-                      std::size_t first_brdf) {
+                      std::vector<ErrorSum>* sums_of) const {
     const std::size_t highlight_count = highlights_.size();
     const std::size_t value_count = half_count() * highlight_count + settings_.directions.lights.size();
     for (std::size_t d = 0; d < references.size(); ++d) {
@@ -306,7 +314,7 @@ class Comparison {
       const std::size_t own_count = is_light ? 1 : highlight_count;
       for (std::size_t e = 0; e < own_count; ++e) {
         const std::size_t value = is_light ? half_count() * highlight_count + d - half_count() : e * half_count() + d;
-        std::vector<ErrorSum>& sums = footprint_sums_[first_brdf + (is_light ? highlight_count : e)];
+        std::vector<ErrorSum>& sums = sums_of[is_light ? highlight_count : e];
         for (std::size_t i = 0; i < sums.size(); ++i) {
           const double reference =
               references[d]->at(i, static_cast<std::size_t>(1 + channel) * own_count + e) * value_scale(is_light, e);
@@ -325,9 +333,9 @@ class Comparison {
     return is_light || settings_.has_roughness ? 1.0 : highlight_scale(highlights_[highlight]);
   }
 
-  void compare(Device& device, const Pass& pass, const AccuracyModel& model, bool is_first, Progress* progress) {
+  void compare(Device& device, const Pass& pass, std::size_t model, bool is_first, Progress* progress) {
     constexpr std::size_t kSamplesPerBatch = 1 << 14;
-    const std::unique_ptr<PointShading> shading = model.make_shading(device, pass.directions);
+    const std::unique_ptr<PointShading> shading = models_[model]->make_shading(device, pass.directions);
     const std::size_t sample_count = points_.samples().size();
     std::vector<SamplePoint> points;
     PointTaps taps;
@@ -347,9 +355,9 @@ class Comparison {
           const std::size_t first_brdf = (way * groups_per_shading() + (channel < 0 ? 0 : 1)) * plain_count_;
           for (std::size_t i = 0; i < points.size(); ++i)
             for (std::size_t b = 0; b < plain_count_; ++b)
-              sums_.add(points[i], first_brdf + b, sums[i * plain_count_ + b]);
+              sums_[model].add(points[i], first_brdf + b, sums[i * plain_count_ + b]);
         }
-      for (std::size_t i = 0; i < points.size() && is_first; ++i) sums_.count(points[i]);
+      for (std::size_t i = 0; i < points.size() && is_first; ++i) sums_[model].count(points[i]);
     }
   }
 
@@ -401,13 +409,14 @@ class Comparison {
   const AccuracySettings& settings_;
   const MeasuredPlaces places_;
   const AccuracyPoints& points_;
+  const std::vector<AccuracyModel*> models_;
   const std::vector<Highlight> highlights_;
   const std::vector<std::string> shadings_;
   const std::size_t channel_count_;  // 0 if there are no colours
   const std::size_t plain_count_;    // number of BRDFs: highlights, then Lambert
   const TexelAverages averages_;
-  ErrorSums sums_;
-  std::vector<std::vector<ErrorSum>> footprint_sums_;  // [BRDF][footprint]
+  std::vector<ErrorSums> sums_;                                     // [model]
+  std::vector<std::vector<std::vector<ErrorSum>>> footprint_sums_;  // [model][BRDF][footprint]
 };
 
 std::vector<PlaneSize> level_sizes(int map_width, int map_height) {
@@ -512,13 +521,22 @@ std::vector<AccuracyRow> AccuracyMeter::run(Device& device, const PlaneStore& no
   const PlaneSize size = texels_.sizes().front();
   MULTUM_CHECK(normals.width() == size.width && normals.height() == size.height);
   MULTUM_CHECK(albedo == nullptr || model().has_colours());
-  Comparison comparison(settings_, {points_, footprints_, texels_, model_slots_}, model(), albedo != nullptr);
-  comparison.run(device, {normals, albedo}, model(), progress);
-  footprint_errors_ = comparison.footprint_errors(0, 1);
+  Comparison comparison(settings_, {points_, footprints_, texels_, model_slots_}, {&model()}, albedo != nullptr);
+  comparison.run(device, {normals, albedo}, progress);
+  footprint_errors_ = comparison.footprint_errors(0, 0, 1);
   replicate_errors_.clear();
   for (int r = 0; r < settings_.replicates; ++r)
-    replicate_errors_.push_back(comparison.footprint_errors(r, settings_.replicates));
-  return comparison.rows();
+    replicate_errors_.push_back(comparison.footprint_errors(0, r, settings_.replicates));
+  return comparison.rows(0);
+}
+
+std::vector<std::vector<AccuracyRow>> AccuracyMeter::measure_levels(Device& device, const PlaneStore& normals,
+                                                                    const std::vector<AccuracyModel*>& models) const {
+  Comparison comparison(settings_, {points_, footprints_, texels_, model_slots_}, models, false);
+  comparison.run(device, {normals, nullptr}, nullptr);
+  std::vector<std::vector<AccuracyRow>> rows;
+  for (std::size_t m = 0; m < models.size(); ++m) rows.push_back(comparison.rows(m));
+  return rows;
 }
 
 std::vector<LevelDifference> AccuracyMeter::difference_from(AccuracyMeter& by_default, Device& device,
@@ -608,6 +626,38 @@ std::vector<AccuracyRow> measure_accuracy(Device& device, const MovmfMipmap& mip
   for (int l = mipmap.header.first_level; l < static_cast<int>(mipmap.levels.size()); ++l)
     meter.add_rows(l, 0, mipmap.levels[static_cast<std::size_t>(l)]);
   return run_on_maps(device, meter, map, albedo, progress);
+}
+
+namespace {
+
+// Measures several mipmaps of lobes at the same texels.
+class LobesMeter : public AccuracyMeter {
+ public:
+  LobesMeter(const std::vector<MovmfMipmap>& mipmaps, const AccuracySettings& settings)
+      : AccuracyMeter({mipmaps.front().width(), mipmaps.front().height()}, mipmaps.front().header, settings) {
+    for (const MovmfMipmap& mipmap : mipmaps) {
+      MovmfModel& model = *models_.emplace_back(std::make_unique<MovmfModel>(mipmap, false, texels()));
+      for (int l = mipmap.header.first_level; l < static_cast<int>(mipmap.levels.size()); ++l)
+        model.add_rows(l, 0, mipmap.levels[static_cast<std::size_t>(l)]);
+    }
+  }
+
+  std::vector<std::vector<AccuracyRow>> run(Device& device, const PlaneStore& normals) const {
+    std::vector<AccuracyModel*> models;
+    for (const auto& model : models_) models.push_back(model.get());
+    return measure_levels(device, normals, models);
+  }
+
+ private:
+  AccuracyModel& model() override { return *models_.front(); }
+  std::vector<std::unique_ptr<MovmfModel>> models_;
+};
+
+}  // namespace
+
+std::vector<std::vector<AccuracyRow>> measure_each(Device& device, const std::vector<MovmfMipmap>& mipmaps,
+                                                   const PlaneStore& normals, const AccuracySettings& settings) {
+  return LobesMeter(mipmaps, settings).run(device, normals);
 }
 
 namespace {

@@ -130,6 +130,10 @@ class AccuracyMeter {
   AccuracyMeter(PlaneSize map, const BakedHeader& header, const AccuracySettings& settings);
   /// Returns the texels that models keep.
   const TexelSelection& texels() const { return texels_; }
+  /// Measures several models of the same kind. Returns the rows of run() for each model. The reference is computed
+  /// once.
+  std::vector<std::vector<AccuracyRow>> measure_levels(Device& device, const PlaneStore& normals,
+                                                       const std::vector<AccuracyModel*>& models) const;
   virtual AccuracyModel& model() = 0;
 
  private:
@@ -186,6 +190,11 @@ class ShMeter : public AccuracyMeter {
   AccuracyModel& model() override { return model_; }
   ShModel model_;
 };
+
+/// Measures several mipmaps of the same map, with equal headers. Returns the rows of each. Levels finer than
+/// settings.first_level may be without texels. This takes much less time than to measure them one by one.
+std::vector<std::vector<AccuracyRow>> measure_each(Device& device, const std::vector<MovmfMipmap>& mipmaps,
+                                                   const PlaneStore& normals, const AccuracySettings& settings);
 
 /// Measures a whole mipmap against a map of the same size in memory. `albedo` is null or a map of that size.
 std::vector<AccuracyRow> measure_accuracy(Device& device, const MovmfMipmap& mipmap, const NormalMap& map,

@@ -146,7 +146,7 @@ FootprintReference::FootprintReference(const FootprintAverages& averages, std::o
       value_count_(highlight_count_ * (has_colours ? 4 : 1)),
       rows_(highlight_count_, AlignedRow(static_cast<std::size_t>(averages.map_width()))),
       cosine_row_(brdf_ ? static_cast<std::size_t>(averages.map_width()) : 0),
-      coloured_(has_colours ? static_cast<std::size_t>(averages.map_width()) : 0),
+      coloured_(has_colours ? highlight_count_ : 0, AlignedRow(static_cast<std::size_t>(averages.map_width()))),
       scratch_(averages.scratch_length()),
       sums_(averages.footprints().size() * value_count_) {}
 
@@ -165,14 +165,16 @@ void FootprintReference::add_values(const FinestRow& row, const std::vector<doub
     cosines_.evaluate(row.normals, averages_.map_width(), {cosine_row_.data()});
     factors = cosine_row_.data();
   }
-  for (std::size_t e = 0; e < values.size(); ++e) {
-    averages_.add_row(row.y, values[e], factors, scratch_.data(), sums_.data() + e, value_count_);
-    for (std::size_t channel = 0; channel < 3 && !coloured_.empty(); ++channel) {
+  std::vector<const double*> planes(values.begin(), values.end());
+  averages_.add_rows(row.y, planes, factors, scratch_.data(), sums_.data(), value_count_);
+  for (std::size_t channel = 0; channel < 3 && !coloured_.empty(); ++channel) {
+    for (std::size_t e = 0; e < values.size(); ++e) {
       multiply_colour(values[e], row.albedo[channel], static_cast<std::size_t>(averages_.map_width()),
-                      coloured_.data());
-      averages_.add_row(row.y, coloured_.data(), factors, scratch_.data(),
-                        sums_.data() + (channel + 1) * values.size() + e, value_count_);
+                      coloured_[e].data());
+      planes[e] = coloured_[e].data();
     }
+    averages_.add_rows(row.y, planes, factors, scratch_.data(), sums_.data() + (channel + 1) * values.size(),
+                       value_count_);
   }
 }
 

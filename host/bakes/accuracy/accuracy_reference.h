@@ -100,8 +100,9 @@ class FootprintReference : public RowSums {
   const std::optional<BrdfValues> brdf_;
   const BrdfValues cosines_;
   const std::size_t highlight_count_, value_count_;
-  std::vector<AlignedRow> rows_;      // [highlight]; Lambert has only one
-  AlignedRow cosine_row_, coloured_;  // each holds one row
+  std::vector<AlignedRow> rows_;  // [highlight]; Lambert has only one
+  AlignedRow cosine_row_;
+  std::vector<AlignedRow> coloured_;  // [highlight]; empty if there are no colours
   AlignedRow scratch_;                // for FootprintAverages
   std::vector<double> sums_;          // [footprint][value]
 };

@@ -8,6 +8,7 @@
 
 #include "host/foundation/base/error.h"
 #include "host/foundation/base/split_mix.h"
+#include "host/foundation/base/vector_clones.h"
 
 namespace multum {
 namespace {
@@ -20,19 +21,43 @@ constexpr std::size_t kStrips = 4;
 // their addresses would compete for the same cache sets.
 std::size_t strip_width(std::size_t width) { return width / 4 - width / 64; }
 
-// Sets before[i] to the sum of the strip's columns before column i. Also returns the sums of whole strips.
-template <typename Value>
-std::array<double, kStrips> sum_up(const Value& value, std::size_t width, double* before) {
+// Sets to[column][lane] to the value of plane `lane`, times the factor.
+MULTUM_VECTOR_CLONES
+void interleave(const double* a, const double* b, const double* c, const double* d, const double* factors,
+                std::size_t width, double* __restrict to) {
+  for (std::size_t i = 0; i < width; ++i) {
+    const double factor = factors[i];
+    to[4 * i] = a[i] * factor;
+    to[4 * i + 1] = b[i] * factor;
+    to[4 * i + 2] = c[i] * factor;
+    to[4 * i + 3] = d[i] * factor;
+  }
+}
+
+// Sets before[i] to the sum of the strip's columns before column i, and upto_strip[k] to the sum of the strips before
+// strip k. The last entry is the sum of all strips. Everything is [...][lane].
+template <std::size_t kLanes>
+inline __attribute__((always_inline)) void sum_up(const double* __restrict values, std::size_t width,
+                                                  double* __restrict before, double* __restrict upto_strip) {
   const std::size_t strip = strip_width(width);
-  std::array<double, kStrips> sums = {};
-  const auto add = [&](std::size_t k, std::size_t column) {
-    before[column] = sums[k];
-    sums[k] += value(column);
-  };
+  double sums[kStrips][kLanes] = {};
   for (std::size_t i = 0; i < strip; ++i)
-    for (std::size_t k = 0; k < kStrips; ++k) add(k, k * strip + i);
-  for (std::size_t column = kStrips * strip; column < width; ++column) add(kStrips - 1, column);
-  return sums;
+    for (std::size_t k = 0; k < kStrips; ++k)
+      for (std::size_t lane = 0; lane < kLanes; ++lane) {
+        const std::size_t at = (k * strip + i) * kLanes + lane;
+        before[at] = sums[k][lane];
+        sums[k][lane] += values[at];
+      }
+  for (std::size_t column = kStrips * strip; column < width; ++column)
+    for (std::size_t lane = 0; lane < kLanes; ++lane) {
+      before[column * kLanes + lane] = sums[kStrips - 1][lane];
+      sums[kStrips - 1][lane] += values[column * kLanes + lane];
+    }
+  for (std::size_t lane = 0; lane < kLanes; ++lane) {
+    upto_strip[lane] = 0.0;
+    for (std::size_t k = 0; k < kStrips; ++k)
+      upto_strip[(k + 1) * kLanes + lane] = upto_strip[k * kLanes + lane] + sums[k][lane];
+  }
 }
 
 // Returns the positions where the line at height y enters and leaves a rectangle. If the line misses the rectangle,
@@ -159,35 +184,93 @@ FootprintAverages::FootprintAverages(std::vector<Footprint> footprints, int map_
   for (const RowLine& one : unsorted) lines_[next[static_cast<std::size_t>(one.row)]++] = one.line;
 }
 
-template <typename Value>
-void FootprintAverages::add_values(int y, const Value& value, double* before, double* sums, std::size_t stride) const {
-  const auto width = static_cast<std::size_t>(map_width_), strip = strip_width(width);
-  const std::array<double, kStrips> strip_sums = sum_up(value, width, before);
-  std::array<double, kStrips> upto_strip = {};
-  for (std::size_t k = 1; k < kStrips; ++k) upto_strip[k] = upto_strip[k - 1] + strip_sums[k - 1];
-  const double whole = upto_strip.back() + strip_sums.back();
-  // Returns the integral over the columns before `texel` and over the fraction `part` of `texel`.
-  const auto integral = [&](std::int32_t texel, float part) {
-    const auto i = static_cast<std::size_t>(texel);
-    const std::size_t k = (i >= strip ? 1u : 0u) + (i >= 2 * strip ? 1u : 0u) + (i >= 3 * strip ? 1u : 0u);
-    return upto_strip[k] + before[i] + static_cast<double>(part) * value(i);
-  };
-  const std::size_t end = line_begin_[static_cast<std::size_t>(y) + 1];
-  for (std::size_t i = line_begin_[static_cast<std::size_t>(y)]; i < end; ++i) {
-    const Line& line = lines_[i];
-    sums[line.footprint * stride] += line.weight_turns * whole + line.weight_end * integral(line.end, line.end_part) -
-                                     line.weight_begin * integral(line.begin, line.begin_part);
+namespace {
+
+// The sums of one row, [column or strip][lane].
+struct LineSums {
+  const double* values;
+  const double* before;
+  double upto_strip[(kStrips + 1) * FootprintAverages::kLanes];
+  std::size_t strip;
+  std::size_t lane_count;  // lanes that are added
+
+  std::size_t strip_of(std::size_t column) const {
+    return (column >= strip ? 1u : 0u) + (column >= 2 * strip ? 1u : 0u) + (column >= 3 * strip ? 1u : 0u);
+  }
+};
+
+template <std::size_t kLanes>
+inline __attribute__((always_inline)) void add_lines(const LineSums& row, const FootprintAverages::Line* lines,
+                                                     std::size_t line_count, double* sums, std::size_t stride) {
+  const double* const whole = row.upto_strip + kStrips * kLanes;
+  for (std::size_t i = 0; i < line_count; ++i) {
+    const FootprintAverages::Line& line = lines[i];
+    const auto begin = static_cast<std::size_t>(line.begin), end = static_cast<std::size_t>(line.end);
+    const double* const upto_begin = row.upto_strip + row.strip_of(begin) * kLanes;
+    const double* const upto_end = row.upto_strip + row.strip_of(end) * kLanes;
+    const auto begin_part = static_cast<double>(line.begin_part), end_part = static_cast<double>(line.end_part);
+    double added[kLanes];
+    for (std::size_t lane = 0; lane < kLanes; ++lane) {
+      const double to_begin =
+          upto_begin[lane] + row.before[begin * kLanes + lane] + begin_part * row.values[begin * kLanes + lane];
+      const double to_end =
+          upto_end[lane] + row.before[end * kLanes + lane] + end_part * row.values[end * kLanes + lane];
+      added[lane] = line.weight_turns * whole[lane] + line.weight_end * to_end - line.weight_begin * to_begin;
+    }
+    double* const sum = sums + line.footprint * stride;
+    for (std::size_t lane = 0; lane < row.lane_count; ++lane) sum[lane] += added[lane];
   }
 }
 
-void FootprintAverages::add_row(int y, const double* values, const double* factors, double* scratch, double* sums,
-                                std::size_t stride) const {
-  if (factors == nullptr)
-    add_values(
-        y, [=](std::size_t i) { return values[i]; }, scratch, sums, stride);
-  else
-    add_values(
-        y, [=](std::size_t i) { return values[i] * factors[i]; }, scratch, sums, stride);
+MULTUM_VECTOR_CLONES
+void add_plane(LineSums& row, std::size_t width, double* before, const FootprintAverages::Line* lines,
+               std::size_t line_count, double* sums, std::size_t stride) {
+  sum_up<1>(row.values, width, before, row.upto_strip);
+  add_lines<1>(row, lines, line_count, sums, stride);
+}
+
+MULTUM_VECTOR_CLONES
+void add_four_planes(LineSums& row, std::size_t width, double* before, const FootprintAverages::Line* lines,
+                     std::size_t line_count, double* sums, std::size_t stride) {
+  sum_up<FootprintAverages::kLanes>(row.values, width, before, row.upto_strip);
+  add_lines<FootprintAverages::kLanes>(row, lines, line_count, sums, stride);
+}
+
+MULTUM_VECTOR_CLONES
+void multiply(const double* __restrict values, const double* __restrict factors, std::size_t width,
+              double* __restrict products) {
+  for (std::size_t i = 0; i < width; ++i) products[i] = values[i] * factors[i];
+}
+
+}  // namespace
+
+void FootprintAverages::add_rows(int y, const std::vector<const double*>& values, const double* factors,
+                                 double* scratch, double* sums, std::size_t stride) const {
+  const auto width = static_cast<std::size_t>(map_width_);
+  const std::size_t first_line = line_begin_[static_cast<std::size_t>(y)],
+                    line_count = line_begin_[static_cast<std::size_t>(y) + 1] - first_line;
+  const Line* const lines = lines_.data() + first_line;
+  double* const products = scratch;
+  double* const before = scratch + kLanes * width;
+  LineSums row{products, before, {}, strip_width(width), 1};
+  // Planes that are added together share the work per line. In rows of many columns and few lines, sorting the columns
+  // of four planes would take longer than this saves.
+  const bool adds_together = factors != nullptr && 4 * line_count > width;
+  for (std::size_t first = 0; first < values.size();) {
+    row.lane_count = adds_together ? std::min(kLanes, values.size() - first) : 1;
+    if (row.lane_count > 1) {
+      // Lanes without a plane repeat the last one, and are not added.
+      const auto plane = [&](std::size_t lane) { return values[first + std::min(lane, row.lane_count - 1)]; };
+      interleave(plane(0), plane(1), plane(2), plane(3), factors, width, products);
+      add_four_planes(row, width, before, lines, line_count, sums + first, stride);
+    } else {
+      if (factors != nullptr) multiply(values[first], factors, width, products);
+      row.values = factors != nullptr ? products : values[first];
+      add_plane(row, width, before, lines, line_count, sums + first, stride);
+      row.values = products;
+    }
+    first += row.lane_count;
+  }
 }
 
 }  // namespace multum

@@ -29,18 +29,19 @@ class FootprintAverages {
 
   const std::vector<Footprint>& footprints() const { return footprints_; }
   int map_width() const { return map_width_; }
-  /// Returns the number of doubles that add_row() needs as scratch memory.
-  std::size_t scratch_length() const { return static_cast<std::size_t>(map_width_); }
+  /// Returns the number of doubles that add_rows() needs as scratch memory.
+  std::size_t scratch_length() const { return 2 * kLanes * static_cast<std::size_t>(map_width_); }
   bool needs_row(int y) const {
     return line_begin_[static_cast<std::size_t>(y)] < line_begin_[static_cast<std::size_t>(y) + 1];
   }
-  /// Adds row y of the plane, values[0..map_width()), to sums[footprint * stride]. Values are multiplied by `factors`
-  /// unless it is null. Sums start at 0 and become averages after the last row. `scratch` holds scratch_length()
-  /// doubles.
-  void add_row(int y, const double* values, const double* factors, double* scratch, double* sums,
-               std::size_t stride) const;
+  /// Adds row y of each plane p, values[p][0..map_width()), to sums[footprint * stride + p]. Values are multiplied by
+  /// `factors` unless it is null. Sums start at 0 and become averages after the last row. `scratch` holds
+  /// scratch_length() doubles. Up to kLanes planes take little more time than one.
+  void add_rows(int y, const std::vector<const double*>& values, const double* factors, double* scratch, double* sums,
+                std::size_t stride) const;
 
- private:
+  static constexpr std::size_t kLanes = 4;  // planes that are added together
+
   // The integral of a part of a line within a row. Its first term is weight_turns times the sum of the row. The second
   // term is weight_end times the integral over the texels before `end` and over the fraction end_part of texel `end`.
   // The corresponding integral up to the beginning of the line is subtracted. The signs of the weights account for
@@ -51,13 +52,13 @@ class FootprintAverages {
     float begin_part, end_part;
     double weight_begin, weight_end, weight_turns;
   };
+
+ private:
   struct RowLine {
     int row;
     Line line;
   };
   struct End;
-  template <typename Value>
-  void add_values(int y, const Value& value, double* before, double* sums, std::size_t stride) const;
   End end_at(double x) const;
   void append_lines(std::uint32_t footprint, std::uint64_t seed, std::vector<RowLine>& lines) const;
 

@@ -16,6 +16,8 @@
 #include "host/foundation/base/mean_cosine.h"
 #include "host/foundation/base/processes/parallel.h"
 #include "host/foundation/base/split_mix.h"
+#include "host/foundation/base/vector_clones.h"
+#include "host/foundation/base/vector_exp.h"
 
 namespace multum {
 namespace {
@@ -54,26 +56,25 @@ Normals sample_normals(const PlaneStore& map, const TexelRectangle& where, doubl
 class HighlightError {
  public:
   explicit HighlightError(const Normals& normals) : directions_(spread_half_vectors(kDirections)) {
-    for (std::size_t s = 0; s < kSharpness.size(); ++s)
-      for (std::size_t d = 0; d < kDirections; ++d) {
-        double sum = 0.0;
-        for (const glm::dvec3& n : normals) sum += highlight(n, kSharpness[s], directions_[d]);
-        reference_[s][d] = sum / static_cast<double>(normals.size());
-      }
+    for (std::size_t s = 0; s < kSharpness.size(); ++s) {
+      Values sum{};
+      for (const glm::dvec3& n : normals) add_highlight(n, kSharpness[s], sum);
+      for (std::size_t d = 0; d < kDirections; ++d) reference_[s][d] = sum[d] / static_cast<double>(normals.size());
+    }
   }
 
   double operator()(const Fit& fit) const {
     double error = 0.0;
     for (std::size_t s = 0; s < kSharpness.size(); ++s) {
+      Values model{};
+      for (const Lobe& lobe : fit.lobes) {
+        // Mean cosines multiply under convolution (docs/contributing/ALGORITHMS.md, "Shading a filtered lobe").
+        const double mean_cosine = lobe.mean_length * (1.0 - 1.0 / kSharpness[s]);
+        add_density(kappa_of_mean_cosine(mean_cosine, 1e6), lobe.mu, lobe.amplitude, model);
+      }
       double difference = 0.0, total = 0.0;
       for (std::size_t d = 0; d < kDirections; ++d) {
-        double model = 0.0;
-        for (const Lobe& lobe : fit.lobes) {
-          // Mean cosines multiply under convolution (docs/contributing/ALGORITHMS.md, "Shading a filtered lobe").
-          const double mean_cosine = lobe.mean_length * (1.0 - 1.0 / kSharpness[s]);
-          model += lobe.amplitude * density(kappa_of_mean_cosine(mean_cosine, 1e6), glm::dot(lobe.mu, directions_[d]));
-        }
-        difference += std::abs(model - reference_[s][d]);
+        difference += std::abs(model[d] - reference_[s][d]);
         total += reference_[s][d];
       }
       error += difference / total;
@@ -82,19 +83,40 @@ class HighlightError {
   }
 
  private:
-  // Returns the highlight of a normal. A shortened normal has the width of its own lobe.
-  static double highlight(const glm::dvec3& n, double sharpness, const glm::dvec3& direction) {
-    const double length = glm::length(n);
-    if (length > 1.0 - 1e-6) return density(sharpness, glm::dot(n, direction));
-    return density(kappa_of_mean_cosine(length * (1.0 - 1.0 / sharpness), 1e6), glm::dot(n, direction) / length);
-  }
   static constexpr int kDirections = 256;
   static constexpr std::array<double, 3> kSharpness = {20.0, 100.0, 500.0};
-  static double density(double kappa, double t) {
-    return kappa / (1.0 - std::exp(-2.0 * kappa)) * std::exp(kappa * (t - 1.0));
+  using Values = std::array<double, kDirections>;  // [direction]
+
+  // Adds the highlight of a normal. A shortened normal has the width of its own lobe.
+  void add_highlight(const glm::dvec3& n, double sharpness, Values& sum) const {
+    const double length = glm::length(n);
+    if (length > 1.0 - 1e-6) add_density(sharpness, n, 1.0, sum);
+    else add_density(kappa_of_mean_cosine(length * (1.0 - 1.0 / sharpness), 1e6), n / length, 1.0, sum);
   }
-  std::vector<glm::dvec3> directions_;
-  std::array<std::array<double, kDirections>, 3> reference_;
+  void add_density(double kappa, const glm::dvec3& mu, double amplitude, Values& sum) const {
+    add_densities(kappa, amplitude * kappa / (1.0 - std::exp(-2.0 * kappa)), mu.x, mu.y, mu.z, directions_, sum.data());
+  }
+
+  // The half vectors as coordinates.
+  struct Directions {
+    explicit Directions(const std::vector<glm::dvec3>& all) {
+      for (std::size_t d = 0; d < kDirections; ++d) x[d] = all[d].x, y[d] = all[d].y, z[d] = all[d].z;
+    }
+    alignas(64) double x[kDirections], y[kDirections], z[kDirections];
+  };
+
+  MULTUM_VECTOR_CLONES
+  static void add_densities(double kappa, double peak, double mu_x, double mu_y, double mu_z,
+                            const Directions& directions, double* __restrict sum) {
+    for (std::size_t d = 0; d < kDirections; ++d) {
+      const double t = mu_x * directions.x[d] + mu_y * directions.y[d] + mu_z * directions.z[d];
+      const double exponent = kappa * (t - 1.0);
+      sum[d] += peak * exp_of_negative(exponent < 0.0 ? exponent : 0.0);
+    }
+  }
+
+  const Directions directions_;
+  std::array<Values, kSharpness.size()> reference_;
 };
 
 void rate(std::vector<Fit>& fits, const HighlightError& error, int threads) {

@@ -132,8 +132,8 @@ TEST(Footprints, AveragesAreThoseOfTheDefinition) {
       for (int y = 0; y < size.height; ++y) {
         const double* row = plane.values.data() + std::ptrdiff_t{y} * size.width;
         if (!averages.needs_row(y)) continue;
-        averages.add_row(y, row, nullptr, scratch.data(), sums.data(), 2);
-        averages.add_row(y, twos.data(), row, scratch.data(), doubled.data(), 2);
+        averages.add_rows(y, {row}, nullptr, scratch.data(), sums.data(), 2);
+        averages.add_rows(y, {twos.data()}, row, scratch.data(), doubled.data(), 2);
       }
       for (std::size_t i = 0; i < averages.footprints().size(); ++i) {
         const Footprint& one = averages.footprints()[i];
@@ -143,6 +143,33 @@ TEST(Footprints, AveragesAreThoseOfTheDefinition) {
         EXPECT_EQ(sums[2 * i + 1], 0.0) << "of another value";
       }
     }
+  }
+}
+
+// Planes that are added together have the same sums, bit for bit, as planes that are added one by one.
+TEST(Footprints, SeveralPlanesAreAddedAsOneByOne) {
+  for (const PlaneSize size : {PlaneSize{33, 32}, PlaneSize{2000, 4}}) {  // many lines per row, and few
+    const FootprintSettings settings{4, 0, 11, WrapMode::kPeriodic, WrapMode::kMirror, {}};
+    const FootprintAverages averages(choose_footprints(size.width, size.height, settings), size.width, size.height,
+                                     settings);
+    constexpr std::size_t kPlanes = 6;
+    std::vector<reference::ValuePlane> planes;
+    for (std::uint32_t p = 0; p <= kPlanes; ++p) planes.push_back(random_plane(size, 20 + p));
+    std::vector<double> together(kPlanes * averages.footprints().size()), single(together.size());
+    std::vector<double> scratch(averages.scratch_length());
+    for (int y = 0; y < size.height; ++y) {
+      if (!averages.needs_row(y)) continue;
+      std::vector<const double*> rows;
+      for (const reference::ValuePlane& plane : planes)
+        rows.push_back(plane.values.data() + std::ptrdiff_t{y} * size.width);
+      const double* const factors = rows.back();
+      rows.pop_back();
+      averages.add_rows(y, rows, factors, scratch.data(), together.data(), kPlanes);
+      for (std::size_t p = 0; p < kPlanes; ++p)
+        averages.add_rows(y, {rows[p]}, factors, scratch.data(), single.data() + p, kPlanes);
+    }
+    EXPECT_EQ(together, single);
+    EXPECT_NE(together, std::vector<double>(together.size()));
   }
 }
 
