@@ -57,6 +57,9 @@ typedef struct MultumMovmfFit {
   int order;            // one of MULTUM_ORDER_*
   int periodic_x;       // if not 0, texels at opposite borders are neighbours
   int periodic_y;
+  // If not 0, the map consists of copies below each other, and each has copy_height rows of this level. Texels of
+  // different copies are not neighbours. Copies have sides that are powers of two.
+  int copy_height;
   int iteration_count;
   int sample_capacity;                  // largest number of samples (movmf_em_texels.cl), or of cells, per texel
   int cell_side;                        // cells along a side of a binned texel's grid; 0 means not binned

@@ -2,6 +2,7 @@
 #include "host/bakes/movmf/mip_schedule.h"
 
 #include <algorithm>
+#include <bit>
 
 #include "host/bakes/pyramid/row_window.h"
 #include "host/formats/asset/lobes/movmf_mipmap.h"
@@ -145,6 +146,17 @@ void make_shortened(MipSchedule& schedule) {
     if (level.method != FitMethod::kBinned) continue;
     level.fit.cell_side = level.fit.cell_side == kCellSideFew ? kCellSideFewShortened : kCellSideShortened;
     level.fit.sample_capacity = MULTUM_LENGTH_CLASSES * level.fit.cell_side * level.fit.cell_side;
+  }
+}
+
+void make_copies(MipSchedule& schedule, int count) {
+  for (LevelSchedule& level : schedule.levels) {
+    MultumMovmfFit& fit = level.fit;
+    MULTUM_CHECK(fit.map_width == fit.map_height && std::has_single_bit(static_cast<unsigned>(fit.map_width)));
+    fit.copy_height = fit.height;
+    for (int* rows : {&fit.map_height, &fit.height, &fit.parent_height, &fit.window_rows, &fit.parent_window_rows,
+                      &fit.map_window_rows})
+      *rows *= count;
   }
 }
 

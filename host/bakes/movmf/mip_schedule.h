@@ -83,6 +83,10 @@ void make_shortened(MipSchedule& schedule);
 /// Makes the schedule of a map. The map's planes state whether normals are shortened.
 MipSchedule make_mip_schedule(const PlaneStore& normals, const MovmfSettings& settings, bool weighted = false);
 
+/// Adapts the schedule of a map whose sides are equal powers of two to `count` copies of the map below each other. Each
+/// copy is fitted as if it were alone.
+void make_copies(MipSchedule& schedule, int count);
+
 /// Lists the texels of step `step` in the rows [first_row, last_row) of a level, as positions (row - window_first_row)
 /// * width + column in a window. Rows outside the level's borders belong to the repeated level.
 std::vector<int> step_texels(const LevelSchedule& level, int step, int first_row, int last_row, int window_first_row);

@@ -4,8 +4,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <optional>
+#include <span>
 
 #include "host/bakes/accuracy/accuracy.h"
 #include "host/bakes/accuracy/movmf_model.h"
@@ -60,16 +62,24 @@ class MovmfMipmapSink : public MovmfSink {
 // The largest side of the levels of the proxy map that are compared. On finer levels, a texel has too few normals.
 constexpr int kComparedSideMax = 16;
 
-// Bakes a small proxy map from one start after another. Shared data is made once.
+// Returns `count` copies of the map below each other.
+NormalMap copies_of(const NormalMap& map, int count) {
+  NormalMap copies = map;
+  copies.height *= count;
+  for (int i = 1; i < count; ++i) {
+    copies.x.insert(copies.x.end(), map.x.begin(), map.x.end());
+    copies.y.insert(copies.y.end(), map.y.begin(), map.y.end());
+    copies.z.insert(copies.z.end(), map.z.begin(), map.z.end());
+  }
+  return copies;
+}
+
+// Bakes a small proxy map from several starts. The coarse levels of a proxy map have fewer texels than a processor has
+// lanes, so all starts are tried at once, each on a copy of the proxy map.
 class StartTrial {
  public:
   StartTrial(Device& device, const NormalMap& proxy, const MovmfSettings& settings, const MipSchedule& of_map)
-      : device_(device),
-        planes_(planes_of(proxy)),
-        map_{&planes_},
-        settings_(settings),
-        schedule_(make_mip_schedule(planes_, settings, of_map.weighted)),
-        plan_(make_bake_plan(schedule_, settings, map_, device.shape())) {}
+      : device_(device), proxy_(proxy), planes_(planes_of(proxy)), settings_(settings), is_weighted_(of_map.weighted) {}
 
   // Builds the pyramid from each candidate and returns its error at and between texel centres. A start is good if it
   // leads to low errors on finer levels. These errors can be predicted neither from the likelihood of the start nor
@@ -83,8 +93,15 @@ class StartTrial {
     while (std::max(mip_level_size(planes_.width(), accuracy.first_level),
                     mip_level_size(planes_.height(), accuracy.first_level)) > kComparedSideMax)
       ++accuracy.first_level;
+    const bool at_once = proxy_.width == proxy_.height && std::has_single_bit(static_cast<unsigned>(proxy_.width));
     std::vector<MovmfMipmap> mipmaps;
-    for (const std::vector<MultumVmfLobe>& start : starts) mipmaps.push_back(pyramid_from(start, accuracy.first_level));
+    for (std::size_t first = 0; first < starts.size();) {
+      const std::size_t end = at_once ? starts.size() : first + 1;
+      const std::span some(starts.begin() + static_cast<std::ptrdiff_t>(first),
+                           starts.begin() + static_cast<std::ptrdiff_t>(end));
+      add_pyramids(some, accuracy.first_level, mipmaps);
+      first = end;
+    }
     std::vector<double> errors;
     for (const std::vector<AccuracyRow>& rows : measure_each(device_, mipmaps, planes_, accuracy)) {
       double& error = errors.emplace_back(0.0);  // logarithm of the product of the errors, so that no BRDF or level
@@ -96,24 +113,47 @@ class StartTrial {
   }
 
  private:
-  // Finer levels than `finest` remain empty, because no level depends on them.
-  MovmfMipmap pyramid_from(const std::vector<MultumVmfLobe>& start, int finest) const {
+  // Appends a pyramid for each start. Finer levels than `finest` remain empty, because no level depends on them.
+  void add_pyramids(std::span<const std::vector<MultumVmfLobe>> starts, int finest,
+                    std::vector<MovmfMipmap>& mipmaps) const {
+    const int count = static_cast<int>(starts.size());
+    const NormalMap copied = copies_of(proxy_, count);
+    const PlaneStore copies = planes_of(copied);  // reads the memory of `copied`
+    const MapInputs map{&copies};
+    MipSchedule schedule = make_mip_schedule(planes_, settings_, is_weighted_);
+    if (count > 1) make_copies(schedule, count);
+    BakePlan plan = make_bake_plan(schedule, settings_, map, device_.shape());
+    std::vector<MultumVmfLobe> lobes;
+    for (const std::vector<MultumVmfLobe>& start : starts) lobes.insert(lobes.end(), start.begin(), start.end());
+    // A texel's neighbours in its copy may be farther away than the rows of a band.
+    for (const LevelSchedule& level : schedule.levels) plan.levels.at(level.level).band_rows = level.fit.height;
     FitReport ignored;
-    MovmfMipmapSink sink(planes_, settings_, {});
-    RowOrigin rows(&sink, map_.spill);
+    MovmfMipmapSink sink(copies, settings_, {});
+    RowOrigin rows(&sink, map.spill);
     MovmfFit fit(
-        device_, map_, settings_, schedule_, plan_, rows, [&] { return start; }, ignored, nullptr);
-    for (const LevelSchedule& level : schedule_.levels)
+        device_, map, settings_, schedule, plan, rows, [&] { return lobes; }, ignored, nullptr);
+    for (const LevelSchedule& level : schedule.levels)
       if (level.level >= finest) fit.fit(level);
-    return sink.take();
+    const MovmfMipmap fitted = sink.take();
+    for (std::size_t c = 0; c < starts.size(); ++c) {
+      MovmfMipmap& mipmap = mipmaps.emplace_back(MovmfMipmapSink(planes_, settings_, {}).take());
+      for (const LevelSchedule& level : schedule.levels) {
+        const auto l = static_cast<std::size_t>(level.level);
+        const std::size_t texels =
+            static_cast<std::size_t>(mipmap.levels[l].width) * static_cast<std::size_t>(mipmap.levels[l].height);
+        for (std::size_t j = 0; j < lobes.size() / starts.size() && level.level >= finest; ++j) {
+          const auto begin = fitted.levels[l].lobes[j].begin() + static_cast<std::ptrdiff_t>(c * texels);
+          mipmap.levels[l].lobes[j].assign(begin, begin + static_cast<std::ptrdiff_t>(texels));
+        }
+      }
+    }
   }
 
   Device& device_;
+  const NormalMap& proxy_;
   const PlaneStore planes_;
-  const MapInputs map_;
   const MovmfSettings settings_;
-  const MipSchedule schedule_;
-  const BakePlan plan_;
+  const bool is_weighted_;
 };
 
 // Returns candidates for the map. If there is a StartMemory, it keeps them for all settings with the same number of

@@ -150,8 +150,9 @@ RowStore MovmfFit::parentless_start(const LevelSchedule& level) {
   std::vector<MultumVmfLobe> row(lobe_count() * width);
   if (fit.parent_width == 0) {
     progress_stage(progress_, "choose a start");
-    row = choose_start_();
-    store.write(0, 1, row.data());
+    const std::vector<MultumVmfLobe> starts = choose_start_();
+    MULTUM_CHECK(starts.size() == row.size() * static_cast<std::size_t>(fit.height));
+    store.write(0, fit.height, starts.data());
     return store;
   }
   for (int y = 0; y < fit.height; ++y) {

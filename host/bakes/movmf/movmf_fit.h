@@ -29,7 +29,7 @@ void prepare_fit(Device& device, const MipSchedule& schedule, const MovmfSetting
 
 class MovmfFit {
  public:
-  /// Returns the lobes of the coarsest level's texel.
+  /// Returns the lobes of the coarsest level's texel, or of its texels if there are copies of a map (make_copies()).
   using ChooseStart = std::function<std::vector<MultumVmfLobe>()>;
 
   /// Settings must be valid, and features must have the map's size. All arguments must outlive the object. Calls
