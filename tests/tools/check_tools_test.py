@@ -91,7 +91,7 @@ class CheckToolsTest(unittest.TestCase):
 
     def write_tables(self, layers, districts="", headers="glm/ host"):
         self.write("docs/contributing/ARCHITECTURE.md", f"```districts\n{districts}\n```\n```layers\n{layers}\n```\n"
-                                           f"```headers\n{headers}\n```\n```programs\n```\n")
+                                           f"```headers\n{headers}\n```\n```programs\n```\n```exports\n```\n")
 
     def test_row_that_nothing_needs(self):
         base, asset, bake = "host/foundation/base", "host/formats/asset", "host/bakes/bake"

@@ -93,7 +93,9 @@ class StartTrial {
     while (std::max(mip_level_size(planes_.width(), accuracy.first_level),
                     mip_level_size(planes_.height(), accuracy.first_level)) > kComparedSideMax)
       ++accuracy.first_level;
-    const bool at_once = proxy_.width == proxy_.height && std::has_single_bit(static_cast<unsigned>(proxy_.width));
+    // Copies support neither level 1 (movmf_choose.cl) nor sides that are not powers of two.
+    const bool at_once = accuracy.first_level >= 2 && proxy_.width == proxy_.height &&
+                         std::has_single_bit(static_cast<unsigned>(proxy_.width));
     std::vector<MovmfMipmap> mipmaps;
     for (std::size_t first = 0; first < starts.size();) {
       const std::size_t end = at_once ? starts.size() : first + 1;
@@ -137,13 +139,12 @@ class StartTrial {
     const MovmfMipmap fitted = sink.take();
     for (std::size_t c = 0; c < starts.size(); ++c) {
       MovmfMipmap& mipmap = mipmaps.emplace_back(MovmfMipmapSink(planes_, settings_, {}).take());
-      for (const LevelSchedule& level : schedule.levels) {
-        const auto l = static_cast<std::size_t>(level.level);
-        const std::size_t texels =
-            static_cast<std::size_t>(mipmap.levels[l].width) * static_cast<std::size_t>(mipmap.levels[l].height);
-        for (std::size_t j = 0; j < lobes.size() / starts.size() && level.level >= finest; ++j) {
+      for (std::size_t l = static_cast<std::size_t>(finest); l < mipmap.levels.size(); ++l) {
+        MovmfLevel& level = mipmap.levels[l];
+        const std::size_t texels = static_cast<std::size_t>(level.width) * static_cast<std::size_t>(level.height);
+        for (std::size_t j = 0; j < level.lobes.size(); ++j) {
           const auto begin = fitted.levels[l].lobes[j].begin() + static_cast<std::ptrdiff_t>(c * texels);
-          mipmap.levels[l].lobes[j].assign(begin, begin + static_cast<std::ptrdiff_t>(texels));
+          level.lobes[j].assign(begin, begin + static_cast<std::ptrdiff_t>(texels));
         }
       }
     }
