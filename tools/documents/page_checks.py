@@ -14,7 +14,7 @@ LANGUAGES = {"sh", "bash", "text", "c", "cpp", "css", "csharp", "cmake", "diff",
              "http", "ini", "java", "js", "json", "lua", "makefile", "metal", "nginx", "opencl", "python", "rust",
              "toml", "ts", "wgsl", "xml", "yaml"}
 # The languages of code blocks with tables that scripts read.
-TABLES = {"docs/contributing/ARCHITECTURE.md": {"districts", "layers", "headers", "programs", "folders"}}
+TABLES = {"docs/contributing/ARCHITECTURE.md": {"districts", "layers", "headers", "programs", "exports", "folders"}}
 # These pages name commands of earlier versions.
 PAST_COMMANDS = {"docs/contributing/CHANGELOG.md"}
 # Each limit applies to all of its folders together.
