@@ -12,6 +12,8 @@ namespace fs = std::filesystem;
 
 class DecodingFailureTest : public CliTest {
  protected:
+  static constexpr const char* kModule = "multum-decode-libraries.so";
+
   // Installs the programs in a folder of their own. There, failing_helper replaces multum-decode and fails in the way
   // that its file name says (tests/unit/foundation/sandbox/failing_helper.cpp). If `decoder` is empty, multum-decode is
   // missing.
@@ -21,6 +23,7 @@ class DecodingFailureTest : public CliTest {
     const fs::path built = MULTUM_BIN_DIR;
     for (const char* program : {"multum", "multum-view"}) fs::copy_file(built / program, path("bin/") + program);
     if (!decoder.empty()) fs::copy_file(built / decoder, path("bin/multum-decode"));
+    fs::copy_file(built / kModule, path("bin/") + kModule);
     make_map("map", 16);
     fs::create_directory(path("out"));
   }
@@ -65,6 +68,13 @@ TEST_F(DecodingFailureTest, NoDecoderIsAnErrorOfTheMachine) {
   write_bytes(path("mesh.obj"), "");
   expect_refused({"multum-view", path("map.ndf.exr"), "--mesh", path("mesh.obj")}, kEnvironment,
                  {"bin/multum-decode: ", "started"});
+  install("multum-decode");
+  fs::remove(path("bin/") + kModule);
+  expect_refused({"multum-view", path("map.ndf.exr"), "--mesh", path("mesh.obj")}, kEnvironment,
+                 {kModule, "not found", "install"});
+  EXPECT_EQ(run_program({path("bin/multum"), "bake", path("map_normal.png"), "-o", path("a.ndf.exr"), "-q"}).exit_code,
+            0)
+      << "PNG needs no module";
 }
 
 // Without a decoder, no file can be read. With a decoder, the decoder's memory limit is passed on to the multum-view

@@ -135,8 +135,7 @@ TEST_F(LimitsTest, TooLittleMemoryToDecodeIsOfTheMachine) {
   write_test_image(path("map.tif"), normal_image(256, 256));
   for (const char* limit : {"-v 200000", "-v 330000", "-d 20000", "-d 100000"}) {
     SCOPED_TRACE(limit);
-    const ProgramResult result =
-        limited(limit, multum_command({"mip", path("map.tif"), "-o", path("out/a.exr")}));
+    const ProgramResult result = limited(limit, multum_command({"mip", path("map.tif"), "-o", path("out/a.exr")}));
     EXPECT_EQ(result.signal, 0);
     EXPECT_EQ(result.exit_code, kEnvironment) << result.err;
     expect_says(result.err, {"memory"});

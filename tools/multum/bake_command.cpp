@@ -104,7 +104,8 @@ int run_bake(const CLI::App& bake, BakeOptions& o) {
   check_scopes(o.values);
   check_target_values(o.values);
   apply(o.values, job);
-  job.keeps_mosaic = job.measure && !o.common.quiet;
+  // The plan of a scene says what each object gains, and a scene fits only what it needs.
+  job.keeps_mosaic = job.measure && !o.common.quiet && !has_scene;
   const DeviceChoice device_choice{o.values.text("device").value_or(""), o.values.flag("scalar")};
   if (!o.shard.empty() && o.merged_shards > 0)
     throw Error(ErrorCode::kUsage, "--shard and --merge are mutually exclusive");

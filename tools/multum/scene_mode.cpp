@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
-#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -25,7 +24,6 @@
 #include "host/foundation/parameters/bake_parameters.h"
 #include "tools/command_line/decoding_option.h"
 #include "tools/command_line/parameter_options.h"
-#include "tools/multum/check/verdict_line.h"
 #include "tools/multum/openjd_lines.h"
 #include "tools/multum/share_plan_mode.h"
 
@@ -118,13 +116,6 @@ void print_views(const ScenePlan& plan, const SceneFiles& files, const BakePrint
                 object.name.c_str());
 }
 
-// Adds the key "gain" to each map that has a verdict.
-nlohmann::json with_gains(nlohmann::json scene, const std::map<std::string, GainVerdict>& gains) {
-  for (nlohmann::json& map : scene["maps"])
-    if (const auto found = gains.find(map.at("name")); found != gains.end()) map["gain"] = found->second.to_json();
-  return scene;
-}
-
 int run_scene_shares(const SceneRun& run, const WorkShard& shares, const DeviceChoice& device_choice,
                      const CommonOptions& common, const SceneMapDone& done) {
   OrderedJson rows = OrderedJson::array();
@@ -184,12 +175,8 @@ int run_scene(const std::string& scene_file, BakeJob pattern, const DeviceChoice
   run.scene = read_scene(scene_file, pattern);
   check_outputs(scene_file, run.scene, run.files);
   make_folder(run.files.folder);
-  std::map<std::string, GainVerdict> gains;  // by the name of the map
-  const auto done = [&](const MapPlan& map, const SceneMapReport& report, Device& device) {
+  const auto done = [&](const MapPlan& map, const SceneMapReport& report) {
     print_map(map, report, run.files, printing);
-    BakeJob job = map.job;
-    job.output = run.files.baked(map);
-    if (const auto gain = end_with_verdict(job, report.bake, common, device)) gains.emplace(map.name, *gain);
   };
   if (division.shares) return run_scene_shares(run, *division.shares, device_choice, common, done);
   if (division.merged_shards > 0) return run_scene_merge(run, division.merged_shards, common, printing);
@@ -199,7 +186,7 @@ int run_scene(const std::string& scene_file, BakeJob pattern, const DeviceChoice
   if (!printing.quiet) write_shown(printing.out, plan_text(run.scene, plan, terminal_width()));
   Device device = Device::open(device_choice);
   const SceneReport report = bake_scene(run.scene, plan, run.files, device, done, progress.get());
-  if (common.json) print_json(with_gains(report.to_json(), gains));
+  if (common.json) print_json(report.to_json());
   if (printing.quiet) return 0;
   write_shown(printing.out, report.to_text());
   print_views(plan, run.files, printing);

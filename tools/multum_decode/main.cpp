@@ -6,6 +6,8 @@
 
 #include <cstdio>
 #include <cstdlib>
+#include <filesystem>
+#include <system_error>
 
 #include "host/formats/decoder/image_decoder.h"
 #include "host/formats/decoder/libraries/decoder_module.h"
@@ -21,9 +23,12 @@ namespace {
 // The exit code of a program whose libraries cannot be loaded (ld.so).
 constexpr int kNotLoaded = 127;
 
-// Loads the module. If it cannot be loaded, ends this process like a program whose libraries are missing.
+// Loads the module. Throws Error(kEnvironment) if it is missing. If it cannot be loaded, ends this process like a
+// program whose libraries are missing.
 DecoderModule* load_module() {
   const std::string path = program_folder() + "/" + kDecoderModuleFile;
+  if (std::error_code ignored; !std::filesystem::exists(path, ignored))
+    throw Error(ErrorCode::kEnvironment, path + ": not found, expected it next to multum-decode; install multum again");
   void* const module = ::dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
   void* const found = module != nullptr ? ::dlsym(module, kGetDecoderModule) : nullptr;
   if (found == nullptr) {

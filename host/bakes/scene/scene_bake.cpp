@@ -180,8 +180,7 @@ SceneReport bake_scene_maps(const SceneDescription& scene, const ScenePlan& plan
     report.maps.push_back(bake_map(scene, map, files, nlohmann::json::parse(before, nullptr, false), device, progress));
     SceneMapReport& made = report.maps.back();
     if (made.bake.unchanged && row != earlier.end()) made.earlier = before;
-    if (done) done(map, made, device);
-    made.bake.mosaic.reset();  // all reports stay in memory until the run ends
+    if (done) done(map, made);
   }
   report.launches = counts.launches();
   report.builds = counts.builds();

@@ -47,8 +47,7 @@ struct SceneReport {
   std::string to_text() const;
 };
 
-/// Receives each map when its files are complete, and the device of the bake.
-using SceneMapDone = std::function<void(const MapPlan&, const SceneMapReport&, Device&)>;
+using SceneMapDone = std::function<void(const MapPlan&, const SceneMapReport&)>;
 
 /// The folder must exist. Throws Error for the first map that fails, and Cancelled. Finished maps remain.
 SceneReport bake_scene(const SceneDescription& scene, const ScenePlan& plan, const SceneFiles& files, Device& device,
