@@ -206,7 +206,7 @@ TEST_F(InferCommandTest, CancelledWhileTheViewerRunsIsCancelled) {
   write_scene({});
   // This viewer exits as if Ctrl-C had been pressed, and sends multum the signal that the terminal would send.
   fs::create_directory(path("bin"));
-  for (const char* program : {"multum", "multum-decode"})
+  for (const char* program : {"multum", "multum-decode", "multum-decode-libraries.so"})
     fs::copy_file(std::string(MULTUM_BIN_DIR) + "/" + program, path("bin/") + program);
   write_bytes(path("bin/multum-view"), "#!/bin/sh\nkill -INT $PPID\nkill -INT $$\n");
   fs::permissions(path("bin/multum-view"), fs::perms::owner_all);
@@ -220,7 +220,7 @@ TEST_F(InferCommandTest, CancelledWhileTheViewerRunsIsCancelled) {
 TEST_F(InferCommandTest, AViewerThatCrashesIsAnErrorThatSaysSo) {
   write_scene({});
   fs::create_directory(path("bin"));
-  for (const char* program : {"multum", "multum-decode"})
+  for (const char* program : {"multum", "multum-decode", "multum-decode-libraries.so"})
     fs::copy_file(std::string(MULTUM_BIN_DIR) + "/" + program, path("bin/") + program);
   write_bytes(path("bin/multum-view"), "#!/bin/sh\necho the driver is unwell\nkill -SEGV $$\n");
   fs::permissions(path("bin/multum-view"), fs::perms::owner_all);

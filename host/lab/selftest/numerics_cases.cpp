@@ -226,7 +226,7 @@ std::vector<NumericalCase> exponential_cases() {
         "below e = 0.1, log(1 - e) is computed by the series of -2 atanh(e / (2 - e))", 1e-6, "relative error",
         "the omitted terms of the series add only 3e-9, and four rounded operations follow"},
        one_minus_log,
-       {probe_edit("if (e > 0.1f) return", "if (true) return")}},
+       {probe_edit("return e > 0.1f ?", "return true ?")}},
   };
 }
 
@@ -267,14 +267,14 @@ std::vector<NumericalCase> kappa_cases() {
         "at kappa = 1e-3, the divisor 1 - exp(-2 kappa) is only 2e-3, so the rounding error of exp2, 6e-8, grows to "
         "3e-5"},
        vmf_peak,
-       {probe_edit("const float scale = kappa > 1e-3f ? kappa", "const float scale = true ? kappa")}},
+       {probe_edit("const real_v scale = kappa > 1e-3f ? kappa", "const real_v scale = true ? kappa")}},
       {{"vmf-spread-12-decades", "device/vmf_shading.clh",
         "near kappa = 0, the difference 1/kappa - 2/(exp(2 kappa) - 1) loses its digits by cancellation",
         "below kappa = 0.1, two terms of the series are used", 2e-5, "relative error",
         "at kappa = 0.1, two terms near 10 have a difference near 1, so its relative error is ten times the relative "
         "rounding error of a term"},
        vmf_spreads,
-       {probe_edit("if (kappa < 0.1f) return", "if (false) return")}},
+       {probe_edit("return kappa < 0.1f ?", "return false ?")}},
       {{"highlight-cosines-of-every-width", "device/vmf_shading.clh, probe_highlight_cosine",
         "the vectors of the facets and of an opposite lobe of equal sharpness cancel, so their sum has no direction",
         "the divisor is at least 1e-6", 2.5e-3, "absolute error",
