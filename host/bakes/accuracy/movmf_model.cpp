@@ -20,10 +20,20 @@ glm::dvec4 as_gaussian(const glm::dvec4& mean) {
 
 }  // namespace
 
+namespace {
+
+// Workaround "Oclgrind lacks noalias scopes": Oclgrind 21.10 cannot run the code that Clang makes from functions that
+// return structs of vectors, so it gets the scalar variant.
+int samples_per_item(const Device& device) {
+  return device.info().name.starts_with("Oclgrind") ? 1 : device.shape().vector_width;
+}
+
+}  // namespace
+
 ProgramChoice MovmfModel::program(const Device& device, Representation representation, int lobe_count,
                                   int first_level) {
   const int lobes = lobe_count + (first_level > 0 ? 1 : 0);  // the averages of the map form one more lobe
-  return {"movmf_shade", {lobes, device.shape().vector_width, false, lobe_family(representation).is_planar}};
+  return {"movmf_shade", {lobes, samples_per_item(device), false, lobe_family(representation).is_planar}};
 }
 
 MovmfModel::MovmfModel(const MovmfMipmap& mipmap, bool has_colours, const TexelSelection& texels)
@@ -94,7 +104,7 @@ class MovmfShading : public PointShading {
       : device_(device),
         model_(model),
         directions_(device, directions),
-        width_(static_cast<std::size_t>(device.shape().vector_width)),
+        width_(static_cast<std::size_t>(samples_per_item(device))),
         kernel_(device.kernel("movmf_shade", "movmf_shade", model.program(device).variant)) {}
 
   void shade(const PointTaps& points, int, int channel, int threads, std::vector<float>& values) override {
