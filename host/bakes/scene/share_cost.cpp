@@ -35,10 +35,10 @@ constexpr double kMeasureExponentCpu = 30.0;
 // Times in seconds that do not depend on the size of the map. They are for starting a process with its programs and
 // buffers, for the search for the initial lobes of EM, and for the measurement. They include a minimum time for every
 // level.
-constexpr double kFixedCpu = 0.1;
-constexpr double kFixedStart = 0.85;
+constexpr double kFixedCpu = 0.15;
+constexpr double kFixedStart = 0.45;
 constexpr double kFixedWrite = 0.25;
-constexpr double kFixedMeasure = 0.15;  // for Lambert, and for each exponent
+constexpr double kFixedMeasure = 0.09;  // for Lambert, and for each exponent
 
 constexpr int kFinestBinned = 6;
 constexpr double kShareCountMax = 1000.0;  // the default limit of tasks of a Slurm array
