@@ -19,17 +19,10 @@
 #define SHAPE BlinnPhongLobe
 #define SHAPE_OF(lobe, exponent) blinn_phong_lobe(lobe, exponent)
 #define SHADE_HIGHLIGHT(shape, lobe, h) shade_blinn_phong(shape, one_minus_cosine(lobe, h))
-#define SHADE_LAMBERT(lobe, light) shade_plain_lambert(lobe, light)
+#define SHADE_LAMBERT(lobe, light) shade_lambert(without_roughness(lobe, (light).w), (light).xyz)
 #endif
 
 #define HAS_TERMS (!MULTUM_PLANAR)
-
-#if !MULTUM_PLANAR
-static inline real_v shade_plain_lambert(lobe_v lobe, float4 light) {
-  remove_roughness(&lobe, light.w);
-  return shade_lambert(lobe, light.xyz);
-}
-#endif
 
 #if MULTUM_PLANAR
 #define FACET_KAPPA(exponent) 0.0f
@@ -79,7 +72,7 @@ static inline void store_value(real_v value, __global float* values, size_t stri
 //   lobes      [sample][lobe]   (a r_x, a r_y, a r_z, a), already filtered; with MULTUM_PLANAR as in gmm_shading.clh
 //   half_vectors [half_count]   unit vectors; w: 1 + the index of the light whose cosine multiplies the
 //                               highlights, or 0 for no cosine
-//   lights     [light_count]    unit vectors; w: the mean cosine for remove_roughness(), unused with MULTUM_PLANAR
+//   lights     [light_count]    unit vectors; w: the mean cosine for without_roughness(), unused with MULTUM_PLANAR
 //   highlights [highlight_count]              with MULTUM_PLANAR only the exponent and the total are used
 //   values     [sample][highlight_count * half_count + light_count]   written: highlights, then Lambert
 // The kernel is compute bound.

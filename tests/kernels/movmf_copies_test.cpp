@@ -84,9 +84,9 @@ TEST(MovmfCopiesTest, CopiesAreFittedAsIfTheyWereAlone) {
     settings.periodic_x = settings.periodic_y = is_periodic;
     const LobeSink together = fit_from(starts, settings);
     for (std::size_t c = 0; c < starts.size(); ++c) {
-      const LobeSink alone = fit_from({starts[c]}, settings);
+      const LobeSink single = fit_from({starts[c]}, settings);
       for (int level = kFinest; level <= 6; ++level) {
-        const std::vector<glm::vec4>& expected = alone.level(level);
+        const std::vector<glm::vec4>& expected = single.level(level);
         ASSERT_EQ(together.level(level).size(), starts.size() * expected.size());
         const auto begin = together.level(level).begin() + static_cast<std::ptrdiff_t>(c * expected.size());
         EXPECT_TRUE(std::equal(expected.begin(), expected.end(), begin)) << "copy " << c << ", level " << level;

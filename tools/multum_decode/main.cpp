@@ -42,21 +42,15 @@ class Decoder {
  public:
   std::string answer(std::string_view request, SharedMemory& memory) {
     MessageReader in(request);
-    switch (DecodingRequest{in.number<std::uint8_t>()}) {
-      case DecodingRequest::kOpenMesh:
-      case DecodingRequest::kOpenObjects:
-      case DecodingRequest::kReadMesh: return module().answer(request, memory);
-      case DecodingRequest::kOpenImage: {
-        std::string answer = images_.answer(request, memory);
-        return images_.is_open() ? answer : module().answer(request, memory);
-      }
-      case DecodingRequest::kReadImage:
-        return images_.is_open() ? images_.answer(request, memory) : module().answer(request, memory);
-      case DecodingRequest::kClose: break;
+    const DecodingRequest kind{in.number<std::uint8_t>()};
+    if (kind == DecodingRequest::kOpenImage || (kind == DecodingRequest::kReadImage && images_.is_open())) {
+      std::string answer = images_.answer(request, memory);
+      if (images_.is_open()) return answer;
     }
-    images_.close();
-    if (module_ != nullptr) return module_->answer(request, memory);
-    return MessageWriter().number(DecodingAnswer::kDone).take();
+    if (kind == DecodingRequest::kClose) images_.close();
+    if (kind == DecodingRequest::kClose && module_ == nullptr)
+      return MessageWriter().number(DecodingAnswer::kDone).take();
+    return module().answer(request, memory);
   }
 
  private:

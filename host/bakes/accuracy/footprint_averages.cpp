@@ -252,24 +252,22 @@ void FootprintAverages::add_rows(int y, const std::vector<const double*>& values
   const Line* const lines = lines_.data() + first_line;
   double* const products = scratch;
   double* const before = scratch + kLanes * width;
-  LineSums row{products, before, {}, strip_width(width), 1};
   // Planes that are added together share the work per line. In rows of many columns and few lines, sorting the columns
   // of four planes would take longer than this saves.
   const bool adds_together = factors != nullptr && 4 * line_count > width;
-  for (std::size_t first = 0; first < values.size();) {
-    row.lane_count = adds_together ? std::min(kLanes, values.size() - first) : 1;
-    if (row.lane_count > 1) {
+  const std::size_t lanes = adds_together ? kLanes : 1;
+  for (std::size_t first = 0; first < values.size(); first += lanes) {
+    const std::size_t count = std::min(lanes, values.size() - first);
+    LineSums row{factors != nullptr ? products : values[first], before, {}, strip_width(width), count};
+    if (count > 1) {
       // Lanes without a plane repeat the last one, and are not added.
-      const auto plane = [&](std::size_t lane) { return values[first + std::min(lane, row.lane_count - 1)]; };
+      const auto plane = [&](std::size_t lane) { return values[first + std::min(lane, count - 1)]; };
       interleave(plane(0), plane(1), plane(2), plane(3), factors, width, products);
       add_four_planes(row, width, before, lines, line_count, sums + first, stride);
     } else {
       if (factors != nullptr) multiply(values[first], factors, width, products);
-      row.values = factors != nullptr ? products : values[first];
       add_plane(row, width, before, lines, line_count, sums + first, stride);
-      row.values = products;
     }
-    first += row.lane_count;
   }
 }
 

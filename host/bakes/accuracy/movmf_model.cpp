@@ -18,10 +18,6 @@ glm::dvec4 as_gaussian(const glm::dvec4& mean) {
   return {mean.x, mean.y, mean.w > 0.0 ? mean.w - mean.z * mean.z / mean.w : 0.0, mean.w};
 }
 
-}  // namespace
-
-namespace {
-
 // Workaround "Oclgrind lacks noalias scopes": Oclgrind 21.10 cannot run the code that Clang makes from functions that
 // return structs of vectors, so it gets the scalar variant.
 int samples_per_item(const Device& device) {

@@ -96,14 +96,10 @@ class StartTrial {
     // Copies support neither level 1 (movmf_choose.cl) nor sides that are not powers of two.
     const bool at_once = accuracy.first_level >= 2 && proxy_.width == proxy_.height &&
                          std::has_single_bit(static_cast<unsigned>(proxy_.width));
+    const std::size_t batch = at_once ? starts.size() : 1;
     std::vector<MovmfMipmap> mipmaps;
-    for (std::size_t first = 0; first < starts.size();) {
-      const std::size_t end = at_once ? starts.size() : first + 1;
-      const std::span some(starts.begin() + static_cast<std::ptrdiff_t>(first),
-                           starts.begin() + static_cast<std::ptrdiff_t>(end));
-      add_pyramids(some, accuracy.first_level, mipmaps);
-      first = end;
-    }
+    for (std::size_t first = 0; first < starts.size(); first += batch)
+      add_pyramids(std::span(starts).subspan(first, batch), accuracy.first_level, mipmaps);
     std::vector<double> errors;
     for (const std::vector<AccuracyRow>& rows : measure_each(device_, mipmaps, planes_, accuracy)) {
       double& error = errors.emplace_back(0.0);  // logarithm of the product of the errors, so that no BRDF or level

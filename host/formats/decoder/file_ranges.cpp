@@ -5,15 +5,23 @@
 #include <iterator>
 #include <utility>
 
+#include "host/foundation/base/error.h"
+
 namespace multum {
 
 FileRanges::FileRanges(const std::string& path, const std::vector<ByteRange>& ranges, std::vector<ByteRange> byte_words,
                        std::vector<BytePatch> patches)
-    : stream_(path), byte_words_(std::move(byte_words)), patches_(std::move(patches)) {
+    : path_(path), stream_(path), byte_words_(std::move(byte_words)), patches_(std::move(patches)) {
   for (const ByteRange& range : ranges) {
     pieces_.push_back({size_, range});
     size_ += range.end - range.begin;
   }
+}
+
+std::vector<unsigned char> FileRanges::read_all() {
+  std::vector<unsigned char> bytes(static_cast<std::size_t>(size_));
+  if (read(bytes.data(), bytes.size(), 0) != bytes.size()) refuse_file(path_, "cannot be read");
+  return bytes;
 }
 
 std::size_t FileRanges::read(void* data, std::size_t byte_count, std::int64_t offset) {

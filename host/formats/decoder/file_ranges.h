@@ -24,6 +24,8 @@ class FileRanges {
 
   /// Returns the number of bytes that were read. Several threads may call this function.
   std::size_t read(void* data, std::size_t byte_count, std::int64_t offset);
+  /// Returns all bytes. Throws Error(kInput), which names the file, if it ends early.
+  std::vector<unsigned char> read_all();
   std::int64_t size() const { return size_; }
 
  private:
@@ -34,6 +36,7 @@ class FileRanges {
     std::int64_t offset;  // where the range is presented
     ByteRange range;      // where the range is in the file
   };
+  std::string path_;
   RegularFileStream stream_;
   std::mutex mutex_;  // guards the stream
   std::vector<Piece> pieces_;

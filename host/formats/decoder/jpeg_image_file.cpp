@@ -4,6 +4,7 @@
 #include <csetjmp>
 #include <cstddef>
 #include <cstdio>
+#include <utility>
 #include <vector>
 
 #include <jpeglib.h>
@@ -18,10 +19,8 @@ namespace {
 
 class JpegStream : public RowStream {
  public:
-  JpegStream(const std::string& path, const ImageContainer& container) {
-    FileRanges file(path, container.ranges);
-    bytes_.resize(static_cast<std::size_t>(file.size()));
-    if (file.read(bytes_.data(), bytes_.size(), 0) != bytes_.size()) refuse_file(path, "cannot be read");
+  JpegStream(const std::string& path, const ImageContainer& container)
+      : bytes_(FileRanges(path, container.ranges).read_all()) {
     jpeg_.err = jpeg_std_error(&errors_);
     errors_.error_exit = on_error;
     errors_.output_message = [](j_common_ptr) {};
@@ -92,8 +91,9 @@ class JpegStream : public RowStream {
 }  // namespace
 
 std::unique_ptr<LibraryImageFile> open_jpeg_image(const std::string& path, const ImageContainer& container) {
-  if (!JpegStream(path, container).is_supported()) return nullptr;
-  return make_row_image_file(container, [=] { return std::make_unique<JpegStream>(path, container); });
+  const auto open = [=] { return std::make_unique<JpegStream>(path, container); };
+  std::unique_ptr<JpegStream> stream = open();
+  return stream->is_supported() ? make_row_image_file(container, std::move(stream), open) : nullptr;
 }
 
 }  // namespace multum

@@ -114,7 +114,8 @@ class PngStream : public RowStream {
 }  // namespace
 
 std::unique_ptr<LibraryImageFile> open_png_image(const std::string& path, const ImageContainer& container) {
-  return make_row_image_file(container, [=] { return std::make_unique<PngStream>(path, container); });
+  const auto open = [=] { return std::make_unique<PngStream>(path, container); };
+  return make_row_image_file(container, open(), open);
 }
 
 }  // namespace multum

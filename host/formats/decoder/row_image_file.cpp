@@ -12,7 +12,8 @@ namespace {
 
 class RowImageFile : public LibraryImageFile {
  public:
-  RowImageFile(const ImageContainer& container, RowStreamOpener open) : open_(std::move(open)), stream_(open_()) {
+  RowImageFile(const ImageContainer& container, std::unique_ptr<RowStream> stream, RowStreamOpener reopen)
+      : stream_(std::move(stream)), reopen_(std::move(reopen)) {
     description_ = {container.format, container.file_size, {stream_->part()}, container.notes, 0.0};
     texel_bytes_ = part().texel_bytes();
     row_bytes_ = static_cast<std::size_t>(part().width) * texel_bytes_;
@@ -24,7 +25,7 @@ class RowImageFile : public LibraryImageFile {
     const auto first = static_cast<std::size_t>(block.channel_begin) * value_bytes;
     const auto wanted = static_cast<std::size_t>(block.channel_end - block.channel_begin) * value_bytes;
     if (block.y_begin < next_row_) {
-      stream_ = open_();
+      stream_ = reopen_();
       next_row_ = 0;
     }
     for (row_.resize(row_bytes_); next_row_ < block.y_begin;)
@@ -49,8 +50,8 @@ class RowImageFile : public LibraryImageFile {
     return stream_->read_row(row);
   }
 
-  RowStreamOpener open_;
   std::unique_ptr<RowStream> stream_;
+  RowStreamOpener reopen_;
   std::size_t texel_bytes_ = 0, row_bytes_ = 0;
   std::vector<std::uint8_t> row_;
   int next_row_ = 0;
@@ -58,8 +59,9 @@ class RowImageFile : public LibraryImageFile {
 
 }  // namespace
 
-std::unique_ptr<LibraryImageFile> make_row_image_file(const ImageContainer& container, RowStreamOpener open) {
-  return std::make_unique<RowImageFile>(container, std::move(open));
+std::unique_ptr<LibraryImageFile> make_row_image_file(const ImageContainer& container,
+                                                      std::unique_ptr<RowStream> stream, RowStreamOpener reopen) {
+  return std::make_unique<RowImageFile>(container, std::move(stream), std::move(reopen));
 }
 
 }  // namespace multum

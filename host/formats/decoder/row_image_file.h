@@ -22,7 +22,8 @@ class RowStream {
 
 using RowStreamOpener = std::function<std::unique_ptr<RowStream>()>;
 
-/// Reads the file of `open`, which is called now, and again whenever an earlier row is needed.
-std::unique_ptr<LibraryImageFile> make_row_image_file(const ImageContainer& container, RowStreamOpener open);
+/// Reads rows from `stream`. Whenever an earlier row is needed, `reopen` returns a stream that begins again.
+std::unique_ptr<LibraryImageFile> make_row_image_file(const ImageContainer& container,
+                                                      std::unique_ptr<RowStream> stream, RowStreamOpener reopen);
 
 }  // namespace multum

@@ -16,7 +16,6 @@
 #include "host/formats/image/files/number_type.h"
 #include "host/foundation/base/error.h"
 #include "host/foundation/base/files/exr_chunks.h"
-#include "host/foundation/base/files/regular_file.h"
 #include "host/foundation/sandbox/damaged_file.h"
 
 namespace multum {
@@ -31,20 +30,6 @@ static_assert(number_type::kHalf == OIIO::TypeDesc::HALF && number_type::kFloat 
 static_assert(number_type::kDouble == OIIO::TypeDesc::DOUBLE);
 
 constexpr const char* kLuminanceChroma[] = {"Y", "RY", "BY"};
-
-// Joins the byte ranges that form a file without its metadata.
-std::vector<unsigned char> joined_ranges(const std::string& path, const std::vector<ByteRange>& ranges) {
-  std::vector<unsigned char> bytes;
-  RegularFileStream stream(path);
-  for (const ByteRange& range : ranges) {
-    const std::size_t offset = bytes.size();
-    bytes.resize(offset + static_cast<std::size_t>(range.end - range.begin));
-    stream.seekg(range.begin);
-    stream.read(reinterpret_cast<char*>(bytes.data() + offset), range.end - range.begin);
-  }
-  if (!stream) refuse_file(path, "cannot be read");
-  return bytes;
-}
 
 // Presents byte ranges of a file to OpenImageIO. The PNG reader of OpenImageIO 2.4 accepts this, but its JPEG reader
 // accepts only files and memory.
@@ -77,7 +62,7 @@ struct OpenImage {
 // Presents the file without metadata. A JPEG file is held in memory, because its reader accepts no other source.
 void leave_out_metadata(OpenImage& image, const std::string& path, const ImageContainer& container) {
   if (container.format == "jpeg") {
-    image.bytes = joined_ranges(path, container.ranges);
+    image.bytes = FileRanges(path, container.ranges).read_all();
     image.file = std::make_unique<OIIO::Filesystem::IOMemReader>(image.bytes.data(), image.bytes.size());
   } else {
     image.file = std::make_unique<RangesProxy>(path, container);

@@ -5,11 +5,14 @@
 #include <png.h>
 
 #include <cstdio>
+#include <filesystem>
 #include <optional>
 #include <random>
 
 #include "host/formats/decoder/libraries/oiio_image_file.h"
 #include "host/formats/image/files/number_type.h"
+#include "host/foundation/base/error.h"
+#include "tests/fixtures/shared_data.h"
 #include "tests/unit/formats/image/image_test_files.h"
 
 namespace multum::testing {
@@ -159,6 +162,39 @@ TEST_F(SmallLibrariesTest, JpegAgreesWithOpenImageIO) {
       ASSERT_TRUE(out->open(jpeg_, spec) && out->write_image(OIIO::TypeDesc::UINT8, values.data()) && out->close());
       compare(jpeg_);
     }
+}
+
+// Real files, among them progressive and grey ones. Files that OpenImageIO refuses must be refused too.
+TEST_F(SmallLibrariesTest, FilesOfTheSharedDataAgreeWithOpenImageIO) {
+  if (shared_data().empty()) GTEST_SKIP() << "MULTUM_SHARED_DATA is not set";
+  int compared = 0;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(shared_data())) {
+    const std::string path = entry.path().string();
+    if (!entry.is_regular_file() || (image_format(path) != "png" && image_format(path) != "jpeg")) continue;
+    SCOPED_TRACE(path);
+    std::unique_ptr<LibraryImageFile> file, expected;
+    const auto refusal = [&](auto open, std::unique_ptr<LibraryImageFile>& to) {
+      try {
+        to = open(path, ImageFileSettings{});
+        return to != nullptr ? "" : "none";
+      } catch (const Error&) {
+        return "refused";
+      }
+    };
+    const std::string theirs = refusal(open_oiio_image, expected), ours = refusal(open_small_library_image, file);
+    if (ours == "none") continue;  // CMYK
+    EXPECT_EQ(ours, theirs);
+    if (file == nullptr || expected == nullptr) continue;
+    expect_equal_parts(file->part(), expected->part());
+    const PixelBlock all{
+        0, 0, expected->part().height, 0, expected->part().channel_count(), expected->part().base_type};
+    std::vector<std::byte> mine(block_bytes(file->part(), all)), reference(mine.size());
+    const bool is_read = file->read_into(all, mine.data()).empty();
+    EXPECT_EQ(is_read, expected->read_into(all, reference.data()).empty());
+    EXPECT_TRUE(!is_read || mine == reference);
+    ++compared;
+  }
+  EXPECT_GT(compared, 10);
 }
 
 TEST_F(SmallLibrariesTest, OtherFilesAreLeftToOpenImageIO) {
