@@ -21,9 +21,11 @@ void add_refused(CLI::App& app, const std::string& name, const std::string& mess
 void add_absent_commands(CLI::App& app, const std::vector<std::string>& names, const std::string& part,
                          const std::string& option) {
   for (const std::string& name : names)
-    add_refused(app, name,
-                fmt::format("{}: this build of {} has no {}; expected a build with the CMake option -D{}=ON", name,
-                            app.get_name(), part, option));
+    add_refused(
+        app, name,
+        fmt::format("{}: this build of {} has no {}; expected a build with the CMake option -D{}=ON, as made by "
+                    "tools/demo --all",
+                    name, app.get_name(), part, option));
 }
 
 void add_moved_command(CLI::App& app, const std::string& name, const std::string& new_name) {
