@@ -161,7 +161,7 @@ class RealSlurmTest(RefusalCase):
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
-        cls.slurm = Slurm(os.path.join(cls.holder, "slurm"), more="MaxArraySize=5\n")
+        cls.slurm = Slurm(os.path.join(cls.holder, "slurm"), more="MaxArraySize=2\n")
         cls.addClassCleanup(cls.slurm.stop)
         cls.slurm.start()
 
@@ -171,7 +171,7 @@ class RealSlurmTest(RefusalCase):
 
     def test_arrays_are_as_long_as_slurm_says(self):
         self.start_with(self.slurm.environment)
-        self.check_bands(self.succeed(self.bake()), 5)
+        self.check_bands(self.succeed(self.bake()), 2)
         self.assertNotIn("not sent to Slurm", self.service.log_text())
 
     def test_an_account_that_is_not_there(self):
