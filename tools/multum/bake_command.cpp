@@ -2,6 +2,7 @@
 // Implements multum bake. Options that also exist in maketx have the same names as in maketx.
 #include <cstdio>
 #include <memory>
+#include <utility>
 
 #include "host/bakes/bake/bake_batch.h"
 #include "host/bakes/bake/bake_file.h"
@@ -20,7 +21,7 @@
 #include "tools/multum/bake_print.h"
 #include "tools/multum/check/verdict_line.h"
 #include "tools/multum/commands.h"
-#include "tools/multum/openjd_lines.h"
+#include "tools/multum/map_turns.h"
 #include "tools/multum/scene_mode.h"
 
 namespace multum {
@@ -40,39 +41,62 @@ BakePrinting printing(const BakeOptions& o) {
   return {!prints_text(o.common), o.values.flag("runstats") || o.common.verbose, stdout, o.common.json};
 }
 
-BakeReport bake_chosen(const BakeJob& job, const BakeOptions& o, Device& device) {
-  const auto progress = make_progress(o.common);
-  const ChosenBake chosen = bake_to_target(job, bake_target(o.values, find_viewer()), device, progress.get());
-  if (chosen.written) print_report(job, printing(o), chosen.report);
+BakeReport bake_chosen(const BakeJob& job, const BakeOptions& o, Device& device, Progress* progress,
+                       const BakePrinting& shown) {
+  const ChosenBake chosen = bake_to_target(job, bake_target(o.values, find_viewer()), device, progress);
+  if (chosen.written) print_report(job, shown, chosen.report);
   check_met(job, chosen);
   return chosen.report;
 }
 
-// Bakes each map. If a map fails, the others are still baked. Returns the exit code of the first failure.
-int bake_several(const std::vector<BakeJob>& jobs, const BakeOptions& o, Device& device) {
+// The result of one of several maps.
+struct BakedMap {
+  OrderedJson json;
+  bool unchanged = false;
+  int failure = 0;  // exit code
+};
+
+// Bakes one of several maps. If it fails, the others are still baked.
+BakedMap bake_one(BakeJob job, const BakeOptions& o, const MapTurn& turn) {
+  job.threads = job.writing.threads = turn.threads;
+  BakePrinting shown = printing(o);
+  shown.out = turn.out;
+  try {
+    const BakeReport report = has_target(o.values) ? bake_chosen(job, o, turn.device, turn.progress, shown)
+                                                   : bake_file(job, nullptr, turn.device, turn.progress);
+    if (!has_target(o.values)) print_report(job, shown, report);
+    return {with_verdict(bake_json(job, report), end_with_verdict(job, report, o.common, turn.device, turn.out)),
+            report.unchanged};
+  } catch (...) {
+    const Error error = caught_error(job.input);
+    print_shown(turn.err, "multum: %s\n", error.what());
+    return {failed_bake_json(job, error.what()), false, exit_code(error.code())};
+  }
+}
+
+// Returns the number of maps that are baked at the same time. With a target, all processors try settings for one map,
+// and times of launches and stages have a meaning only if no other map is baked. A GPU is not shared.
+int maps_at_once(std::vector<BakeJob>& jobs, const BakeOptions& o, const Device& device) {
+  if (jobs.empty() || has_target(o.values) || printing(o).details || !device.info().is_cpu) return 1;
+  const int at_once = share_memory(jobs.front(), jobs.size());
+  for (BakeJob& job : jobs) job.memory_gate = jobs.front().memory_gate;
+  return at_once;
+}
+
+// Returns the exit code of the first failure.
+int bake_several(std::vector<BakeJob> jobs, const BakeOptions& o, const DeviceChoice& choice, Device& device) {
+  std::vector<BakedMap> results(jobs.size());
+  const MapTurns turns{jobs.size(), maps_at_once(jobs, o, device), jobs.empty() ? 1 : jobs.front().threads, choice};
+  for_each_map(turns, o.common, device,
+               [&](const MapTurn& turn) { results[turn.map] = bake_one(jobs[turn.map], o, turn); });
   int code = 0;
-  std::size_t unchanged = 0, failed = 0, begun = 0;
+  std::size_t unchanged = 0, failed = 0;
   OrderedJson maps = OrderedJson::array();
-  for (const BakeJob& job : jobs) {
-    openjd_part(begun++, jobs.size());
-    try {
-      BakeReport report;
-      if (has_target(o.values)) {
-        report = bake_chosen(job, o, device);
-      } else {
-        const auto progress = make_progress(o.common);
-        report = bake_file(job, nullptr, device, progress.get());
-        print_report(job, printing(o), report);
-      }
-      unchanged += report.unchanged ? 1 : 0;
-      maps.push_back(with_verdict(bake_json(job, report), end_with_verdict(job, report, o.common, device)));
-    } catch (...) {
-      const Error error = caught_error(job.input);
-      print_shown(stderr, "multum: %s\n", error.what());
-      if (code == 0) code = exit_code(error.code());
-      maps.push_back(failed_bake_json(job, error.what()));
-      ++failed;
-    }
+  for (BakedMap& result : results) {
+    unchanged += result.unchanged ? 1 : 0;
+    failed += result.failure != 0 ? 1 : 0;
+    if (code == 0) code = result.failure;
+    maps.push_back(std::move(result.json));
   }
   if (prints_text(o.common) || failed > 0)
     print_shown(failed > 0 ? stderr : stdout, "%zu maps: %zu baked, %zu unchanged, %zu failed\n", jobs.size(),
@@ -132,10 +156,11 @@ int run_bake(const CLI::App& bake, BakeOptions& o) {
   // A single map is checked before the device is opened. Several maps are read only after the device has been opened.
   Device device = is_several ? Device::open(device_choice) : Device::when_needed(device_choice);
   device.time_launches(o.values.flag("runstats"));
-  if (is_several) return bake_several(jobs, o, device);
+  if (is_several) return bake_several(std::move(jobs), o, device_choice, device);
   BakeReport report;
   if (has_target(o.values)) {
-    report = bake_chosen(jobs[0], o, device);
+    const auto progress = make_progress(o.common);
+    report = bake_chosen(jobs[0], o, device, progress.get(), printing(o));
   } else {
     const auto progress = make_progress(o.common);
     report = bake_file(jobs[0], nullptr, device, progress.get());

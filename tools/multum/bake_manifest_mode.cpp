@@ -2,7 +2,9 @@
 #include "tools/multum/bake_manifest_mode.h"
 
 #include <algorithm>
+#include <utility>
 
+#include "host/bakes/bake/bake_file.h"
 #include "host/bakes/manifest/manifest_report.h"
 #include "host/foundation/base/files/atomic_file.h"
 #include "host/foundation/base/files/output_paths.h"
@@ -13,7 +15,7 @@
 #include "host/foundation/parameters/bake_parameters.h"
 #include "tools/command_line/parameter_options.h"
 #include "tools/multum/check/verdict_line.h"
-#include "tools/multum/openjd_lines.h"
+#include "tools/multum/map_turns.h"
 
 namespace multum {
 namespace {
@@ -34,8 +36,9 @@ void check_result_files(const ManifestModeOptions& o, const std::vector<Manifest
     if (!file.empty()) check_writable(file);
 }
 
-void print_result(const ManifestMap& map, const BakePrinting& printing, const MapResult& result, bool is_check) {
-  if (result.state == MapState::kFailed) print_shown(stderr, "multum: %s\n", result.why.c_str());
+void print_result(const ManifestMap& map, const BakePrinting& printing, const MapResult& result, bool is_check,
+                  std::FILE* err) {
+  if (result.state == MapState::kFailed) print_shown(err, "multum: %s\n", result.why.c_str());
   if (result.report) {
     print_report(map.job, printing, *result.report);
   } else if (result.state == MapState::kUnchanged && !is_check) {
@@ -54,22 +57,33 @@ struct MapOutcome {
 };
 
 // Bakes or checks one map. If it fails, the other maps are still handled.
-MapOutcome run_map(const ManifestMap& map, const ManifestModeOptions& o, Device& device, const CommonOptions& common,
-                   const BakePrinting& printing) {
+MapOutcome run_map(ManifestMap map, const ManifestModeOptions& o, const CommonOptions& common,
+                   const BakePrinting& printing, const MapTurn& turn) {
+  map.job.threads = map.job.writing.threads = turn.threads;
   const Stopwatch stopwatch;
   MapResult result;
   try {
-    const auto progress = make_progress(common);
-    result = run_manifest_map(map, o.run, device, progress.get());
+    result = run_manifest_map(map, o.run, turn.device, turn.progress);
   } catch (...) {
     result = failed_map(map, caught_error(map.job.input));
   }
   result.seconds = stopwatch.seconds();
-  print_result(map, printing, result, o.run.check);
+  print_result(map, printing, result, o.run.check, turn.err);
   if (!result.report) return {result, std::nullopt};
-  const std::optional<GainVerdict> gain = end_with_verdict(map.job, *result.report, common, device, printing.out);
+  const std::optional<GainVerdict> gain = end_with_verdict(map.job, *result.report, common, turn.device, printing.out);
   result.report->mosaic.reset();  // all results stay in memory until the run ends
   return {result, gain};
+}
+
+// Returns the number of maps that are handled at the same time. A map with a target uses all processors on its own, and
+// --runstats and --verbose print times, which have a meaning only if no other map is baked. A GPU is not shared.
+int maps_at_once(std::vector<ManifestMap>& maps, const BakePrinting& printing, const Device& device) {
+  const auto has_target = [](const ManifestMap& map) { return map.target.has_value(); };
+  if (maps.empty() || printing.details || !device.info().is_cpu || std::any_of(maps.begin(), maps.end(), has_target))
+    return 1;
+  const int at_once = share_memory(maps.front().job, maps.size());
+  for (ManifestMap& map : maps) map.job.memory_gate = maps.front().job.memory_gate;
+  return at_once;
 }
 
 OrderedJson map_json(const ManifestMap& map, const MapResult& result, const std::optional<GainVerdict>& gain) {
@@ -147,14 +161,16 @@ int run_manifest(const ManifestModeOptions& o, const BakeJob& pattern, const Dev
   check_result_files(o, maps);
   maps = pieces_of(o.shard, std::move(maps));
   Device device = Device::open(device_choice);
-  ManifestOutcome outcome{o.manifest, o.run, {}, 0.0};
-  std::vector<std::optional<GainVerdict>> gains;
-  for (std::size_t i = 0; i < maps.size(); ++i) {
-    openjd_part(i, maps.size());
-    MapOutcome made = run_map(maps[i], o, device, common, printing);
-    outcome.results.push_back(std::move(made.result));
-    gains.push_back(std::move(made.gain));
-  }
+  ManifestOutcome outcome{o.manifest, o.run, std::vector<MapResult>(maps.size()), 0.0};
+  std::vector<std::optional<GainVerdict>> gains(maps.size());
+  const MapTurns turns{maps.size(), maps_at_once(maps, printing, device), pattern.threads, device_choice};
+  for_each_map(turns, common, device, [&](const MapTurn& turn) {
+    BakePrinting shown = printing;
+    shown.out = printing.out == stdout ? turn.out : turn.err;
+    MapOutcome made = run_map(maps[turn.map], o, common, shown, turn);
+    outcome.results[turn.map] = std::move(made.result);
+    gains[turn.map] = std::move(made.gain);
+  });
   outcome.seconds = stopwatch.seconds();
   print_outcome(outcome, printing);
   if (!o.junit.empty()) write_text_file(o.junit, manifest_junit(outcome));

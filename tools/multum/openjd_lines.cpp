@@ -12,8 +12,6 @@
 namespace multum {
 namespace {
 
-using Clock = std::chrono::steady_clock;
-
 struct Parts {
   double part = 0.0, of = 1.0;
 };
@@ -38,7 +36,7 @@ std::string one_line(std::string text) {
 class OpenJdPrinter {
  public:
   void show(const ProgressEvent& event) {
-    const auto now = Clock::now();
+    const auto now = std::chrono::steady_clock::now();
     const bool is_done = event.units_total > 0 && event.units_done >= event.units_total;
     if (last_ && now - *last_ < std::chrono::seconds(1) && !is_done) return;
     const double own =
@@ -57,7 +55,7 @@ class OpenJdPrinter {
   }
 
  private:
-  std::optional<Clock::time_point> last_;
+  std::optional<std::chrono::steady_clock::time_point> last_;
   double percent_ = 0.0;
   std::string stage_;
 };

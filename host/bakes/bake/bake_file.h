@@ -3,6 +3,8 @@
 // and writes it. The command line and the service call these functions.
 #pragma once
 
+#include <cstddef>
+
 #include "host/bakes/bake/bake_job.h"
 #include "host/bakes/bake/bake_report.h"
 #include "host/bakes/bake/bake_source.h"
@@ -19,6 +21,10 @@ void check_job(const BakeJob& job);
 /// result of read_bake_source() for this job. If it is null, this function reads the source. Throws Error and
 /// Cancelled.
 BakeReport bake_file(const BakeJob& job, const BakeSource* source, Device& device, Progress* progress);
+
+/// Lets up to `count` bakes run at the same time in this process, with the memory and the threads of JOB: sets
+/// BakeJob::memory_gate, and returns their number. Returns 1 if the memory suffices only for one bake.
+int share_memory(BakeJob& job, std::size_t count);
 
 /// Returns the report for an output that is not baked again, and writes BakeJob::report.
 BakeReport unchanged_report(const BakeJob& job);

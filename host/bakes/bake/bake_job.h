@@ -19,6 +19,7 @@
 
 namespace multum {
 
+class MemoryGate;
 class StartMemory;
 
 struct BakeJob {
@@ -49,6 +50,9 @@ struct BakeJob {
   std::uint64_t memory_bytes = 0;  // limit of resident memory; 0 means a quarter of the machine's memory
   std::string scratch_folder;      // folder for data that does not fit into memory; if empty, the output's folder is
                                    // used
+  // Shared by bakes that run at the same time in this process. Each of them waits until its memory fits too. Null if no
+  // other bake runs at the same time.
+  std::shared_ptr<MemoryGate> memory_gate;
   bool resume = false;             // continue a killed bake of the same output
   // The share of the map that this process fits and writes to a file next to the output. This is only for lobes
   // (host/bakes/movmf/map_shard.h).
