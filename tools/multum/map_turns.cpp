@@ -87,9 +87,10 @@ class SharedProgress {
   // Returns the progress of one map. It cancels the map if the user or another map asks for it.
   Progress of_map(std::size_t map) {
     return Progress([this, map](const ProgressEvent& event) {
-      const double done = event.units_total == 0 ? 0.0
-                                                 : std::min(1.0, static_cast<double>(event.units_done) /
-                                                                     static_cast<double>(event.units_total));
+      const double done =
+          event.units_total == 0
+              ? 0.0
+              : std::min(1.0, static_cast<double>(event.units_done) / static_cast<double>(event.units_total));
       return advance_to(map, done);
     });
   }
@@ -141,7 +142,7 @@ class SeveralTurns {
       : turns_(turns), device_(device), work_(work), progress_(turns.count, common), held_(turns.count) {}
 
   void run() {
-    if (take_turn(device_)) {
+    if (take_first_turn()) {
       std::vector<std::jthread> others;
       for (int i = 1; i < turns_.at_once; ++i)
         others.emplace_back([this] {
@@ -159,25 +160,39 @@ class SeveralTurns {
   }
 
  private:
+  // The first map needs no other output to be shown before it, so its output is not held. Users see at once that
+  // kernels are being compiled.
+  bool take_first_turn() {
+    return take_turn([this](std::size_t map, Progress& progress) {
+      work_({map, device_, &progress, threads(), stdout, stderr});
+      return std::make_unique<HeldOutput>();
+    });
+  }
+
   void work_off(Device& device) {
-    while (take_turn(device)) continue;
+    const auto hold = [&](std::size_t map, Progress& progress) {
+      auto held = std::make_unique<HeldOutput>();
+      const LogScope scope({held.get(), nullptr});
+      work_({map, device, &progress, threads(), held->out(), held->err()});
+      return held;
+    };
+    while (take_turn(hold)) continue;
   }
 
   // Works on the next map. Returns false if there is none, or if the work is cancelled.
-  bool take_turn(Device& device) {
+  template <typename Work>
+  bool take_turn(const Work& work) {
     const std::size_t map = next_++;
     if (map >= turns_.count || progress_.is_cancelled()) return false;
     return guard([&] {
-      auto held = std::make_unique<HeldOutput>();
       Progress progress = progress_.of_map(map);
-      {
-        const LogScope scope({held.get(), nullptr});
-        work_({map, device, &progress, std::max(1, turns_.threads / turns_.at_once), held->out(), held->err()});
-      }
+      std::unique_ptr<HeldOutput> held = work(map, progress);
       progress_.finish_map(map);
       show_in_order(map, std::move(held));
     });
   }
+
+  int threads() const { return std::max(1, turns_.threads / turns_.at_once); }
 
   // Shows the output of this map, and of later ones that waited for it, if all maps before it have been shown.
   void show_in_order(std::size_t map, std::unique_ptr<HeldOutput> held) {

@@ -32,8 +32,8 @@ struct MapTurns {
 };
 
 /// Calls work(turn) once for each map. `device` is the device of the first maps. The first map is finished before the
-/// others begin, so that kernels that are not in the cache are built only once. If `work` throws an exception, maps that
-/// have begun are cancelled, and the exception is thrown again. Throws Cancelled.
+/// others begin, so that kernels that are not in the cache are built only once. If `work` throws an exception, maps
+/// that have begun are cancelled, and the exception is thrown again. Throws Cancelled.
 void for_each_map(const MapTurns& turns, const CommonOptions& common, Device& device,
                   const std::function<void(const MapTurn& turn)>& work);
 

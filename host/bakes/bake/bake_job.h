@@ -53,7 +53,7 @@ struct BakeJob {
   // Shared by bakes that run at the same time in this process. Each of them waits until its memory fits too. Null if no
   // other bake runs at the same time.
   std::shared_ptr<MemoryGate> memory_gate;
-  bool resume = false;             // continue a killed bake of the same output
+  bool resume = false;  // continue a killed bake of the same output
   // The share of the map that this process fits and writes to a file next to the output. This is only for lobes
   // (host/bakes/movmf/map_shard.h).
   std::optional<MapShard> shard;

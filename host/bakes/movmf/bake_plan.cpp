@@ -19,24 +19,47 @@ struct WindowMemory {
   bool on_device;
 };
 
-[[noreturn]] void refuse(const WindowMemory& found, std::uint64_t wanted, const std::string& what) {
-  throw Error(found.on_device ? ErrorCode::kEnvironment : ErrorCode::kUsage,
-              fmt::format("{} leaves {:.1f} MiB for windows and buffers, expected at least {:.1f} MiB for {}",
-                          found.on_device ? "the device" : "--memory", static_cast<double>(found.bytes) / (1 << 20),
-                          static_cast<double>(wanted) / (1 << 20), what));
-}
+// The largest lack of memory that was found, so that one message states all that is needed.
+class MemoryLack {
+ public:
+  void note(const WindowMemory& found, std::uint64_t wanted, const std::string& what) {
+    if (wanted <= found.bytes || (lack_ > 0 && wanted - found.bytes <= lack_)) return;
+    lack_ = wanted - found.bytes;
+    found_ = found;
+    what_ = what;
+  }
+
+  // Throws Error if memory is lacking.
+  void refuse() const {
+    if (lack_ == 0) return;
+    const auto mebibytes = [](std::uint64_t bytes) { return static_cast<double>(bytes) / (1 << 20); };
+    const std::string missing = fmt::format(
+        "leaves {:.1f} MiB for windows and buffers, expected at least {:.1f} MiB "
+        "for {}",
+        mebibytes(found_.bytes), mebibytes(found_.bytes + lack_), what_);
+    if (found_.on_device) throw Error(ErrorCode::kEnvironment, "the device " + missing);
+    throw Error(ErrorCode::kUsage,
+                fmt::format("--memory {}; add at least {} MiB to --memory", missing, (lack_ + (1 << 20) - 1) >> 20));
+  }
+
+ private:
+  std::uint64_t lack_ = 0;
+  WindowMemory found_{};
+  std::string what_;
+};
 
 // Chooses as many rows as fit into the useful memory. If fewer than kBandRowsWanted rows fit, chooses up to
-// kBandRowsWanted rows within the memory limit.
+// kBandRowsWanted rows within the memory limit. Returns 1 if not even one row fits, and notes the lack.
 template <typename BytesOf>
 int choose_rows(int rows_max, const WindowMemory& memory, std::uint64_t useful_bytes, const BytesOf& bytes_of,
-                const std::string& what) {
+                const std::string& what, MemoryLack& lack) {
   const std::uint64_t useful = std::min(memory.bytes, useful_bytes);
   for (int rows : kBandRows) {
     const std::uint64_t bytes = bytes_of(std::min(rows, rows_max));
     if (bytes <= useful || (rows <= kBandRowsWanted && bytes <= memory.bytes)) return std::min(rows, rows_max);
   }
-  refuse(memory, bytes_of(1), what);
+  lack.note(memory, bytes_of(1), what);
+  return 1;
 }
 
 }  // namespace
@@ -56,6 +79,7 @@ BakePlan make_bake_plan(const MipSchedule& schedule, const MovmfSettings& settin
       on_device ? shape.window_bytes_useful
                 : std::max(kUsefulWindowBytes, static_cast<std::uint64_t>(map_width) * kUsefulBytesAColumn);
   plan.spill_bytes = map.spill.memory_bytes;
+  MemoryLack lack;
   for (const LevelSchedule& level : schedule.levels) {
     const int height = level.fit.height, map_height = level.fit.map_height;
     BandPlan& band = plan.levels[level.level];
@@ -65,21 +89,21 @@ BakePlan make_bake_plan(const MipSchedule& schedule, const MovmfSettings& settin
       const auto bytes_of = [&](int rows) { return fit_level_bytes(level, settings, rgb_plane_count, {height, rows}); };
       band = {height, map_height};
       while (band.map_band_rows > 1 && bytes_of(band.map_band_rows) > memory_bytes) band.map_band_rows /= 2;
-      if (bytes_of(band.map_band_rows) > memory_bytes)
-        refuse(fitting, bytes_of(1),
-               fmt::format("all texels of level {} at the same time (--coarse-normals all)", level.level));
+      lack.note(fitting, bytes_of(band.map_band_rows),
+                fmt::format("all texels of level {} at the same time (--coarse-normals all)", level.level));
     } else {
       const auto bytes_of = [&](int rows) {
         return fit_level_bytes(level, settings, rgb_plane_count, {rows, map_height});
       };
-      band = {choose_rows(height, fitting, useful, bytes_of, fmt::format("a row of level {}", level.level)),
+      band = {choose_rows(height, fitting, useful, bytes_of, fmt::format("a row of level {}", level.level), lack),
               map_height};
     }
   }
   const int map_height = schedule.levels.empty() ? 1 : schedule.levels[0].fit.map_height;
   plan.bin_rows = choose_rows(
       map_height, binning, useful, [&](int rows) { return binning_bytes(schedule, rows, rgb_plane_count, shape); },
-      "binning a row of normals");
+      "binning a row of normals", lack);
+  lack.refuse();
   return plan;
 }
 

@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: Apache-2.0
+// Tests bakes of several maps, which run at the same time. Files, text and log must be the same as if the maps were
+// baked one after another.
+#include <signal.h>
+
+#include <algorithm>
+#include <chrono>
+#include <nlohmann/json.hpp>
+#include <regex>
+#include <thread>
+
+#include "tests/cli/program.h"
+
+namespace multum::testing {
+namespace {
+
+// Times differ from run to run.
+std::string without_times(const std::string& text) { return std::regex_replace(text, std::regex("[0-9.]+ s\\b"), "T"); }
+
+class SeveralMapsTest : public CliTest {
+ protected:
+  // Maps of several sizes, in an order in which later ones are finished earlier. The fourth is no picture.
+  void SetUp() override {
+    for (const int size : {128, 64, 16, 32, 16}) {
+      make_map("m", size);
+      inputs_.push_back(path("map_" + std::to_string(inputs_.size()) + ".png"));
+      std::filesystem::rename(path("m_normal.png"), inputs_.back());
+    }
+    write_bytes(inputs_[3], "no picture");
+  }
+  std::vector<std::string> command(const std::string& folder, std::vector<std::string> options) const {
+    std::filesystem::create_directory(path(folder));
+    std::vector<std::string> words = {"bake", "-o", path(folder)};
+    words.insert(words.end(), inputs_.begin(), inputs_.end());
+    words.insert(words.end(), options.begin(), options.end());
+    return words;
+  }
+  static std::map<std::string, std::string> files_of(const std::string& folder) {
+    std::map<std::string, std::string> files;
+    for (const auto& entry : std::filesystem::directory_iterator(folder))
+      files[entry.path().filename().string()] = read_bytes(entry.path().string());
+    return files;
+  }
+  // What a run prints, with the same folder in both runs.
+  std::string shown(std::string text, const std::string& folder) const {
+    for (const std::string& name : {path(folder) + "/", folder + "/"})
+      for (std::size_t at = 0; (at = text.find(name, at)) != std::string::npos;) text.replace(at, name.size(), "");
+    return without_times(text);
+  }
+
+  std::vector<std::string> inputs_;
+};
+
+TEST_F(SeveralMapsTest, ResultsAreThoseOfMapsOneAfterAnother) {
+  const ProgramResult single = multum(command("single", {"--threads", "1"}));
+  const ProgramResult several = multum(command("several", {"--threads", "3"}));
+  EXPECT_EQ(single.exit_code, kInput) << single.err;
+  EXPECT_EQ(several.exit_code, kInput) << several.err;
+  expect_says(several.err, {"map_3.png", "5 maps: 4 baked, 0 unchanged, 1 failed"});
+  EXPECT_EQ(shown(several.out, "several"), shown(single.out, "single"));
+  EXPECT_EQ(shown(several.err, "several"), shown(single.err, "single"));
+  EXPECT_TRUE(files_of(path("several")) == files_of(path("single")));
+  EXPECT_EQ(files_of(path("several")).size(), 4u);
+
+  const ProgramResult json = multum(command("several", {"--threads", "3", "--json"}));
+  const nlohmann::json maps = nlohmann::json::parse(json.out)["maps"];
+  ASSERT_EQ(maps.size(), inputs_.size());
+  for (std::size_t i = 0; i < maps.size(); ++i)
+    EXPECT_EQ(maps[i]["source"], i == 3 ? inputs_[i] : std::filesystem::path(inputs_[i]).filename().string());
+  EXPECT_TRUE(contains(json.err, "4 unchanged, 1 failed")) << json.err;
+}
+
+TEST_F(SeveralMapsTest, AManifestGivesTheSameResults) {
+  const auto run = [&](const std::string& folder, const std::string& threads) {
+    std::filesystem::create_directory(path(folder));
+    std::string text;
+    for (std::size_t i = 0; i < inputs_.size(); ++i)
+      text += "[[map]]\ninput = \"" + inputs_[i] + "\"\noutput = \"" +
+              path(folder + "/" + std::to_string(i) + ".ndf.exr") + "\"\n";
+    write_bytes(path("maps.toml"), text);
+    return multum({"bake", "--manifest", path("maps.toml"), "--threads", threads});
+  };
+  const ProgramResult single = run("single", "1"), several = run("several", "3");
+  EXPECT_EQ(several.exit_code, kInput) << several.err;
+  EXPECT_EQ(shown(several.out, "several"), shown(single.out, "single"));
+  EXPECT_EQ(shown(several.err, "several"), shown(single.err, "single"));
+  EXPECT_TRUE(files_of(path("several")) == files_of(path("single")));
+  EXPECT_EQ(files_of(path("several")).size(), 4u);
+}
+
+TEST_F(SeveralMapsTest, LittleMemoryGivesTheSameFiles) {
+  EXPECT_EQ(multum(command("single", {"--threads", "3", "--memory", "320M"})).exit_code, kInput);
+  EXPECT_EQ(multum(command("several", {"--threads", "3", "--memory", "600M"})).exit_code, kInput);
+  EXPECT_TRUE(files_of(path("several")) == files_of(path("single")));
+}
+
+TEST_F(SeveralMapsTest, TheBarCountsMaps) {
+  if (!has_pseudo_terminals()) GTEST_SKIP() << "there are no pseudo terminals";
+  const ProgramResult shown = run_on_terminal(multum_command(command("several", {"--threads", "2", "--no-measure"})));
+  EXPECT_EQ(shown.exit_code, kInput);
+  for (const char* part : {"\r\033[K[", "%  map 1 of 5", "%  map 2 of 5", "5 maps: 4 baked"})
+    EXPECT_TRUE(contains(shown.out, part)) << part << shown.out;
+}
+
+// No file of an unfinished map remains. Maps that were finished before the signal stay, and are listed.
+TEST_F(SeveralMapsTest, ASignalStopsAllMaps) {
+  for (const int signal : {SIGINT, SIGTERM}) {
+    const std::string folder = "out" + std::to_string(signal);
+    Program bake(multum_command(command(folder, {"--threads", "3", "--no-measure"})));
+    while (bake.running() && bake.err_so_far().find("map_0.png: 128 x 128") == std::string::npos)
+      std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    bake.send(signal);
+    const ProgramResult result = bake.wait();
+    if (result.exit_code != kInput) expect_refusal(result, 130, {"cancelled"});  // kInput: the bakes were faster
+    for (const auto& [name, bytes] : files_of(path(folder))) {
+      EXPECT_TRUE(name.ends_with(".ndf.exr") && !name.starts_with(".")) << name;
+      EXPECT_EQ(multum({"verify", path(folder + "/" + name)}).exit_code, 0) << name;
+      EXPECT_TRUE(contains(result.out, name + ": written")) << result.out;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace multum::testing
