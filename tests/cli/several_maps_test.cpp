@@ -19,7 +19,7 @@ std::string without_times(const std::string& text) { return std::regex_replace(t
 
 class SeveralMapsTest : public CliTest {
  protected:
-  // Maps of several sizes, in an order in which later ones are finished earlier. The fourth is no picture.
+  // Maps of several sizes, in an order in which later ones are finished earlier. The fourth is not a picture.
   void SetUp() override {
     for (const int size : {128, 64, 16, 32, 16}) {
       make_map("m", size);
@@ -41,7 +41,7 @@ class SeveralMapsTest : public CliTest {
       files[entry.path().filename().string()] = read_bytes(entry.path().string());
     return files;
   }
-  // What a run prints, with the same folder in both runs.
+  // Returns what a run prints, without the name of its folder.
   std::string shown(std::string text, const std::string& folder) const {
     for (const std::string& name : {path(folder) + "/", folder + "/"})
       for (std::size_t at = 0; (at = text.find(name, at)) != std::string::npos;) text.replace(at, name.size(), "");

@@ -122,7 +122,8 @@ async function walk(colorScheme) {
   const { context, page } = await openContext(served, SIZES[0], colorScheme);
   // The search is tested on its own. On every page, it would index the whole site again.
   await context.route("**/workers/search.*.js", (route) => route.fulfill({ contentType: "text/javascript", body: "" }));
-  await context.route(`**/${LIVE}*`, (route) => route.fulfill({ contentType: "text/html", body: "" })); // showMaterials()
+  // showMaterials() tests this page.
+  await context.route(`**/${LIVE}*`, (route) => route.fulfill({ contentType: "text/html", body: "" }));
   for (const name of pages) {
     await page.setViewportSize(SIZES[0]);
     await page.goto(served + name);

@@ -14,7 +14,7 @@
 
 namespace multum {
 
-/// What the work for one map uses.
+/// The things that the work for one map uses.
 struct MapTurn {
   std::size_t map;     // the number of the map, from 0
   Device& device;      // used by no other map at the same time
