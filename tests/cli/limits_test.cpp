@@ -74,6 +74,16 @@ TEST_F(LimitsTest, ADiskThatIsFull) {
 TEST_F(LimitsTest, TooLittleMemoryNamesWhatIsNeeded) {
   expect_failed(run_program(bake({"--memory", "100M"})), {"--memory", "100 MiB", "at least 288 MiB"});
   expect_failed(run_program(bake({"--memory", "much"})), {"--memory", "much"});
+  // The memory for the windows is known when the map has been read. One refusal states all that is missing.
+  make_map("map", 2048);
+  const ProgramResult refused = run_program(bake({"--memory", "288M"}));
+  const std::string words = "; add at least ";
+  expect_failed(refused, {"--memory leaves 8.0 MiB", words});
+  const std::size_t at = refused.err.find(words);
+  ASSERT_NE(at, std::string::npos);
+  const int missing = std::stoi(refused.err.substr(at + words.size()));
+  const ProgramResult enough = run_program(bake({"--memory", std::to_string(288 + missing) + "M"}));
+  EXPECT_EQ(enough.exit_code, 0) << enough.err;
 }
 
 // Every command refuses a name that is too long for a file before it starts to work. Such a name counts as a bad input,

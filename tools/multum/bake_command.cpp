@@ -41,8 +41,13 @@ BakePrinting printing(const BakeOptions& o) {
   return {!prints_text(o.common), o.values.flag("runstats") || o.common.verbose, stdout, o.common.json};
 }
 
-BakeReport bake_chosen(const BakeJob& job, const BakeOptions& o, Device& device, Progress* progress,
-                       const BakePrinting& shown) {
+BakeReport bake_and_print(const BakeJob& job, const BakeOptions& o, Device& device, Progress* progress,
+                          const BakePrinting& shown) {
+  if (!has_target(o.values)) {
+    BakeReport report = bake_file(job, nullptr, device, progress);
+    print_report(job, shown, report);
+    return report;
+  }
   const ChosenBake chosen = bake_to_target(job, bake_target(o.values, find_viewer()), device, progress);
   if (chosen.written) print_report(job, shown, chosen.report);
   check_met(job, chosen);
@@ -62,9 +67,7 @@ BakedMap bake_one(BakeJob job, const BakeOptions& o, const MapTurn& turn) {
   BakePrinting shown = printing(o);
   shown.out = turn.out;
   try {
-    const BakeReport report = has_target(o.values) ? bake_chosen(job, o, turn.device, turn.progress, shown)
-                                                   : bake_file(job, nullptr, turn.device, turn.progress);
-    if (!has_target(o.values)) print_report(job, shown, report);
+    const BakeReport report = bake_and_print(job, o, turn.device, turn.progress, shown);
     return {with_verdict(bake_json(job, report), end_with_verdict(job, report, o.common, turn.device, turn.out)),
             report.unchanged};
   } catch (...) {
@@ -78,9 +81,9 @@ BakedMap bake_one(BakeJob job, const BakeOptions& o, const MapTurn& turn) {
 // and times of launches and stages have a meaning only if no other map is baked. A GPU is not shared.
 int maps_at_once(std::vector<BakeJob>& jobs, const BakeOptions& o, const Device& device) {
   if (jobs.empty() || has_target(o.values) || printing(o).details || !device.info().is_cpu) return 1;
-  const int at_once = share_memory(jobs.front(), jobs.size());
-  for (BakeJob& job : jobs) job.memory_gate = jobs.front().memory_gate;
-  return at_once;
+  std::vector<BakeJob*> all;
+  for (BakeJob& job : jobs) all.push_back(&job);
+  return share_memory(all);
 }
 
 // Returns the exit code of the first failure.
@@ -157,15 +160,8 @@ int run_bake(const CLI::App& bake, BakeOptions& o) {
   Device device = is_several ? Device::open(device_choice) : Device::when_needed(device_choice);
   device.time_launches(o.values.flag("runstats"));
   if (is_several) return bake_several(std::move(jobs), o, device_choice, device);
-  BakeReport report;
-  if (has_target(o.values)) {
-    const auto progress = make_progress(o.common);
-    report = bake_chosen(jobs[0], o, device, progress.get(), printing(o));
-  } else {
-    const auto progress = make_progress(o.common);
-    report = bake_file(jobs[0], nullptr, device, progress.get());
-    print_report(jobs[0], printing(o), report);
-  }
+  const auto progress = make_progress(o.common);
+  const BakeReport report = bake_and_print(jobs[0], o, device, progress.get(), printing(o));
   const std::optional<GainVerdict> verdict = end_with_verdict(jobs[0], report, o.common, device);
   if (o.common.json) print_json(with_verdict(bake_json(jobs[0], report), verdict));
   return 0;

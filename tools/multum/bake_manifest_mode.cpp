@@ -81,9 +81,9 @@ int maps_at_once(std::vector<ManifestMap>& maps, const BakePrinting& printing, c
   const auto has_target = [](const ManifestMap& map) { return map.target.has_value(); };
   if (maps.empty() || printing.details || !device.info().is_cpu || std::any_of(maps.begin(), maps.end(), has_target))
     return 1;
-  const int at_once = share_memory(maps.front().job, maps.size());
-  for (ManifestMap& map : maps) map.job.memory_gate = maps.front().job.memory_gate;
-  return at_once;
+  std::vector<BakeJob*> jobs;
+  for (ManifestMap& map : maps) jobs.push_back(&map.job);
+  return share_memory(jobs);
 }
 
 OrderedJson map_json(const ManifestMap& map, const MapResult& result, const std::optional<GainVerdict>& gain) {

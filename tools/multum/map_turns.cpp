@@ -8,8 +8,9 @@
 #include <cmath>
 #include <cstdlib>
 #include <exception>
+#include <memory>
 #include <mutex>
-#include <optional>
+#include <new>
 #include <string>
 #include <thread>
 #include <utility>
@@ -101,7 +102,11 @@ class SharedProgress {
     }
     advance_to(map, 1.0);
   }
-  void finish() { whole_->finish(); }
+  // Call this function after all threads have ended. Throws Cancelled if a map was not finished.
+  void finish() {
+    if (finished_ < count_) throw Cancelled();
+    whole_->finish();
+  }
   void cancel() { is_cancelled_ = true; }
   bool is_cancelled() const { return is_cancelled_; }
 
@@ -117,9 +122,8 @@ class SharedProgress {
     try {
       if (shown_ != finished_ && finished_ < count_)
         whole_->stage(fmt::format("map {} of {}", (shown_ = finished_) + 1, count_));
-      // The last unit is left to finish(), because a bar that is full is removed.
-      if (more > 0 && finished_ < count_) whole_->advance(more);
-      else whole_->advance(0);
+      // The last units are left to finish(), because a bar that is full is removed.
+      whole_->advance(finished_ < count_ ? more : 0);
     } catch (const Cancelled&) {
       is_cancelled_ = true;
     }
@@ -153,10 +157,10 @@ class SeveralTurns {
         });
       work_off(device_);
     }
-    if (!failure_) return progress_.finish();
     for (const auto& held : held_)  // maps that were finished after a map that was not
       if (held) held->show();
-    std::rethrow_exception(failure_);
+    if (failure_) std::rethrow_exception(failure_);
+    progress_.finish();
   }
 
  private:
@@ -164,16 +168,17 @@ class SeveralTurns {
   // kernels are being compiled.
   bool take_first_turn() {
     return take_turn([this](std::size_t map, Progress& progress) {
-      work_({map, device_, &progress, threads(), stdout, stderr});
+      work_({map, device_, &progress, turns_.threads, stdout, stderr});
       return std::make_unique<HeldOutput>();
     });
   }
 
   void work_off(Device& device) {
+    const int threads = std::max(1, turns_.threads / turns_.at_once);
     const auto hold = [&](std::size_t map, Progress& progress) {
       auto held = std::make_unique<HeldOutput>();
       const LogScope scope({held.get(), nullptr});
-      work_({map, device, &progress, threads(), held->out(), held->err()});
+      work_({map, device, &progress, threads, held->out(), held->err()});
       return held;
     };
     while (take_turn(hold)) continue;
@@ -191,8 +196,6 @@ class SeveralTurns {
       show_in_order(map, std::move(held));
     });
   }
-
-  int threads() const { return std::max(1, turns_.threads / turns_.at_once); }
 
   // Shows the output of this map, and of later ones that waited for it, if all maps before it have been shown.
   void show_in_order(std::size_t map, std::unique_ptr<HeldOutput> held) {

@@ -53,6 +53,8 @@ constexpr std::uint64_t kRoomy = std::uint64_t{128} << 20;  // memory above the 
 // (host/bakes/bake/bake_source.cpp). In a small container, this share is too small. The default is then the bake's
 // minimum plus kRoomy, up to seven eighths of the memory. The process can run with less memory than it asks for,
 // because the system can drop pages of libraries. For example, maps of 4096 x 4096 texels were baked with 400 MB.
+std::uint64_t machine_share() { return machine_memory_bytes() / 32 * 5; }
+
 std::uint64_t usual_memory(std::uint64_t least) {
   const std::uint64_t all = machine_memory_bytes(), most = all / 8 * 7;
   if (most < least)
@@ -60,7 +62,7 @@ std::uint64_t usual_memory(std::uint64_t least) {
                 fmt::format("not enough memory to bake: this process can use {} MiB (the machine's memory, or the "
                             "limit of its container or shell), expected at least {} MiB",
                             all >> 20, (least / 7 * 8 >> 20) + 1));
-  return std::max(all / 32 * 5, std::min(least + kRoomy, most));
+  return std::max(machine_share(), std::min(least + kRoomy, most));
 }
 
 constexpr std::uint64_t kTaken = kProcessBytes + kQueueBytes, kLeast = std::uint64_t{8} << 20;
@@ -75,13 +77,12 @@ std::uint64_t window_bytes(const BakeJob& job) {
 }
 
 // The memory that one more bake needs in a process that already bakes. A process that baked one map with 4 lobes and
-// measured it used 131 MB for 64 x 64 texels, 200 MB for 512 x 512, 260 MB for 1024 x 1024, and 383 MB at most.
-constexpr std::uint64_t kOneMoreBake = std::uint64_t{32} << 20, kLargestBake = std::uint64_t{320} << 20;
-constexpr std::uint64_t kBytesPerTexel = 200;
-
+// measured it used 131 MB for 64 x 64 texels, 200 MB for 512 x 512, 260 MB for 1024 x 1024, and 383 MB for 2048 x 2048.
+// Larger maps need less per texel, because they are baked in bands of rows.
 std::uint64_t bytes_beside_others(const PlaneStore& map) {
+  constexpr std::uint64_t kLeastBake = std::uint64_t{32} << 20, kBytesPerTexel = 200;
   const auto texels = static_cast<std::uint64_t>(map.width()) * static_cast<std::uint64_t>(map.height());
-  return std::min(kLargestBake, kOneMoreBake + texels * kBytesPerTexel);
+  return kLeastBake + texels * kBytesPerTexel;
 }
 
 // `tiles` lists the other tiles of the set that were used to make the result of this map.
@@ -165,13 +166,15 @@ void check_job(const BakeJob& job) {
   if (!job.report.empty()) check_writable(job.report);
 }
 
-int share_memory(BakeJob& job, std::size_t count) {
+int share_memory(const std::vector<BakeJob*>& jobs) {
   constexpr std::uint64_t kSmallBake = std::uint64_t{96} << 20;  // of a map of 512 x 512
-  const std::uint64_t memory = job.memory_bytes > 0 ? job.memory_bytes : machine_memory_bytes() / 32 * 5;
+  const BakeJob& first = *jobs.front();
+  const std::uint64_t memory = first.memory_bytes > 0 ? first.memory_bytes : machine_share();
   if (memory < kTaken + 2 * kSmallBake) return 1;
-  const std::uint64_t most = std::min<std::uint64_t>(count, static_cast<std::uint64_t>(std::max(1, job.threads)));
-  job.memory_gate = std::make_shared<MemoryGate>(memory - kTaken);
-  return static_cast<int>(std::min(most, (memory - kTaken) / kSmallBake));
+  const auto gate = std::make_shared<MemoryGate>(memory - kTaken);
+  for (BakeJob* job : jobs) job->memory_gate = gate;
+  const auto most = std::min(jobs.size(), static_cast<std::size_t>(std::max(1, first.threads)));
+  return static_cast<int>(std::min<std::uint64_t>(most, (memory - kTaken) / kSmallBake));
 }
 
 BakeReport unchanged_report(const BakeJob& job) {

@@ -3,7 +3,7 @@
 // and writes it. The command line and the service call these functions.
 #pragma once
 
-#include <cstddef>
+#include <vector>
 
 #include "host/bakes/bake/bake_job.h"
 #include "host/bakes/bake/bake_report.h"
@@ -22,9 +22,10 @@ void check_job(const BakeJob& job);
 /// Cancelled.
 BakeReport bake_file(const BakeJob& job, const BakeSource* source, Device& device, Progress* progress);
 
-/// Lets up to `count` bakes run at the same time in this process, with the memory and the threads of JOB: sets
-/// BakeJob::memory_gate, and returns their number. Returns 1 if the memory suffices only for one bake.
-int share_memory(BakeJob& job, std::size_t count);
+/// Lets several bakes run at the same time in this process, with the memory and the threads of the first job. Sets
+/// BakeJob::memory_gate of every job, and returns the number of bakes at the same time, which is 1 if the memory
+/// suffices only for one bake. There must be at least one job.
+int share_memory(const std::vector<BakeJob*>& jobs);
 
 /// Returns the report for an output that is not baked again, and writes BakeJob::report.
 BakeReport unchanged_report(const BakeJob& job);

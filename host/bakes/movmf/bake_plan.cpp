@@ -33,10 +33,9 @@ class MemoryLack {
   void refuse() const {
     if (lack_ == 0) return;
     const auto mebibytes = [](std::uint64_t bytes) { return static_cast<double>(bytes) / (1 << 20); };
-    const std::string missing = fmt::format(
-        "leaves {:.1f} MiB for windows and buffers, expected at least {:.1f} MiB "
-        "for {}",
-        mebibytes(found_.bytes), mebibytes(found_.bytes + lack_), what_);
+    const std::string missing =
+        fmt::format("leaves {:.1f} MiB for windows and buffers, expected at least {:.1f} MiB for {}",
+                    mebibytes(found_.bytes), mebibytes(found_.bytes + lack_), what_);
     if (found_.on_device) throw Error(ErrorCode::kEnvironment, "the device " + missing);
     throw Error(ErrorCode::kUsage,
                 fmt::format("--memory {}; add at least {} MiB to --memory", missing, (lack_ + (1 << 20) - 1) >> 20));
