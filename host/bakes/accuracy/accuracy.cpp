@@ -459,9 +459,19 @@ AccuracySettings of_file(AccuracySettings settings, const BakedHeader& header) {
   return settings;
 }
 
+// Returns the number of samples per level. A measurement of a small map should not take longer than its bake.
+std::int64_t samples_in(PlaneSize map, std::int64_t of_large_map) {
+  constexpr double kLargeSide = 4096.0;
+  constexpr std::int64_t kSamplesMin = 512;
+  const double side = std::sqrt(static_cast<double>(map.width) * map.height);
+  const auto samples = std::llround(static_cast<double>(of_large_map) * std::min(side / kLargeSide, 1.0));
+  return std::max<std::int64_t>(samples, std::min(kSamplesMin, of_large_map));
+}
+
 SampleSettings sample_settings(const AccuracySettings& settings, PlaneSize map) {
   const int none = mip_level_count(map.width, map.height);
-  return {settings.has_level_table ? settings.first_level : none, settings.samples_per_level, settings.seed};
+  return {settings.has_level_table ? settings.first_level : none, samples_in(map, settings.samples_per_level),
+          settings.seed};
 }
 
 std::vector<Footprint> footprints_of(PlaneSize map, const AccuracySettings& settings) {

@@ -80,9 +80,10 @@ AccuracyDirections accuracy_directions();
 struct AccuracySettings {
   std::vector<double> exponents = {20.0, 100.0, 500.0};  // Blinn-Phong exponents s, 1..1e5
   std::vector<Highlight> highlights;                     // further highlights, after the exponents
-  std::int64_t samples_per_level = 2048;                 // number of texels per level (see SampleSettings); 0 means
-                                                         // every texel
-  int footprints_per_octave = 256;                       // 0 measures no footprints
+  std::int64_t samples_per_level = 2048;                 // number of texels per level (see SampleSettings) for maps of
+                                                         // 4096 x 4096 texels; 0 means every texel. Smaller maps use
+                                                         // fewer, in proportion to their side, but at least 512.
+  int footprints_per_octave = 256;                       // see footprint_count(); 0 measures no footprints
   int replicates = 1;                                    // number of random choices of footprints; their seeds are
                                                          // consecutive
   std::uint64_t seed = 1;

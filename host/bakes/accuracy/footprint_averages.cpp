@@ -35,29 +35,23 @@ void interleave(const double* a, const double* b, const double* c, const double*
 }
 
 // Sets before[i] to the sum of the strip's columns before column i, and upto_strip[k] to the sum of the strips before
-// strip k. The last entry is the sum of all strips. Everything is [...][lane].
-template <std::size_t kLanes>
-inline __attribute__((always_inline)) void sum_up(const double* __restrict values, std::size_t width,
-                                                  double* __restrict before, double* __restrict upto_strip) {
+// strip k. The last entry is the sum of all strips. An Element is the value of one plane or of several planes.
+template <typename Element>
+inline __attribute__((always_inline)) void sum_up(const Element* __restrict values, std::size_t width,
+                                                  Element* __restrict before, Element* __restrict upto_strip) {
   const std::size_t strip = strip_width(width);
-  double sums[kStrips][kLanes] = {};
+  Element sums[kStrips] = {};
   for (std::size_t i = 0; i < strip; ++i)
-    for (std::size_t k = 0; k < kStrips; ++k)
-      for (std::size_t lane = 0; lane < kLanes; ++lane) {
-        const std::size_t at = (k * strip + i) * kLanes + lane;
-        before[at] = sums[k][lane];
-        sums[k][lane] += values[at];
-      }
-  for (std::size_t column = kStrips * strip; column < width; ++column)
-    for (std::size_t lane = 0; lane < kLanes; ++lane) {
-      before[column * kLanes + lane] = sums[kStrips - 1][lane];
-      sums[kStrips - 1][lane] += values[column * kLanes + lane];
+    for (std::size_t k = 0; k < kStrips; ++k) {
+      before[k * strip + i] = sums[k];
+      sums[k] += values[k * strip + i];
     }
-  for (std::size_t lane = 0; lane < kLanes; ++lane) {
-    upto_strip[lane] = 0.0;
-    for (std::size_t k = 0; k < kStrips; ++k)
-      upto_strip[(k + 1) * kLanes + lane] = upto_strip[k * kLanes + lane] + sums[k][lane];
+  for (std::size_t column = kStrips * strip; column < width; ++column) {
+    before[column] = sums[kStrips - 1];
+    sums[kStrips - 1] += values[column];
   }
+  upto_strip[0] = Element{};
+  for (std::size_t k = 0; k < kStrips; ++k) upto_strip[k + 1] = upto_strip[k] + sums[k];
 }
 
 // Returns the positions where the line at height y enters and leaves a rectangle. If the line misses the rectangle,
@@ -186,54 +180,57 @@ FootprintAverages::FootprintAverages(std::vector<Footprint> footprints, int map_
 
 namespace {
 
-// The sums of one row, [column or strip][lane].
-struct LineSums {
-  const double* values;
-  const double* before;
-  double upto_strip[(kStrips + 1) * FootprintAverages::kLanes];
-  std::size_t strip;
-  std::size_t lane_count;  // lanes that are added
+// Four planes as a vector of GCC.
+using FourPlanes = double __attribute__((vector_size(FootprintAverages::kLanes * sizeof(double)), may_alias));
 
-  std::size_t strip_of(std::size_t column) const {
+MULTUM_VECTOR_CLONES
+void add_plane(const double* values, std::size_t width, double* before, const FootprintAverages::Line* lines,
+               std::size_t line_count, double* sums, std::size_t stride) {
+  double upto_strip[kStrips + 1];
+  sum_up(values, width, before, upto_strip);
+  const std::size_t strip = strip_width(width);
+  const auto strip_of = [&](std::size_t column) {
     return (column >= strip ? 1u : 0u) + (column >= 2 * strip ? 1u : 0u) + (column >= 3 * strip ? 1u : 0u);
-  }
-};
-
-template <std::size_t kLanes>
-inline __attribute__((always_inline)) void add_lines(const LineSums& row, const FootprintAverages::Line* lines,
-                                                     std::size_t line_count, double* sums, std::size_t stride) {
-  const double* const whole = row.upto_strip + kStrips * kLanes;
+  };
   for (std::size_t i = 0; i < line_count; ++i) {
     const FootprintAverages::Line& line = lines[i];
     const auto begin = static_cast<std::size_t>(line.begin), end = static_cast<std::size_t>(line.end);
-    const double* const upto_begin = row.upto_strip + row.strip_of(begin) * kLanes;
-    const double* const upto_end = row.upto_strip + row.strip_of(end) * kLanes;
-    const auto begin_part = static_cast<double>(line.begin_part), end_part = static_cast<double>(line.end_part);
-    double added[kLanes];
-    for (std::size_t lane = 0; lane < kLanes; ++lane) {
-      const double to_begin =
-          upto_begin[lane] + row.before[begin * kLanes + lane] + begin_part * row.values[begin * kLanes + lane];
-      const double to_end =
-          upto_end[lane] + row.before[end * kLanes + lane] + end_part * row.values[end * kLanes + lane];
-      added[lane] = line.weight_turns * whole[lane] + line.weight_end * to_end - line.weight_begin * to_begin;
-    }
-    double* const sum = sums + line.footprint * stride;
-    for (std::size_t lane = 0; lane < row.lane_count; ++lane) sum[lane] += added[lane];
+    const double to_begin =
+        upto_strip[strip_of(begin)] + before[begin] + static_cast<double>(line.begin_part) * values[begin];
+    const double to_end = upto_strip[strip_of(end)] + before[end] + static_cast<double>(line.end_part) * values[end];
+    sums[line.footprint * stride] +=
+        line.weight_turns * upto_strip[kStrips] + line.weight_end * to_end - line.weight_begin * to_begin;
   }
 }
 
+// Adds `plane_count` of the four planes.
 MULTUM_VECTOR_CLONES
-void add_plane(LineSums& row, std::size_t width, double* before, const FootprintAverages::Line* lines,
-               std::size_t line_count, double* sums, std::size_t stride) {
-  sum_up<1>(row.values, width, before, row.upto_strip);
-  add_lines<1>(row, lines, line_count, sums, stride);
-}
-
-MULTUM_VECTOR_CLONES
-void add_four_planes(LineSums& row, std::size_t width, double* before, const FootprintAverages::Line* lines,
-                     std::size_t line_count, double* sums, std::size_t stride) {
-  sum_up<FootprintAverages::kLanes>(row.values, width, before, row.upto_strip);
-  add_lines<FootprintAverages::kLanes>(row, lines, line_count, sums, stride);
+void add_four_planes(const FourPlanes* values, std::size_t width, FourPlanes* before,
+                     const FootprintAverages::Line* lines, std::size_t line_count, double* sums, std::size_t stride,
+                     std::size_t plane_count) {
+  FourPlanes upto_strip[kStrips + 1];
+  sum_up(values, width, before, upto_strip);
+  // Rows that are added in this way have many lines, so the sums of the strips are added once per column instead of
+  // twice per line.
+  const std::size_t strip = strip_width(width);
+  for (std::size_t k = 1; k < kStrips; ++k) {
+    const std::size_t strip_end = k + 1 < kStrips ? (k + 1) * strip : width;
+    for (std::size_t column = k * strip; column < strip_end; ++column)
+      before[column] = upto_strip[k] + before[column];
+  }
+  for (std::size_t i = 0; i < line_count; ++i) {
+    const FootprintAverages::Line& line = lines[i];
+    const FourPlanes to_begin = before[line.begin] + static_cast<double>(line.begin_part) * values[line.begin];
+    const FourPlanes to_end = before[line.end] + static_cast<double>(line.end_part) * values[line.end];
+    const FourPlanes added =
+        line.weight_turns * upto_strip[kStrips] + line.weight_end * to_end - line.weight_begin * to_begin;
+    double* const sum = sums + line.footprint * stride;
+    if (plane_count == FootprintAverages::kLanes) {
+      for (std::size_t lane = 0; lane < FootprintAverages::kLanes; ++lane) sum[lane] += added[lane];
+    } else {
+      for (std::size_t lane = 0; lane < plane_count; ++lane) sum[lane] += added[lane];
+    }
+  }
 }
 
 MULTUM_VECTOR_CLONES
@@ -258,15 +255,15 @@ void FootprintAverages::add_rows(int y, const std::vector<const double*>& values
   const std::size_t lanes = adds_together ? kLanes : 1;
   for (std::size_t first = 0; first < values.size(); first += lanes) {
     const std::size_t count = std::min(lanes, values.size() - first);
-    LineSums row{factors != nullptr ? products : values[first], before, {}, strip_width(width), count};
     if (count > 1) {
       // Lanes without a plane repeat the last one, and are not added.
       const auto plane = [&](std::size_t lane) { return values[first + std::min(lane, count - 1)]; };
       interleave(plane(0), plane(1), plane(2), plane(3), factors, width, products);
-      add_four_planes(row, width, before, lines, line_count, sums + first, stride);
+      add_four_planes(reinterpret_cast<const FourPlanes*>(products), width, reinterpret_cast<FourPlanes*>(before),
+                      lines, line_count, sums + first, stride, count);
     } else {
       if (factors != nullptr) multiply(values[first], factors, width, products);
-      add_plane(row, width, before, lines, line_count, sums + first, stride);
+      add_plane(factors != nullptr ? products : values[first], width, before, lines, line_count, sums + first, stride);
     }
   }
 }

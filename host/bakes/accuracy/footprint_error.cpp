@@ -27,23 +27,53 @@ double residual_variance(const std::vector<ErrorSum>& sums, const ErrorBase& bas
 
 }  // namespace
 
+namespace {
+
+// Returns the number of footprints of each octave.
+std::map<int, double> octave_counts(const std::vector<Footprint>& footprints) {
+  std::map<int, double> counts;
+  for (const Footprint& one : footprints) counts[one.octave] += 1.0;
+  return counts;
+}
+
+struct WeightedError {
+  double error, weight;
+};
+
+// Returns the smallest error such that the errors up to it have 95 % of the weight.
+double percentile_95(std::vector<WeightedError> errors) {
+  std::sort(errors.begin(), errors.end(), [](const auto& a, const auto& b) { return a.error < b.error; });
+  double total = 0.0, weight = 0.0;
+  for (const WeightedError& one : errors) total += one.weight;
+  for (const WeightedError& one : errors)
+    if ((weight += one.weight) >= 0.95 * total) return one.error;
+  return errors.back().error;
+}
+
+}  // namespace
+
 FootprintError footprint_error(AccuracyBrdf brdf, const std::vector<Footprint>& footprints,
                                const std::vector<ErrorSum>& sums) {
   MULTUM_CHECK(footprints.size() == sums.size());
   FootprintError result;
   result.brdf = std::move(brdf);
   result.sample_count = static_cast<std::int64_t>(sums.size());
+  // Octaves have equal weights, so the footprints of an octave with fewer of them weigh more.
+  const std::map<int, double> counts = octave_counts(footprints);
+  double largest = 0.0;
+  for (const auto& [octave, count] : counts) largest = std::max(largest, count);
   ErrorSum all;
-  for (const ErrorSum& sum : sums) all += sum;
+  std::map<int, std::vector<ErrorSum>> octaves;
+  std::vector<WeightedError> errors;
+  for (std::size_t i = 0; i < sums.size(); ++i) {
+    const double weight = largest / counts.at(footprints[i].octave);
+    octaves[footprints[i].octave].push_back(sums[i].times(weight));
+    errors.push_back({sums[i].difference / ErrorBase(sums[i]).of(sums[i]), weight});
+    all += octaves[footprints[i].octave].back();
+  }
   if (!(all.count > 0.0)) return result;
   const ErrorBase base(all);
   result.error = all.difference / base.of(all);
-  std::map<int, std::vector<ErrorSum>> octaves;
-  std::vector<double> errors;
-  for (std::size_t i = 0; i < sums.size(); ++i) {
-    octaves[footprints[i].octave].push_back(sums[i]);
-    errors.push_back(sums[i].difference / ErrorBase(sums[i]).of(sums[i]));
-  }
   double variance = 0.0;
   result.worst_octave_error = -1.0;
   for (const auto& [octave, of_octave] : octaves) {
@@ -56,9 +86,7 @@ FootprintError footprint_error(AccuracyBrdf brdf, const std::vector<Footprint>& 
     result.worst_octave_error = octave_error;
   }
   result.confidence = 1.96 * std::sqrt(variance) / base.of(all);
-  const auto place = static_cast<std::size_t>(std::ceil(0.95 * static_cast<double>(errors.size()))) - 1;
-  std::nth_element(errors.begin(), errors.begin() + static_cast<std::ptrdiff_t>(place), errors.end());
-  result.percentile_95 = errors[place];
+  result.percentile_95 = percentile_95(std::move(errors));
   return result;
 }
 

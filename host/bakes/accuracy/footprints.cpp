@@ -71,6 +71,13 @@ int footprint_octave_count(int map_width, int map_height) {
   return std::max(1, static_cast<int>(std::log2(std::max(map_width, map_height))));
 }
 
+int footprint_count(int octave, int map_width, int map_height, int per_octave) {
+  const double texels = std::exp2(2 * octave + 2);  // of a footprint of average size
+  const double wanted = 16.0 * map_width * map_height / texels;
+  return static_cast<int>(
+      std::min(std::max(wanted, static_cast<double>(kFootprintsMin)), static_cast<double>(per_octave)));
+}
+
 std::vector<Footprint> choose_footprints(int map_width, int map_height, const FootprintSettings& settings) {
   MULTUM_CHECK(settings.per_octave >= 0 && settings.first_octave >= 0 && settings.elongation_max >= 1.0);
   std::vector<Footprint> footprints;
@@ -78,9 +85,9 @@ std::vector<Footprint> choose_footprints(int map_width, int map_height, const Fo
   SplitMix64 random(settings.seed);
   const int octaves = footprint_octave_count(map_width, map_height);
   for (int octave = std::min(settings.first_octave, octaves - 1); octave < octaves; ++octave) {
-    const std::vector<glm::dvec2> centres = spread_points(settings.per_octave, map_width, map_height, random);
-    const std::vector<double> sizes = stratified(settings.per_octave, random),
-                              elongations = stratified(settings.per_octave, random);
+    const int count = footprint_count(octave, map_width, map_height, settings.per_octave);
+    const std::vector<glm::dvec2> centres = spread_points(count, map_width, map_height, random);
+    const std::vector<double> sizes = stratified(count, random), elongations = stratified(count, random);
     for (std::size_t i = 0; i < centres.size(); ++i) {
       const double shorter = std::exp2(octave + sizes[i]);
       const double longer = shorter * std::pow(settings.elongation_max, elongations[i]);

@@ -30,7 +30,7 @@ struct Footprint {
 };
 
 struct FootprintSettings {
-  int per_octave = 256;  // 0 chooses no footprints
+  int per_octave = 256;  // at most; 0 chooses no footprints
   int first_octave = 0;  // smaller footprints are not measured
   std::uint64_t seed = 1;
   WrapMode wrap_s = WrapMode::kPeriodic, wrap_t = WrapMode::kPeriodic;  // apply beyond the map's borders
@@ -41,7 +41,12 @@ struct FootprintSettings {
 /// Returns the number of octaves from 1 texel to the longer side of the map, which is at least 1.
 int footprint_octave_count(int map_width, int map_height);
 
-/// Returns settings.per_octave footprints for each octave, octave by octave. Each centre is a random point in its own
+/// Returns the number of footprints of an octave. There are at most 16 for each footprint of average size that fits into
+/// the map, because more would repeat the same texels, but at least kFootprintsMin and at most `per_octave`.
+int footprint_count(int octave, int map_width, int map_height, int per_octave);
+constexpr int kFootprintsMin = 32;
+
+/// Returns footprint_count() footprints for each octave, octave by octave. Each centre is a random point in its own
 /// cell. The cells have equal areas and are approximately square. Each u and each log2 e is random within its own
 /// interval. The intervals have equal lengths and are in random order. The elongation e is from 1 to
 /// settings.elongation_max.

@@ -60,13 +60,16 @@ struct MixtureSums {
   double log_likelihood;
 };
 
+// GCC's vectors, because GCC compiles loops over arrays of kLanes numbers to shuffles.
+using Lanes = double __attribute__((vector_size(kLanes * sizeof(double)), may_alias));
+
 MULTUM_VECTOR_CLONES
 void sum_responsibilities(const LobeTerm* lobes, std::size_t lobe_count, const double* x, const double* y,
                           const double* z, const double* is_present, std::size_t count, MixtureSums* sums) {
-  double parts[4 * kLobesMax][kLanes] = {};
+  Lanes parts[4 * kLobesMax] = {};
   double log_likelihood = 0.0;
   for (std::size_t first = 0; first < count; first += kBlock) {
-    double e[kLobesMax][kBlock], largest[kBlock], total[kBlock];
+    alignas(Lanes) double e[kLobesMax][kBlock], largest[kBlock], total[kBlock];
     for (std::size_t j = 0; j < lobe_count; ++j) {
       const LobeTerm lobe = lobes[j];
       for (std::size_t i = 0; i < kBlock; ++i) {
@@ -80,16 +83,21 @@ void sum_responsibilities(const LobeTerm* lobes, std::size_t lobe_count, const d
     for (std::size_t i = 0; i < kBlock; ++i) total[i] = 0.0;
     for (std::size_t j = 0; j < lobe_count; ++j)
       for (std::size_t i = 0; i < kBlock; ++i) total[i] += e[j][i] = exp_of_negative(e[j][i] - largest[i]);
-    for (std::size_t j = 0; j < lobe_count; ++j)
-      for (std::size_t begin = 0; begin < kBlock; begin += kLanes)
-        for (std::size_t lane = 0; lane < kLanes; ++lane) {
-          const std::size_t i = begin + lane;
-          const double part = e[j][i] / total[i] * is_present[first + i];
-          parts[4 * j][lane] += part;
-          parts[4 * j + 1][lane] += part * x[first + i];
-          parts[4 * j + 2][lane] += part * y[first + i];
-          parts[4 * j + 3][lane] += part * z[first + i];
-        }
+    for (std::size_t j = 0; j < lobe_count; ++j) {
+      Lanes weight = parts[4 * j], sum_x = parts[4 * j + 1], sum_y = parts[4 * j + 2], sum_z = parts[4 * j + 3];
+      for (std::size_t i = 0; i < kBlock; i += kLanes) {
+        const auto at = [i](const double* values) { return reinterpret_cast<const Lanes*>(values + i); };
+        const Lanes part = *at(e[j]) / *at(total) * *at(is_present + first);
+        weight += part;
+        sum_x += part * *at(x + first);
+        sum_y += part * *at(y + first);
+        sum_z += part * *at(z + first);
+      }
+      parts[4 * j] = weight;
+      parts[4 * j + 1] = sum_x;
+      parts[4 * j + 2] = sum_y;
+      parts[4 * j + 3] = sum_z;
+    }
     // The logarithm of a product replaces a sum of logarithms. Totals are in the range 1 to 8, so 64 of them do not
     // overflow.
     double product = 1.0, largest_sum = 0.0;
