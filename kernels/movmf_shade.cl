@@ -42,8 +42,8 @@ static inline real_v lit_cosine(lobe_v lobe, float3 h, float4 light, float facet
 static inline lobe_v load_lobe(__global const float4* lobes, int sample, int sample_count, int j) {
   return lobes[(size_t)sample * MULTUM_LOBES + j];
 }
-static inline void store_value(real_v value, __global float* values, size_t stride, int sample, int sample_count) {
-  values[sample * stride] = value;
+static inline void store_value(real_v value, __global float* values, int sample, int sample_count) {
+  values[sample] = value;
 }
 #else
 // Loads lobe j of sample `first` and the samples after it. Lanes without a sample repeat the last sample.
@@ -58,12 +58,15 @@ static inline lobe_v load_lobe(__global const float4* lobes, int first, int samp
   }
   return LOBE_V(LOAD_V(x), LOAD_V(y), LOAD_V(z), LOAD_V(w));
 }
-// Writes the lanes that have a sample. `stride` is the number of values per sample.
-static inline void store_value(real_v value, __global float* values, size_t stride, int first, int sample_count) {
+// Writes the lanes that have a sample.
+static inline void store_value(real_v value, __global float* values, int first, int sample_count) {
+  if (first + MULTUM_VECTOR_WIDTH <= sample_count) {
+    STORE_V(value, values + first);
+    return;
+  }
   float lanes[MULTUM_VECTOR_WIDTH];
   STORE_V(value, lanes);
-  const int count = min(MULTUM_VECTOR_WIDTH, sample_count - first);
-  for (int lane = 0; lane < count; ++lane) values[(first + lane) * stride] = lanes[lane];
+  for (int lane = 0; first + lane < sample_count; ++lane) values[first + lane] = lanes[lane];
 }
 #endif
 
@@ -74,7 +77,7 @@ static inline void store_value(real_v value, __global float* values, size_t stri
 //                               highlights, or 0 for no cosine
 //   lights     [light_count]    unit vectors; w: the mean cosine for without_roughness(), unused with MULTUM_PLANAR
 //   highlights [highlight_count]              with MULTUM_PLANAR only the exponent and the total are used
-//   values     [sample][highlight_count * half_count + light_count]   written: highlights, then Lambert
+//   values     [highlight_count * half_count + light_count][sample]   written: highlights, then Lambert
 // The kernel is compute bound.
 __kernel void movmf_shade(__global const float4* lobes, __global const float4* half_vectors,
                           __global const float4* lights, __global const MultumHighlight* highlights,
@@ -82,7 +85,6 @@ __kernel void movmf_shade(__global const float4* lobes, __global const float4* h
                           int highlight_count) {
   const int first = (int)get_global_id(0) * MULTUM_VECTOR_WIDTH;
   if (first >= sample_count) return;
-  const size_t stride = highlight_count * half_count + light_count;
   lobe_v own[MULTUM_LOBES];
   for (int j = 0; j < MULTUM_LOBES; ++j) own[j] = load_lobe(lobes, first, sample_count, j);
   for (int e = 0; e < highlight_count; ++e) {
@@ -97,7 +99,8 @@ __kernel void movmf_shade(__global const float4* lobes, __global const float4* h
         for (int j = 0; j < MULTUM_LOBES; ++j)
           sum += is_lit ? lit_terms(own[j], highlights + e, h.xyz, lights[(int)h.w - 1])
                         : shade_terms(own[j], highlights + e, one_minus_cosine(own[j], h.xyz));
-        store_value(sum, values++, stride, first, sample_count);
+        store_value(sum, values, first, sample_count);
+        values += sample_count;
         continue;
       }
 #endif
@@ -106,12 +109,14 @@ __kernel void movmf_shade(__global const float4* lobes, __global const float4* h
         sum += is_lit ? value * lit_cosine(own[j], h.xyz, lights[(int)h.w - 1], FACET_KAPPA(highlights[e].exponent))
                       : value;
       }
-      store_value(sum * highlights[e].total, values++, stride, first, sample_count);
+      store_value(sum * highlights[e].total, values, first, sample_count);
+      values += sample_count;
     }
   }
   for (int d = 0; d < light_count; ++d) {
     real_v sum = 0.0f;
     for (int j = 0; j < MULTUM_LOBES; ++j) sum += SHADE_LAMBERT(own[j], lights[d]);
-    store_value(sum, values++, stride, first, sample_count);
+    store_value(sum, values, first, sample_count);
+    values += sample_count;
   }
 }

@@ -70,7 +70,10 @@ std::vector<float> shade_gmm_opencl(const std::vector<glm::vec4>& lobes, const s
       .launch({lobes.size()}, in, around, around, highlight, out, static_cast<int>(lobes.size()), s > 0.0f ? count : 0,
               s > 0.0f ? 0 : count, s > 0.0f ? 1 : 0);
   device.read(out, values.data(), values.size() * sizeof(float));
-  return values;
+  std::vector<float> by_lobe;  // the kernel writes [direction][lobe]
+  for (std::size_t i = 0; i < lobes.size(); ++i)
+    for (std::size_t d = 0; d < directions.size(); ++d) by_lobe.push_back(values[d * lobes.size() + i]);
+  return by_lobe;
 }
 
 std::vector<float> shade_gmm_glsl(const gl::HeadlessContext& context, const std::vector<glm::vec4>& lobes,

@@ -73,7 +73,10 @@ std::vector<float> shade_opencl(const std::vector<glm::vec4>& lobes, const std::
       .launch({lobes.size()}, lobe_buffer, direction_buffer, direction_buffer, highlight, out,
               static_cast<int>(lobes.size()), lambert ? 0 : count, lambert ? count : 0, lambert ? 0 : 1);
   device.read(out, values.data(), values.size() * sizeof(float));
-  return values;
+  std::vector<float> by_lobe;  // the kernel writes [direction][lobe]
+  for (std::size_t i = 0; i < lobes.size(); ++i)
+    for (std::size_t d = 0; d < directions.size(); ++d) by_lobe.push_back(values[d * lobes.size() + i]);
+  return by_lobe;
 }
 
 // An exponent of 0 selects Lambert's cosine.

@@ -12,9 +12,20 @@
 #include "host/bakes/accuracy/accuracy_reference.h"
 #include "host/foundation/base/error.h"
 #include "host/foundation/base/processes/parallel.h"
+#include "host/foundation/base/vector_clones.h"
 
 namespace multum {
 namespace {
+
+// Adds |model - reference| and the reference of each point to the sums of the point.
+MULTUM_VECTOR_CLONES
+void add_differences(const float* __restrict model, const double* __restrict reference, std::size_t count,
+                     double* __restrict differences, double* __restrict references) {
+  for (std::size_t i = 0; i < count; ++i) {
+    differences[i] += std::abs(static_cast<double>(model[i]) - reference[i]);
+    references[i] += reference[i];
+  }
+}
 
 // Adds up the errors of each level, kind of point and BRDF. Each sample represents all texels of its cell. For sampled
 // levels, the errors of each point are also kept, because the confidence interval follows from their spread.
@@ -178,7 +189,7 @@ class Comparison {
         else streamed.push_back(footprint_references[d].get());
       stream_rows(planes, {settings_.threads}, streamed, progress);
       streamed.clear();
-      for (std::size_t m = 0; m < models_.size(); ++m) compare(device, pass, m, direction == 0, progress);
+      compare(device, pass, direction == 0, progress);
       direction += pass.references.size();
     }
     for (std::size_t m = 0; m < models_.size() && has_footprints(); ++m)
@@ -308,7 +319,6 @@ class Comparison {
                       const std::vector<std::size_t>& point_begin, const std::vector<float>& values, int channel,
                       std::vector<ErrorSum>* sums_of) const {
     const std::size_t highlight_count = highlights_.size();
-    const std::size_t value_count = half_count() * highlight_count + settings_.directions.lights.size();
     for (std::size_t d = 0; d < references.size(); ++d) {
       const bool is_light = d >= half_count();
       const std::size_t own_count = is_light ? 1 : highlight_count;
@@ -320,7 +330,7 @@ class Comparison {
               references[d]->at(i, static_cast<std::size_t>(1 + channel) * own_count + e) * value_scale(is_light, e);
           double shaded = 0.0;
           for (std::size_t p = point_begin[i]; p < point_begin[i + 1]; ++p)
-            shaded += static_cast<double>(values[p * value_count + value]);
+            shaded += static_cast<double>(values[value * point_begin.back() + p]);
           shaded /= static_cast<double>(point_begin[i + 1] - point_begin[i]);
           sums[i] += {std::abs(shaded - reference), reference, 1.0};
         }
@@ -333,14 +343,14 @@ class Comparison {
     return is_light || settings_.has_roughness ? 1.0 : highlight_scale(highlights_[highlight]);
   }
 
-  void compare(Device& device, const Pass& pass, std::size_t model, bool is_first, Progress* progress) {
-    constexpr std::size_t kSamplesPerBatch = 1 << 14;
-    const std::unique_ptr<PointShading> shading = models_[model]->make_shading(device, pass.directions);
+  void compare(Device& device, const Pass& pass, bool is_first, Progress* progress) {
+    constexpr std::size_t kSamplesPerBatch = 1 << 12;
+    std::vector<std::unique_ptr<PointShading>> shading;
+    for (const AccuracyModel* model : models_) shading.push_back(model->make_shading(device, pass.directions));
     const std::size_t sample_count = points_.samples().size();
     std::vector<SamplePoint> points;
     PointTaps taps;
     std::vector<float> values;
-    std::vector<ErrorSum> sums;
     for (std::size_t first = 0; first < sample_count; first += kSamplesPerBatch) {
       progress_advance(progress, 0);  // lets the caller cancel
       points.clear();
@@ -348,42 +358,56 @@ class Comparison {
         points_.append_points(i, points);
       taps.clear();
       for (const SamplePoint& point : points) append_taps(point, places_.model_slots, taps);
-      for (std::size_t way = 0; way < shadings_.size(); ++way)
-        for (int channel = -1; channel < static_cast<int>(channel_count_); ++channel) {
-          shading->shade(taps, static_cast<int>(way), channel, settings_.threads, values);
-          compare_points(pass, points, values, channel, sums);
-          const std::size_t first_brdf = (way * groups_per_shading() + (channel < 0 ? 0 : 1)) * plain_count_;
-          for (std::size_t i = 0; i < points.size(); ++i)
-            for (std::size_t b = 0; b < plain_count_; ++b)
-              sums_[model].add(points[i], first_brdf + b, sums[i * plain_count_ + b]);
-        }
-      for (std::size_t i = 0; i < points.size() && is_first; ++i) sums_[model].count(points[i]);
+      for (int channel = -1; channel < static_cast<int>(channel_count_); ++channel) {
+        const std::vector<double> references = references_at(pass, points, channel);
+        for (std::size_t m = 0; m < models_.size(); ++m)
+          for (std::size_t way = 0; way < shadings_.size(); ++way) {
+            shading[m]->shade(taps, static_cast<int>(way), channel, settings_.threads, values);
+            const std::size_t first_brdf = (way * groups_per_shading() + (channel < 0 ? 0 : 1)) * plain_count_;
+            compare_points(pass, points, values, references, first_brdf, sums_[m]);
+          }
+      }
+      for (std::size_t m = 0; m < models_.size() && is_first; ++m)
+        for (const SamplePoint& point : points) sums_[m].count(point);
     }
   }
 
-  // Fills sums[point][highlights, then Lambert] for one colour channel. The channel is -1 if there are no colours.
-  void compare_points(const Pass& pass, const std::vector<SamplePoint>& points, const std::vector<float>& values,
-                      int channel, std::vector<ErrorSum>& sums) const {
-    constexpr int kPointsPerBand = 4096;
-    const std::size_t highlight_count = highlights_.size(), pass_half_count = pass.directions.half_vectors.size();
-    const std::size_t value_count = pass_half_count * highlight_count + pass.directions.lights.size();
-    sums.assign(points.size() * plain_count_, {});
-    for_each_row_band(static_cast<int>(points.size()), kPointsPerBand, settings_.threads, [&](int, int begin, int end) {
-      for (std::size_t d = 0; d < pass.references.size(); ++d) {
-        const bool is_light = d >= pass_half_count;
-        const std::size_t own_count = is_light ? 1 : highlight_count;
-        const std::size_t first_value = static_cast<std::size_t>(1 + channel) * own_count;
-        for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i)
-          for (std::size_t e = 0; e < own_count; ++e) {
-            const double reference =
-                reference_at(*pass.references[d], points[i], first_value + e) * value_scale(is_light, e);
-            const std::size_t value =
-                is_light ? pass_half_count * highlight_count + d - pass_half_count : e * pass_half_count + d;
-            const auto shaded = static_cast<double>(values[i * value_count + value]);
-            sums[i * plain_count_ + (is_light ? highlight_count : e)] += {std::abs(shaded - reference), reference, 1.0};
-          }
-      }
+  // Returns the reference of each point for one colour channel, [value][point], in the order of the model's values. The
+  // channel is -1 if there are no colours.
+  std::vector<double> references_at(const Pass& pass, const std::vector<SamplePoint>& points, int channel) const {
+    const std::size_t of_highlight = pass.directions.half_vectors.size();
+    const std::size_t highlight_values = of_highlight * highlights_.size();
+    const std::size_t value_count = highlight_values + pass.directions.lights.size();
+    std::vector<double> references(value_count * points.size());
+    for_each_item(static_cast<int>(value_count), settings_.threads, [&](int number) {
+      const auto value = static_cast<std::size_t>(number);
+      const bool is_light = value >= highlight_values;
+      const std::size_t highlight = is_light ? 0 : value / of_highlight;
+      const std::size_t direction = is_light ? of_highlight + value - highlight_values : value % of_highlight;
+      const std::size_t own_value = static_cast<std::size_t>(1 + channel) * (is_light ? 1 : highlights_.size()) + highlight;
+      const double scale = value_scale(is_light, highlight);
+      for (std::size_t i = 0; i < points.size(); ++i)
+        references[value * points.size() + i] =
+            reference_at(*pass.references[direction], points[i], own_value) * scale;
     });
+    return references;
+  }
+
+  // Adds the differences of points to BRDFs first_brdf + (highlights, then Lambert).
+  void compare_points(const Pass& pass, const std::vector<SamplePoint>& points, const std::vector<float>& values,
+                      const std::vector<double>& references, std::size_t first_brdf, ErrorSums& sums) const {
+    std::vector<double> differences(points.size()), sums_of_reference(points.size());
+    std::size_t value = 0;
+    for (std::size_t b = 0; b < plain_count_; ++b) {
+      const std::size_t count = b < highlights_.size() ? pass.directions.half_vectors.size() : pass.directions.lights.size();
+      std::fill(differences.begin(), differences.end(), 0.0);
+      std::fill(sums_of_reference.begin(), sums_of_reference.end(), 0.0);
+      for (std::size_t end = value + count; value < end; ++value)
+        add_differences(values.data() + value * points.size(), references.data() + value * points.size(), points.size(),
+                        differences.data(), sums_of_reference.data());
+      for (std::size_t i = 0; i < points.size(); ++i)
+        sums.add(points[i], first_brdf + b, {differences[i], sums_of_reference[i], static_cast<double>(count)});
+    }
   }
 
   static double reference_at(const TexelSums& reference, const SamplePoint& point, std::size_t value) {
@@ -593,7 +617,7 @@ std::vector<LevelDifference> AccuracyMeter::difference_from(AccuracyMeter& by_de
       double colour = 0.0;
       for (std::size_t t = 0; t < static_cast<std::size_t>(points[i].tap_count); ++t)
         colour += points[i].weights[t] * means.at(points[i].slots[t], static_cast<std::size_t>(3 + channel));
-      for (std::size_t v = 0; v < value_count; ++v) values[i * value_count + v] *= static_cast<float>(colour);
+      for (std::size_t v = 0; v < value_count; ++v) values[v * points.size() + i] *= static_cast<float>(colour);
     }
     shown.set_map_averages(nullptr);
     return values;
@@ -608,8 +632,8 @@ std::vector<LevelDifference> AccuracyMeter::difference_from(AccuracyMeter& by_de
         LevelDifference& sum =
             sums[index(points_.samples()[points[i].sample].level, is_light ? highlight_count : v / half_count)];
         const double weight = points_.samples()[points[i].sample].cell_texels;
-        const auto a = static_cast<double>(own[i * value_count + v]),
-                   b = static_cast<double>(other[i * value_count + v]);
+        const auto a = static_cast<double>(own[v * points.size() + i]),
+                   b = static_cast<double>(other[v * points.size() + i]);
         sum.difference += weight * std::abs(a - b);
         sum.by_default += weight * b;
       }

@@ -14,6 +14,12 @@ std::vector<glm::vec4> padded(const std::vector<glm::dvec3>& directions, float w
 
 }  // namespace
 
+void order_by_value(const std::vector<float>& values, std::size_t value_count, std::size_t first,
+                    std::size_t all_points, std::vector<float>& to) {
+  for (std::size_t i = 0; i < values.size() / value_count; ++i)
+    for (std::size_t v = 0; v < value_count; ++v) to[v * all_points + first + i] = values[i * value_count + v];
+}
+
 DirectionBuffers::DirectionBuffers(Device& device, const ShadingDirections& directions)
     : half_vectors_(padded(directions.half_vectors, 0.0f)),
       lights_(padded(directions.lights, directions.mean_cosine)),
@@ -33,11 +39,10 @@ DirectionBuffers::DirectionBuffers(Device& device, const ShadingDirections& dire
 }
 
 void DirectionBuffers::scale_by_totals(std::vector<float>& values) const {
-  const auto half_count = static_cast<std::size_t>(half_count_);
+  const std::size_t of_highlight = static_cast<std::size_t>(half_count_) * (values.size() / value_count_);
   for (std::size_t f = 0; f < static_cast<std::size_t>(highlight_count_); ++f) {
     if (shaded_[f].total == 1.0f) continue;
-    for (std::size_t first = f * half_count; first < values.size(); first += value_count_)
-      for (std::size_t d = 0; d < half_count; ++d) values[first + d] *= shaded_[f].total;
+    for (std::size_t i = f * of_highlight; i < (f + 1) * of_highlight; ++i) values[i] *= shaded_[f].total;
   }
 }
 

@@ -31,11 +31,15 @@ struct ShadingDirections {
   std::vector<int> half_vector_lights = {};
 };
 
+/// Writes values [point][value] to `to`, in the order [value][first + point] of `all_points` points.
+void order_by_value(const std::vector<float>& values, std::size_t value_count, std::size_t first,
+                    std::size_t all_points, std::vector<float>& to);
+
 /// Evaluates the model at points.
 class PointShading {
  public:
   virtual ~PointShading() = default;
-  /// Writes [point][highlights x half vectors, then lights] to values[0 .. points x values). `shading` is the number of
+  /// Writes [highlights x half vectors, then lights][point] to values[0 .. values x points). `shading` is the number of
   /// one of the model's shadings. Values are multiplied by the colours of channel `channel`, unless `channel` is -1.
   virtual void shade(const PointTaps& points, int shading, int channel, int threads, std::vector<float>& values) = 0;
 };
@@ -79,8 +83,8 @@ class DirectionBuffers {
   int half_count() const { return half_count_; }
   int light_count() const { return light_count_; }
   int highlight_count() const { return highlight_count_; }
-  /// Multiplies values by the integral of the highlight. The values must have been shaded as Blinn-Phong with the
-  /// highlight's exponent.
+  /// Multiplies values [value][point] by the integral of the highlight. The values must have been shaded as Blinn-Phong
+  /// with the highlight's exponent.
   void scale_by_totals(std::vector<float>& values) const;
   const DeviceBuffer& half_vectors() const { return half_buffer_; }
   const DeviceBuffer& lights() const { return light_buffer_; }

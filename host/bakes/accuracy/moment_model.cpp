@@ -35,14 +35,16 @@ class MomentShading : public PointShading {
   void shade(const PointTaps& points, int shading, int channel, int threads, std::vector<float>& values) override {
     const std::vector<MultumFilteredMoments> moments = model_.filtered(points, channel, threads);
     const std::size_t count = directions_.value_count(), byte_count = points.size() * count * sizeof(float);
-    values.resize(points.size() * count);
+    std::vector<float> by_point(points.size() * count);
     const DeviceBuffer moment_buffer =
         device_.wrap_buffer(moments.data(), moments.size() * sizeof(MultumFilteredMoments), "filtered moments");
     if (value_buffer_.byte_count() < byte_count) value_buffer_ = device_.make_buffer(byte_count, "shaded values");
     kernel_.launch({points.size()}, moment_buffer, directions_.half_vectors(), directions_.lights(),
                    directions_.exponents(), value_buffer_, static_cast<int>(points.size()), directions_.half_count(),
                    directions_.light_count(), directions_.highlight_count(), shading);
-    device_.read(value_buffer_, values.data(), byte_count);
+    device_.read(value_buffer_, by_point.data(), byte_count);
+    values.resize(by_point.size());
+    order_by_value(by_point, count, 0, points.size(), values);
     directions_.scale_by_totals(values);
   }
 

@@ -52,7 +52,9 @@ class ShShading : public PointShading {
       kernel_.launch({end - begin}, coefficients, shares, step_buffer_, zonal_buffer_, directions_.half_vectors(),
                      directions_.lights(), directions_.highlights(), value_buffer_, static_cast<int>(end - begin),
                      directions_.half_count(), directions_.light_count(), directions_.highlight_count());
-      device_.read(value_buffer_, values.data() + begin * value_count, (end - begin) * value_count * sizeof(float));
+      std::vector<float> of_launch((end - begin) * value_count);
+      device_.read(value_buffer_, of_launch.data(), of_launch.size() * sizeof(float));
+      order_by_value(of_launch, value_count, begin, points.size(), values);
     }
   }
 
