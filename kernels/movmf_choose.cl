@@ -39,24 +39,32 @@ static size_t covered_pair(int column, int row, int below, const MultumMovmfFit*
   return map_row_start(2 * row + below, fit) + 2 * column;
 }
 
-// Loads the normals of texels. Sample i is in column i % 2 and row i / 2.
+// Loads one coordinate of the normals of texels. Sample i is in column i % 2 and row i / 2.
+static void gather_covered(__global const float* values, const size_t* upper, const size_t* lower, real_v* samples) {
+  float4 of_lanes[MULTUM_VECTOR_WIDTH];
+#pragma unroll
+  for (int lane = 0; lane < MULTUM_VECTOR_WIDTH; ++lane)
+    of_lanes[lane] = (float4)(vload2(0, values + upper[lane]), vload2(0, values + lower[lane]));
+  transpose(of_lanes, samples, samples + 1, samples + 2, samples + 3);
+}
+
 static void gather_normals(__global const float* normal_x, __global const float* normal_y,
                            __global const float* normal_z, const Places* places, const MultumMovmfFit* fit,
                            LobeLanes* samples) {
-  float values[NORMALS][3][MULTUM_VECTOR_WIDTH];
-  for (int lane = 0; lane < MULTUM_VECTOR_WIDTH; ++lane)
-    for (int i = 0; i < NORMALS; ++i) {
-      const size_t source = covered_pair(places->column[lane], places->row[lane], i / 2, fit) + i % 2;
-      float nx = normal_x[source], ny = normal_y[source], nz = normal_z[source];
-      TO_SAMPLE(float, nx, ny, nz, fit->shortened)
-      values[i][0][lane] = nx;
-      values[i][1][lane] = ny;
-      values[i][2][lane] = nz;
-    }
+  size_t upper[MULTUM_VECTOR_WIDTH], lower[MULTUM_VECTOR_WIDTH];
+  for (int lane = 0; lane < MULTUM_VECTOR_WIDTH; ++lane) {
+    upper[lane] = covered_pair(places->column[lane], places->row[lane], 0, fit);
+    lower[lane] = covered_pair(places->column[lane], places->row[lane], 1, fit);
+  }
+  real_v x[NORMALS], y[NORMALS], z[NORMALS];
+  gather_covered(normal_x, upper, lower, x);
+  gather_covered(normal_y, upper, lower, y);
+  gather_covered(normal_z, upper, lower, z);
   for (int i = 0; i < NORMALS; ++i) {
-    samples[i].x = LOAD_V(values[i][0]);
-    samples[i].y = LOAD_V(values[i][1]);
-    samples[i].z = LOAD_V(values[i][2]);
+    TO_SAMPLE(real_v, x[i], y[i], z[i], fit->shortened)
+    samples[i].x = x[i];
+    samples[i].y = y[i];
+    samples[i].z = z[i];
     samples[i].amplitude = (real_v)(1.0f);
   }
 }
@@ -93,37 +101,47 @@ static void find_parents(const Places* places, const MultumMovmfFit* fit, Parent
 // that lobe.
 static LobeLanes sums_around(__global const float* parent, __global const float* level, const Places* places,
                              const Parents* parents) {
-  float x[MULTUM_VECTOR_WIDTH], y[MULTUM_VECTOR_WIDTH], z[MULTUM_VECTOR_WIDTH], weight[MULTUM_VECTOR_WIDTH];
-  for (int lane = 0; lane < MULTUM_VECTOR_WIDTH; ++lane) {
-    const int count = places->beside_count[lane];
-    float4 sum = (float4)(0.0f);
-    for (int p = 0; p < PARENTS; ++p) {
-      float4 lobe = vload4(parents->place[p][lane], parent);
-      lobe.w = MAX_V(lobe.w, MULTUM_CHOICE_AMPLITUDE_MIN);
-      sum += MULTUM_CHOICE_PARENT * parent_weights[p] * sums_of_lobe(lobe);
-    }
-    for (int n = 0; n < count; ++n) sum += sums_of_lobe(vload4(places->beside[lane][n], level));
-    sum *= NORMALS * MULTUM_CHOICE_AROUND / (MULTUM_CHOICE_PARENT + count);
-    x[lane] = sum.x;
-    y[lane] = sum.y;
-    z[lane] = sum.z;
-    weight[lane] = sum.w;
-  }
   LobeLanes sums;
-  sums.x = LOAD_V(x);
-  sums.y = LOAD_V(y);
-  sums.z = LOAD_V(z);
-  sums.amplitude = LOAD_V(weight);
+  sums.x = sums.y = sums.z = sums.amplitude = (real_v)(0.0f);
+  for (int p = 0; p < PARENTS; ++p) {
+    LobeLanes lobe = gather(parent, parents->place[p]);
+    lobe.amplitude = MAX_V(lobe.amplitude, (real_v)(MULTUM_CHOICE_AMPLITUDE_MIN));
+    const LobeLanes own = sums_of_lobe(lobe);
+    const real_v weight = (real_v)(MULTUM_CHOICE_PARENT * parent_weights[p]);
+    sums.x += weight * own.x;
+    sums.y += weight * own.y;
+    sums.z += weight * own.z;
+    sums.amplitude += weight * own.amplitude;
+  }
+  real_v count = (real_v)(MULTUM_CHOICE_PARENT);
+  for (int n = 0; n < places->beside_max; ++n) {
+    const LobeLanes own = sums_of_lobe(gather(level, places->beside[n]));
+    const int_v is_there = has_neighbour(places, n);
+    sums.x += is_there ? own.x : (real_v)(0.0f);
+    sums.y += is_there ? own.y : (real_v)(0.0f);
+    sums.z += is_there ? own.z : (real_v)(0.0f);
+    sums.amplitude += is_there ? own.amplitude : (real_v)(0.0f);
+    count += is_there ? (real_v)(1.0f) : (real_v)(0.0f);
+  }
+  const real_v scale = NORMALS * MULTUM_CHOICE_AROUND / count;
+  sums.x *= scale;
+  sums.y *= scale;
+  sums.z *= scale;
+  sums.amplitude *= scale;
   return sums;
 }
 
 // Computes the scatters c q - |m|^2 of all sets of samples.
 static void scatters_of_sets(const LobeLanes* samples, real_v* scatters) {
   scatters[0] = (real_v)(0.0f);
+#pragma unroll
   for (int i = 0; i < NORMALS; ++i) {
     const real_v own = sample_scatter(samples[i]);
-    for (int others = 0; others < (1 << i); ++others) {
+#pragma unroll
+    for (int others = 0; others < SUBSETS; ++others) {
+      if (others >= (1 << i)) continue;
       real_v sum = scatters[others] + own;
+#pragma unroll
       for (int k = 0; k < i; ++k)
         if ((others >> k) & 1) sum += squared_distance(samples[i], samples[k]) + (own + sample_scatter(samples[k]));
       scatters[others | (1 << i)] = sum;
@@ -138,11 +156,15 @@ static void costs_of_sets(const LobeLanes* samples, const real_v* scatters, cons
   const real_v own = fma(around.amplitude, square, -sample_product(around, around));
   real_v between[SUBSETS];  // scatter of the set's means about the mean of the surroundings
   between[0] = (real_v)(0.0f);
+#pragma unroll
   for (int i = 0; i < NORMALS; ++i) {
     const real_v one = fma(sample_square(samples[i]), around.amplitude,
                            fma((real_v)(-2.0f), sample_product(samples[i], around), square));
-    for (int others = 0; others < (1 << i); ++others) between[others | (1 << i)] = between[others] + one;
+#pragma unroll
+    for (int others = 0; others < SUBSETS; ++others)
+      if (others < (1 << i)) between[others | (1 << i)] = between[others] + one;
   }
+#pragma unroll
   for (int set = 0; set < SUBSETS; ++set) {
     const real_v weight = around.amplitude + (float)normals_in(set);
     const real_v mixed = scatters[set] + own + between[set];
@@ -195,10 +217,14 @@ __kernel void movmf_choose(__global const float* normal_x, __global const float*
     // Starts with the largest set, because a set's cost depends on smaller sets, whose costs must not have changed yet.
     // The last lobe needs only the set of all normals.
     const int smallest = j == MULTUM_LOBES - 1 ? SUBSETS - 1 : 0;
-    for (int set = SUBSETS - 1; set >= smallest; --set) {
+#pragma unroll
+    for (int set = SUBSETS - 1; set >= 0; --set) {
+      if (set < smallest) continue;
       real_v best = least[set] + costs[0];
       int_v way = lobes[set];
-      for (int own = set; own > 0; own = (own - 1) & set) {
+#pragma unroll
+      for (int own = SUBSETS - 1; own > 0; --own) {
+        if ((own & set) != own) continue;
         const real_v cost = least[set ^ own] + costs[own];
         const int_v less = cost < best;
         way = less ? lobes[set ^ own] + j * nibbles(own) : way;
@@ -234,20 +260,21 @@ __kernel void movmf_choose(__global const float* normal_x, __global const float*
       }
       scatter += mine ? sum : (real_v)(0.0f);
     }
-    const LobeLanes lobe = lobe_of_sums(sums, scatter);
-    float x[MULTUM_VECTOR_WIDTH], y[MULTUM_VECTOR_WIDTH], z[MULTUM_VECTOR_WIDTH], count[MULTUM_VECTOR_WIDTH];
-    STORE_V(lobe.x, x);
-    STORE_V(lobe.y, y);
-    STORE_V(lobe.z, z);
-    STORE_V(sums.amplitude, count);
-    for (int lane = 0; lane < MULTUM_VECTOR_WIDTH; ++lane) {
-      if (texel_list[slot + lane] < 0) continue;
-      float4 own = (float4)(x[lane], y[lane], z[lane], count[lane] / NORMALS);
-      // A lobe without normals gets the direction and spread of the parent's lobe.
-      if (count[lane] == 0.0f)
-        own.xyz = vload4(j * parent_size + parents.place[0][lane], (__global const float*)parent).xyz;
-      vstore4(own, j * level_size + places.own[lane], (__global float*)level);
+    LobeLanes lobe = lobe_of_sums(sums, scatter);
+    const int_v is_empty = sums.amplitude == 0.0f;
+    if (ANY_V(is_empty)) {  // a lobe without normals gets the direction and spread of the parent's lobe
+      const LobeLanes inherited = gather((__global const float*)(parent + j * parent_size), parents.place[0]);
+      lobe.x = is_empty ? inherited.x : lobe.x;
+      lobe.y = is_empty ? inherited.y : lobe.y;
+      lobe.z = is_empty ? inherited.z : lobe.z;
     }
+    lobe.amplitude = sums.amplitude / NORMALS;
+    float4 of_lanes[MULTUM_VECTOR_WIDTH];
+    transpose_back(lobe, of_lanes);
+#pragma unroll
+    for (int lane = 0; lane < MULTUM_VECTOR_WIDTH; ++lane)
+      if (texel_list[slot + lane] >= 0)
+        vstore4(of_lanes[lane], j * level_size + places.own[lane], (__global float*)level);
   }
 }
 

@@ -14,24 +14,16 @@
 
 // Sums a_k mu_k over the done neighbours and the parent.
 static LobeLanes alignment_sum(__global const float* alignment_vectors, const Places* places, LobeLanes parent) {
-  float x[MULTUM_VECTOR_WIDTH], y[MULTUM_VECTOR_WIDTH], z[MULTUM_VECTOR_WIDTH];
-  const LobeLanes told = told_to_neighbours(parent);
-  STORE_V(told.x, x);
-  STORE_V(told.y, y);
-  STORE_V(told.z, z);
-  for (int lane = 0; lane < MULTUM_VECTOR_WIDTH; ++lane) {
-    float4 sum = (float4)(x[lane], y[lane], z[lane], 0.0f);
-    for (int n = 0; n < places->beside_count[lane]; ++n) sum += vload4(places->beside[lane][n], alignment_vectors);
-    x[lane] = sum.x;
-    y[lane] = sum.y;
-    z[lane] = sum.z;
+  LobeLanes sum = told_to_neighbours(parent);
+  for (int n = 0; n < places->beside_max; ++n) {
+    const LobeLanes told = gather(alignment_vectors, places->beside[n]);
+    const int_v is_there = has_neighbour(places, n);
+    sum.x += is_there ? told.x : (real_v)(0.0f);
+    sum.y += is_there ? told.y : (real_v)(0.0f);
+    sum.z += is_there ? told.z : (real_v)(0.0f);
   }
-  LobeLanes result;
-  result.x = LOAD_V(x);
-  result.y = LOAD_V(y);
-  result.z = LOAD_V(z);
-  result.amplitude = (real_v)(0.0f);
-  return result;
+  sum.amplitude = (real_v)(0.0f);
+  return sum;
 }
 
 // In movmf_start, one work-item handles every lobe of MULTUM_VECTOR_WIDTH slots. The global size is
