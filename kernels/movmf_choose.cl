@@ -270,7 +270,7 @@ __kernel void movmf_choose(__global const float* normal_x, __global const float*
     }
     lobe.amplitude = sums.amplitude / NORMALS;
     float4 of_lanes[MULTUM_VECTOR_WIDTH];
-    transpose_back(lobe, of_lanes);
+    transpose_back(lobe.x, lobe.y, lobe.z, lobe.amplitude, of_lanes);
 #pragma unroll
     for (int lane = 0; lane < MULTUM_VECTOR_WIDTH; ++lane)
       if (texel_list[slot + lane] >= 0)

@@ -16,9 +16,10 @@
 namespace multum {
 namespace {
 
-ProgramChoice level_zero_program(const MipSchedule& schedule, const MovmfSettings& settings) {
+ProgramChoice level_zero_program(const Device& device, const MipSchedule& schedule, const MovmfSettings& settings) {
   return {"movmf_level_zero",
-          {settings.lobe_count, 1, schedule.weighted, lobe_family(settings.representation).is_planar}};
+          {settings.lobe_count, device.shape().vector_width, schedule.weighted,
+           lobe_family(settings.representation).is_planar}};
 }
 
 PlaneStore rows_of(const PlaneStore& store, int first_row, int row_count) {
@@ -224,10 +225,12 @@ MovmfFit::ZeroRows MovmfFit::fit_level_zero(const FittedRows& rows) {
   DeviceBuffer nearest = device_.make_buffer(texels, "numbers of lobes");
   const MapWindow& normals = *rows.normals;
   if (!level_zero_kernel_.is_built()) {
-    const ProgramChoice program = level_zero_program(schedule_, settings_);
+    const ProgramChoice program = level_zero_program(device_, schedule_, settings_);
     level_zero_kernel_ = device_.kernel(program.file, "movmf_level_zero", program.variant);
   }
-  level_zero_kernel_.launch({texels}, normals[0], normals[1], normals[2], rows.lobes->buffer(), nearest, rows.fit,
+  const auto width = static_cast<std::size_t>(map_width_),
+             per_item = static_cast<std::size_t>(device_.shape().vector_width);
+  level_zero_kernel_.launch({static_cast<std::size_t>(out.row_count) * ((width + per_item - 1) / per_item)}, normals[0], normals[1], normals[2], rows.lobes->buffer(), nearest, rows.fit,
                             settings_.aligned_start ? 1 : 0, first - normals.first_row(), first, out.row_count);
   ++zero_launches_;
   out.lobe.resize(texels);
@@ -250,7 +253,7 @@ void prepare_fit(Device& device, const MipSchedule& schedule, const MovmfSetting
   if (schedule.levels.empty()) return;  // a single texel
   std::vector<ProgramChoice> programs =
       MovmfEmStep(device, settings, schedule.weighted).programs(schedule, has_features);
-  if (settings.first_level == 0) programs.push_back(level_zero_program(schedule, settings));
+  if (settings.first_level == 0) programs.push_back(level_zero_program(device, schedule, settings));
   for (const ProgramChoice& program : binning_programs(schedule, settings.representation, device.shape()))
     programs.push_back(program);
   device.prepare(programs);
