@@ -44,7 +44,8 @@ static void gather_covered(__global const float* values, const size_t* upper, co
   float4 of_lanes[MULTUM_VECTOR_WIDTH];
 #pragma unroll
   for (int lane = 0; lane < MULTUM_VECTOR_WIDTH; ++lane)
-    of_lanes[lane] = (float4)(vload2(0, values + upper[lane]), vload2(0, values + lower[lane]));
+    of_lanes[lane] =
+        (float4)(values[upper[lane]], values[upper[lane] + 1], values[lower[lane]], values[lower[lane] + 1]);
   transpose(of_lanes, samples, samples + 1, samples + 2, samples + 3);
 }
 

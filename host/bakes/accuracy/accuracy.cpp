@@ -384,11 +384,11 @@ class Comparison {
       const bool is_light = value >= highlight_values;
       const std::size_t highlight = is_light ? 0 : value / of_highlight;
       const std::size_t direction = is_light ? of_highlight + value - highlight_values : value % of_highlight;
-      const std::size_t own_value = static_cast<std::size_t>(1 + channel) * (is_light ? 1 : highlights_.size()) + highlight;
+      const std::size_t own_value =
+          static_cast<std::size_t>(1 + channel) * (is_light ? 1 : highlights_.size()) + highlight;
       const double scale = value_scale(is_light, highlight);
       for (std::size_t i = 0; i < points.size(); ++i)
-        references[value * points.size() + i] =
-            reference_at(*pass.references[direction], points[i], own_value) * scale;
+        references[value * points.size() + i] = reference_at(*pass.references[direction], points[i], own_value) * scale;
     });
     return references;
   }
@@ -399,7 +399,8 @@ class Comparison {
     std::vector<double> differences(points.size()), sums_of_reference(points.size());
     std::size_t value = 0;
     for (std::size_t b = 0; b < plain_count_; ++b) {
-      const std::size_t count = b < highlights_.size() ? pass.directions.half_vectors.size() : pass.directions.lights.size();
+      const std::size_t count =
+          b < highlights_.size() ? pass.directions.half_vectors.size() : pass.directions.lights.size();
       std::fill(differences.begin(), differences.end(), 0.0);
       std::fill(sums_of_reference.begin(), sums_of_reference.end(), 0.0);
       for (std::size_t end = value + count; value < end; ++value)

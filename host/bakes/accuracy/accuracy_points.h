@@ -39,8 +39,7 @@ struct SamplePoint {
 };
 
 /// A level is measured completely if its texel count is at most this factor times the wanted number of samples.
-/// Sampling one of every 2 x 2 texels would save too little time to justify a confidence interval. Measuring such a
-/// level completely costs a bake at most 0.04 s of processor time (docs/contributing/ALGORITHMS.md, "Measured error").
+/// Sampling one of every 2 x 2 texels would save too little time to justify a confidence interval.
 constexpr int kWholeLevelFactor = 4;
 
 struct SampleSettings {

@@ -166,15 +166,14 @@ void FootprintReference::add_values(const FinestRow& row, const std::vector<doub
     factors = cosine_row_.data();
   }
   std::vector<const double*> planes(values.begin(), values.end());
-  averages_.add_rows(row.y, planes, factors, scratch_.data(), sums_.data(), value_count_);
+  averages_.add_rows(row.y, planes, factors, scratch_, sums_.data(), value_count_);
   for (std::size_t channel = 0; channel < 3 && !coloured_.empty(); ++channel) {
     for (std::size_t e = 0; e < values.size(); ++e) {
       multiply_colour(values[e], row.albedo[channel], static_cast<std::size_t>(averages_.map_width()),
                       coloured_[e].data());
       planes[e] = coloured_[e].data();
     }
-    averages_.add_rows(row.y, planes, factors, scratch_.data(), sums_.data() + (channel + 1) * values.size(),
-                       value_count_);
+    averages_.add_rows(row.y, planes, factors, scratch_, sums_.data() + (channel + 1) * values.size(), value_count_);
   }
 }
 

@@ -215,8 +215,7 @@ void add_four_planes(const FourPlanes* values, std::size_t width, FourPlanes* be
   const std::size_t strip = strip_width(width);
   for (std::size_t k = 1; k < kStrips; ++k) {
     const std::size_t strip_end = k + 1 < kStrips ? (k + 1) * strip : width;
-    for (std::size_t column = k * strip; column < strip_end; ++column)
-      before[column] = upto_strip[k] + before[column];
+    for (std::size_t column = k * strip; column < strip_end; ++column) before[column] = upto_strip[k] + before[column];
   }
   for (std::size_t i = 0; i < line_count; ++i) {
     const FootprintAverages::Line& line = lines[i];
@@ -242,13 +241,13 @@ void multiply(const double* __restrict values, const double* __restrict factors,
 }  // namespace
 
 void FootprintAverages::add_rows(int y, const std::vector<const double*>& values, const double* factors,
-                                 double* scratch, double* sums, std::size_t stride) const {
+                                 AlignedRow& scratch, double* sums, std::size_t stride) const {
   const auto width = static_cast<std::size_t>(map_width_);
   const std::size_t first_line = line_begin_[static_cast<std::size_t>(y)],
                     line_count = line_begin_[static_cast<std::size_t>(y) + 1] - first_line;
   const Line* const lines = lines_.data() + first_line;
-  double* const products = scratch;
-  double* const before = scratch + kLanes * width;
+  double* const products = scratch.data();
+  double* const before = products + kLanes * width;
   // Planes that are added together share the work per line. In rows of many columns and few lines, sorting the columns
   // of four planes would take longer than this saves.
   const bool adds_together = factors != nullptr && 4 * line_count > width;

@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "host/bakes/accuracy/footprints.h"
+#include "host/foundation/base/vector_clones.h"
 
 namespace multum {
 
@@ -37,8 +38,8 @@ class FootprintAverages {
   /// Adds row y of each plane p, values[p][0..map_width()), to sums[footprint * stride + p]. Values are multiplied by
   /// `factors` unless it is null. Sums start at 0 and become averages after the last row. `scratch` holds
   /// scratch_length() doubles. Up to kLanes planes take little more time than one.
-  void add_rows(int y, const std::vector<const double*>& values, const double* factors, double* scratch, double* sums,
-                std::size_t stride) const;
+  void add_rows(int y, const std::vector<const double*>& values, const double* factors, AlignedRow& scratch,
+                double* sums, std::size_t stride) const;
 
   static constexpr std::size_t kLanes = 4;  // planes that are added together
 

@@ -41,8 +41,8 @@ struct FootprintSettings {
 /// Returns the number of octaves from 1 texel to the longer side of the map, which is at least 1.
 int footprint_octave_count(int map_width, int map_height);
 
-/// Returns the number of footprints of an octave. There are at most 16 for each footprint of average size that fits into
-/// the map, because more would repeat the same texels, but at least kFootprintsMin and at most `per_octave`.
+/// Returns the number of footprints of an octave. There are at most 16 for each footprint of average size that fits
+/// into the map, because more would repeat the same texels, but at least kFootprintsMin and at most `per_octave`.
 int footprint_count(int octave, int map_width, int map_height, int per_octave);
 constexpr int kFootprintsMin = 32;
 

@@ -230,7 +230,8 @@ MovmfFit::ZeroRows MovmfFit::fit_level_zero(const FittedRows& rows) {
   }
   const auto width = static_cast<std::size_t>(map_width_),
              per_item = static_cast<std::size_t>(device_.shape().vector_width);
-  level_zero_kernel_.launch({static_cast<std::size_t>(out.row_count) * ((width + per_item - 1) / per_item)}, normals[0], normals[1], normals[2], rows.lobes->buffer(), nearest, rows.fit,
+  level_zero_kernel_.launch({static_cast<std::size_t>(out.row_count) * ((width + per_item - 1) / per_item)}, normals[0],
+                            normals[1], normals[2], rows.lobes->buffer(), nearest, rows.fit,
                             settings_.aligned_start ? 1 : 0, first - normals.first_row(), first, out.row_count);
   ++zero_launches_;
   out.lobe.resize(texels);

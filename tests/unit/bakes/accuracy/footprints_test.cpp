@@ -9,6 +9,7 @@
 #include <cmath>
 #include <cstdint>
 #include <glm/geometric.hpp>
+#include <map>
 #include <vector>
 
 #include "host/bakes/accuracy/footprint_averages.h"
@@ -39,34 +40,38 @@ reference::PixelRectangle rectangle_of(const Footprint& footprint) {
   return {footprint.centre, footprint.longer_side, footprint.shorter_side};
 }
 
-// Every octave has equally many footprints. Sizes, elongations and positions are stratified, which means that each
-// range is divided into equal parts with one footprint per part.
+// The two coarsest octaves of this map have fewer footprints. Sizes, elongations and positions are stratified, which
+// means that each range is divided into equal parts with one footprint per part.
 TEST(Footprints, AreSpreadEvenly) {
-  constexpr int kCount = 64, kWidth = 300, kHeight = 100;
-  const std::vector<Footprint> all = choose_footprints(kWidth, kHeight, {kCount, 1, 7});
+  constexpr int kMost = 64, kWidth = 300, kHeight = 100;
+  const std::vector<Footprint> all = choose_footprints(kWidth, kHeight, {kMost, 1, 7});
   ASSERT_EQ(footprint_octave_count(kWidth, kHeight), 8);
-  ASSERT_EQ(all.size(), 7u * kCount);
-  for (std::size_t first = 0; first < all.size(); first += kCount) {
-    const int octave = 1 + static_cast<int>(first) / kCount;
-    std::vector<int> sizes(kCount), elongations(kCount), columns(3);
+  std::size_t first = 0;
+  for (int octave = 1; octave < 8; ++octave) {
+    const int count = octave < 6 ? kMost : kFootprintsMin;
+    const std::size_t end = first + static_cast<std::size_t>(count);
+    ASSERT_LE(end, all.size());
+    std::vector<int> sizes(static_cast<std::size_t>(count)), elongations(sizes), columns(3);
     double turned = 0.0;
-    for (std::size_t i = first; i < first + kCount; ++i) {
+    for (std::size_t i = first; i < end; ++i) {
       const Footprint& one = all[i];
       EXPECT_EQ(one.octave, octave);
       const double longer = glm::length(one.longer_side), shorter = glm::length(one.shorter_side);
       EXPECT_NEAR(glm::dot(one.longer_side, one.shorter_side), 0.0, 1e-9 * longer * shorter);
-      ++sizes.at(static_cast<std::size_t>(kCount * (std::log2(shorter) - octave)));
+      ++sizes.at(static_cast<std::size_t>(count * (std::log2(shorter) - octave)));
       ++elongations.at(
-          static_cast<std::size_t>(kCount * std::log(longer / shorter) / std::log(FootprintSettings{}.elongation_max)));
+          static_cast<std::size_t>(count * std::log(longer / shorter) / std::log(FootprintSettings{}.elongation_max)));
       ASSERT_TRUE(one.centre.x >= 0.0 && one.centre.x < kWidth && one.centre.y >= 0.0 && one.centre.y < kHeight);
       ++columns.at(static_cast<std::size_t>(one.centre.x / 100.0));
-      turned += one.longer_side.y / longer / kCount;
+      turned += one.longer_side.y / longer / count;
     }
-    EXPECT_EQ(std::count(sizes.begin(), sizes.end(), 1), kCount);
-    EXPECT_EQ(std::count(elongations.begin(), elongations.end(), 1), kCount);
-    for (const int column : columns) EXPECT_NEAR(column, kCount / 3.0, 4.0);
+    EXPECT_EQ(std::count(sizes.begin(), sizes.end(), 1), count);
+    EXPECT_EQ(std::count(elongations.begin(), elongations.end(), 1), count);
+    for (const int column : columns) EXPECT_NEAR(column, count / 3.0, 4.0);
     EXPECT_NEAR(turned, 2.0 / M_PI, 0.25);  // the mean sine of evenly spread directions
+    first = end;
   }
+  EXPECT_EQ(first, all.size());
   EXPECT_EQ(choose_footprints(1, 1, {5}).size(), 5u) << "one octave suffices, even for a map of one texel";
   EXPECT_TRUE(choose_footprints(16, 16, {0}).empty());
 }
@@ -86,6 +91,22 @@ void expect_same_tap_by_tap(const std::vector<FilterTap>& averaged, const Footpr
     EXPECT_NEAR(taps[i].weight, count * averaged[i].weight, 1e-12);
     EXPECT_TRUE(taps[i].point >= (i > 0 ? taps[i - 1].point : 0) && taps[i].point < count);
   }
+}
+
+TEST(Footprints, FewOfThoseThatCoverMuchOfTheMap) {
+  // A footprint of octave k has 2^(2 k + 2) texels on average.
+  EXPECT_EQ(footprint_count(5, 512, 512, 256), 256);
+  EXPECT_EQ(footprint_count(6, 512, 512, 256), 256);
+  EXPECT_EQ(footprint_count(7, 512, 512, 256), 64);
+  EXPECT_EQ(footprint_count(8, 512, 512, 256), kFootprintsMin);
+  EXPECT_EQ(footprint_count(7, 512, 1024, 256), 128);
+  EXPECT_EQ(footprint_count(8, 512, 512, 4), 4);
+  EXPECT_EQ(footprint_count(8, 512, 512, 0), 0);
+  EXPECT_EQ(footprint_count(14, 16384, 1, 256), kFootprintsMin);
+  std::map<int, int> counts;
+  for (const Footprint& one : choose_footprints(512, 512, {})) ++counts[one.octave];
+  for (const auto& [octave, count] : counts) EXPECT_EQ(count, footprint_count(octave, 512, 512, 256)) << octave;
+  EXPECT_EQ(counts.size(), 9u);
 }
 
 TEST(Footprints, AreFilteredAsTheGlDoes) {
@@ -127,13 +148,13 @@ TEST(Footprints, AveragesAreThoseOfTheDefinition) {
                                        settings);
       std::vector<double> sums(2 * averages.footprints().size());
       std::vector<double> doubled(sums.size());  // the average of a product
-      std::vector<double> scratch(averages.scratch_length());
+      AlignedRow scratch(averages.scratch_length());
       const std::vector<double> twos(static_cast<std::size_t>(size.width), 2.0);
       for (int y = 0; y < size.height; ++y) {
         const double* row = plane.values.data() + std::ptrdiff_t{y} * size.width;
         if (!averages.needs_row(y)) continue;
-        averages.add_rows(y, {row}, nullptr, scratch.data(), sums.data(), 2);
-        averages.add_rows(y, {twos.data()}, row, scratch.data(), doubled.data(), 2);
+        averages.add_rows(y, {row}, nullptr, scratch, sums.data(), 2);
+        averages.add_rows(y, {twos.data()}, row, scratch, doubled.data(), 2);
       }
       for (std::size_t i = 0; i < averages.footprints().size(); ++i) {
         const Footprint& one = averages.footprints()[i];
@@ -156,7 +177,7 @@ TEST(Footprints, SeveralPlanesAreAddedAsOneByOne) {
     std::vector<reference::ValuePlane> planes;
     for (std::uint32_t p = 0; p <= kPlanes; ++p) planes.push_back(random_plane(size, 20 + p));
     std::vector<double> together(kPlanes * averages.footprints().size()), single(together.size());
-    std::vector<double> scratch(averages.scratch_length());
+    AlignedRow scratch(averages.scratch_length());
     for (int y = 0; y < size.height; ++y) {
       if (!averages.needs_row(y)) continue;
       std::vector<const double*> rows;
@@ -164,9 +185,9 @@ TEST(Footprints, SeveralPlanesAreAddedAsOneByOne) {
         rows.push_back(plane.values.data() + std::ptrdiff_t{y} * size.width);
       const double* const factors = rows.back();
       rows.pop_back();
-      averages.add_rows(y, rows, factors, scratch.data(), together.data(), kPlanes);
+      averages.add_rows(y, rows, factors, scratch, together.data(), kPlanes);
       for (std::size_t p = 0; p < kPlanes; ++p)
-        averages.add_rows(y, {rows[p]}, factors, scratch.data(), single.data() + p, kPlanes);
+        averages.add_rows(y, {rows[p]}, factors, scratch, single.data() + p, kPlanes);
     }
     EXPECT_EQ(together, single);
     EXPECT_NE(together, std::vector<double>(together.size()));
@@ -187,6 +208,29 @@ TEST(FootprintErrors, AreARatioWithItsInterval) {
   EXPECT_DOUBLE_EQ(error.worst_octave_error, 0.36);
   EXPECT_DOUBLE_EQ(error.percentile_95, 0.5);
   EXPECT_EQ(error.sample_count, 4);
+}
+
+// Octaves have equal weights, so a footprint of an octave with half as many footprints counts twice.
+TEST(FootprintErrors, OctavesOfFewFootprintsWeighTheSame) {
+  const ErrorSum a = {2.5, 5.0, 1.0}, b = {1.1, 5.0, 1.0}, c = {0.9, 4.0, 1.0}, d = {1.6, 8.0, 1.0};
+  std::vector<Footprint> few(3), many(4);
+  few[2].octave = many[2].octave = many[3].octave = 1;
+  const FootprintError of_few = footprint_error(AccuracyBrdf::lambert(), few, {a, b, c});
+  const FootprintError of_many = footprint_error(AccuracyBrdf::lambert(), many, {a, b, c, c});
+  EXPECT_DOUBLE_EQ(of_few.error, of_many.error);
+  EXPECT_DOUBLE_EQ(of_few.percentile_95, of_many.percentile_95);
+  EXPECT_EQ(of_few.sample_count, 3);
+  // R is (2.5 + 1.1 + 2 0.9) / (5 + 5 + 2 4) = 0.3, and only the first octave has a spread: 1 and -0.4 about 0.3.
+  EXPECT_DOUBLE_EQ(of_few.error, 0.3);
+  EXPECT_NEAR(of_few.confidence, 1.96 * std::sqrt(2.0 * 2.0 * 0.49) / 18.0, 1e-12);
+  // With 1 and 20 footprints, the single one has half of the weight, so its error is the 95th percentile.
+  std::vector<Footprint> uneven(21);
+  uneven[20].octave = 1;
+  std::vector<ErrorSum> sums(20, c);
+  sums.push_back(a);
+  EXPECT_DOUBLE_EQ(footprint_error(AccuracyBrdf::lambert(), uneven, sums).percentile_95, 0.5);
+  sums[20] = d;
+  EXPECT_DOUBLE_EQ(footprint_error(AccuracyBrdf::lambert(), uneven, sums).percentile_95, 0.225);
 }
 
 // Where the highlight has no light, differences are relative to a hundredth of a white diffuse surface.
