@@ -484,7 +484,7 @@ AccuracySettings of_file(AccuracySettings settings, const BakedHeader& header) {
   return settings;
 }
 
-// Returns the number of samples per level. A measurement of a small map should not take longer than its bake.
+// Returns the number of samples per level. Smaller maps have fewer, so that measuring them is faster than baking them.
 std::int64_t samples_in(PlaneSize map, std::int64_t of_large_map) {
   constexpr double kLargeSide = 4096.0;
   constexpr std::int64_t kSamplesMin = 512;
