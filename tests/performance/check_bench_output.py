@@ -60,6 +60,20 @@ def check_bake(text):
         check_spread(result["ratio"][key])
 
 
+def check_batch(text):
+    result = parse_result(text, "batch")
+    assert [row["size"] for row in result["sizes"]] == [16, 32] and result["count"] == 3, result
+    assert result["multum_command"].startswith("multum bake ") and " --no-measure" in result["multum_command"], result
+    for row in result["sizes"]:
+        for program in ("multum", "maketx"):
+            check_costs(row[program], result["cores"])
+        rate, seconds = row["maps_per_s"]["median"], row["multum"]["wall_s"]["median"]
+        assert abs(rate * seconds / 3 - 1) < 0.5, row  # medians of two runs, so not reciprocal
+        for ratio in row["ratio"].values():
+            check_spread(ratio)
+    assert result["sizes"][0]["content_hash"] != result["sizes"][1]["content_hash"]
+
+
 def check_scale(text):
     result = parse_result(text, "scale")
     assert [row["size"] for row in result["sizes"]] == [16, 32, 64]
@@ -168,6 +182,6 @@ def check_filters(text):
 
 
 if __name__ == "__main__":
-    checks = {"em": check_em, "bake": check_bake, "scale": check_scale, "load": check_load,
+    checks = {"em": check_em, "bake": check_bake, "batch": check_batch, "scale": check_scale, "load": check_load,
               "infer": check_infer, "filters": check_filters, "document": check_document, "accuracy": check_accuracy}
     checks[sys.argv[1]](open(sys.argv[2], encoding="utf-8").read())

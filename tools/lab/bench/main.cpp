@@ -15,6 +15,7 @@
 #include "tools/command_line/choices.h"
 #include "tools/command_line/usage_error.h"
 #include "tools/lab/bench/bake_benchmark.h"
+#include "tools/lab/bench/batch_benchmark.h"
 #include "tools/lab/bench/build_info.h"
 #include "tools/lab/bench/documents/accuracy_document.h"
 #include "tools/lab/bench/documents/benchmarks_document.h"
@@ -134,6 +135,22 @@ Benchmark add_bake(CLI::App& app, BakeBenchmarkOptions& bake) {
              "vector instructions of multum's kernels on PoCL (default: the widest)");
   command->add_option("options", bake.bake_options, "after --: more options of multum bake");
   return {command, "", [&bake](Progress* progress) { return run_bake_benchmark(bake, progress); }};
+}
+
+Benchmark add_batch(CLI::App& app, BatchBenchmarkOptions& batch) {
+  CLI::App* command = app.add_subcommand(
+      "batch", "compare multum bake of many small maps in one process with one process of maketx per map");
+  add_side(*command, "--size-min", batch.size_min, "side of the smallest maps");
+  add_side(*command, "--size-max", batch.size_max, "largest side; sides double from one group of maps to the next");
+  command->add_option("--count", batch.count, "number of maps per side")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  add_bake_options(*command, batch);
+  add_repetitions(*command, batch, "pairs of runs per side");
+  add_choice(*command, "--instructions", batch.instructions, kInstructions,
+             "vector instructions of multum's kernels on PoCL (default: the widest)");
+  command->add_option("options", batch.bake_options, "after --: more options of multum bake");
+  return {command, "", [&batch](Progress* progress) { return run_batch_benchmark(batch, progress); }};
 }
 
 Benchmark add_scale(CLI::App& app, ScaleBenchmarkOptions& scale) {
@@ -265,9 +282,10 @@ CLI::App* add_document(CLI::App& app, BenchmarksDocumentOptions& document) {
       app.add_subcommand("document", "make docs/evidence/BENCHMARKS.md from results, without running benchmarks");
   command->add_option("-o,--output", document.output, "Markdown file to write")->required();
   command
-      ->add_option("--json", document.results,
-                   "result file of em, bake, scale, load, infer or frames; can be repeated for more results, which "
-                   "keep this order")
+      ->add_option(
+          "--json", document.results,
+          "result file of em, bake, batch, scale, load, infer or frames; can be repeated for more results, which "
+          "keep this order")
       ->required();
   add_allow_dirty(*command, document.allow_dirty);
   return command;
@@ -291,6 +309,7 @@ int run(int argc, char** argv) {
   app.failure_message(usage_error);
   EmBenchmarkOptions em;
   BakeBenchmarkOptions bake;
+  BatchBenchmarkOptions batch;
   ScaleBenchmarkOptions scale;
   LoadBenchmarkOptions load;
   InferenceBenchmarkOptions infer;
@@ -298,9 +317,9 @@ int run(int argc, char** argv) {
   FilterBenchmarkOptions filters;
   OnGpuOptions on_gpu;
   std::string on_gpu_from;
-  std::vector<Benchmark> benchmarks = {add_em(app, em),          add_bake(app, bake),   add_scale(app, scale),
-                                       add_load(app, load),      add_infer(app, infer), add_frames(app, frames),
-                                       add_filters(app, filters)};
+  std::vector<Benchmark> benchmarks = {add_em(app, em),         add_bake(app, bake),      add_batch(app, batch),
+                                       add_scale(app, scale),   add_load(app, load),      add_infer(app, infer),
+                                       add_frames(app, frames), add_filters(app, filters)};
   for (Benchmark& benchmark : benchmarks)
     benchmark.command->add_option("--json", benchmark.json,
                                   "also write the result to this file, for multum-bench document");

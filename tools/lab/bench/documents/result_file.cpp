@@ -8,6 +8,7 @@
 
 #include "host/foundation/base/error.h"
 #include "tools/lab/bench/bake_benchmark.h"
+#include "tools/lab/bench/batch_benchmark.h"
 #include "tools/lab/bench/build_info.h"
 #include "tools/lab/bench/em_benchmark.h"
 #include "tools/lab/bench/filter_benchmark.h"
@@ -23,8 +24,8 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr std::pair<const char*, ResultView (*)(const Json&)> kViews[] = {
-    {"em", view_em},           {"bake", view_bake},     {"scale", view_scale},    {"load", view_load},
-    {"infer", view_inference}, {"frames", view_frames}, {"filters", view_filters}};
+    {"em", view_em},     {"bake", view_bake},       {"batch", view_batch},   {"scale", view_scale},
+    {"load", view_load}, {"infer", view_inference}, {"frames", view_frames}, {"filters", view_filters}};
 
 }  // namespace
 

@@ -58,12 +58,18 @@ std::string maketx_version() {
   }
 }
 
-std::string make_map_file(const std::string& folder, int size, Progress* progress) {
-  const std::string prefix = folder + "/map";
+std::string make_map_file(const std::string& prefix, int size, int seed, Progress* progress) {
   const std::string map = prefix + "_normal.png";
-  run_to_disk({neighbouring_program("multum"), "testmap", prefix, "--size", std::to_string(size)}, map, progress);
+  run_to_disk({neighbouring_program("multum"), "testmap", prefix, "--size", std::to_string(size), "--seed",
+               std::to_string(seed)},
+              map, progress);
   fs::remove(prefix + "_albedo.png");
   return map;
+}
+
+std::string make_map_file(const std::string& folder, int size, Progress* progress) {
+  constexpr int kDefaultSeed = 7;  // of `multum testmap`
+  return make_map_file(folder + "/map", size, kDefaultSeed, progress);
 }
 
 }  // namespace multum::bench

@@ -37,8 +37,10 @@ std::vector<std::string> maketx_command(const std::string& map, const std::strin
 /// is missing.
 std::string maketx_version();
 
-/// Makes the four-quarter map as a 16-bit PNG in `folder` and returns its name. The map is made by a process of `multum
-/// testmap`, so that its memory does not count for this process.
+/// Makes the four-quarter map as a 16-bit PNG, PREFIX_normal.png, and returns its name. The map is made by a process of
+/// `multum testmap`, so that its memory does not count for this process.
+std::string make_map_file(const std::string& prefix, int size, int seed, Progress* progress);
+/// The same with the default seed, as map_normal.png in `folder`.
 std::string make_map_file(const std::string& folder, int size, Progress* progress);
 
 }  // namespace multum::bench

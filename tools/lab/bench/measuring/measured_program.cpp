@@ -43,15 +43,24 @@ std::string last_words(const std::string& output) {
 }
 
 ProgramCost run_to_disk(const std::vector<std::string>& command, const std::string& output, Progress* progress) {
-  std::filesystem::remove(output);
+  return run_to_disk(command, std::vector<std::string>{output}, progress);
+}
+
+ProgramCost run_to_disk(const std::vector<std::string>& command, const std::vector<std::string>& outputs,
+                        Progress* progress) {
+  for (const std::string& output : outputs) std::filesystem::remove(output);
   const Stopwatch stopwatch;
   const ChildResult result = run_child(command);
   progress_advance(progress, 0);  // Ctrl-C also terminates the child, which does not count as a failure of the child
-  check_result(command[0], result, output);
-  sync_file(output);
+  for (const std::string& output : outputs) {
+    check_result(command[0], result, output);
+    sync_file(output);
+  }
   const double wall = stopwatch.seconds();
+  double bytes = 0.0;
+  for (const std::string& output : outputs) bytes += static_cast<double>(std::filesystem::file_size(output));
   return {wall, result.usage.cpu_seconds(), static_cast<double>(result.usage.peak_memory_bytes) / (1 << 20),
-          static_cast<double>(std::filesystem::file_size(output)) / 1e6};
+          bytes / 1e6};
 }
 
 nlohmann::ordered_json costs_json(const std::vector<ProgramCost>& costs) {

@@ -23,6 +23,9 @@ struct ProgramCost {
 /// command fails, throws Error with the end of its output: kUsage for the exit code of usage errors, otherwise
 /// kEnvironment.
 ProgramCost run_to_disk(const std::vector<std::string>& command, const std::string& output, Progress* progress);
+/// The same for a command that writes several files.
+ProgramCost run_to_disk(const std::vector<std::string>& command, const std::vector<std::string>& outputs,
+                        Progress* progress);
 
 /// Returns the end of a program's output, for error messages.
 std::string last_words(const std::string& output);
