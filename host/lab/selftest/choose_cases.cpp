@@ -157,7 +157,7 @@ std::vector<NumericalCase> choose_cases() {
             "absolute error of the features and of the sums of a and a r over the lobes",
             "only four additions are rounded"},
            choice_without_normals,
-           {{"movmf_choose", "if (count[lane] == 0.0f)", "if (false)"}}}};
+           {{"movmf_choose", "if (ANY_V(is_empty))", "if (false)"}}}};
 }
 
 }  // namespace multum
