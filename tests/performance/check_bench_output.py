@@ -127,7 +127,7 @@ def check_infer(text):
 
 def check_document(text):
     sections = re.split(r"^## ", text, flags=re.MULTILINE)
-    assert len(sections) == 7, f"{len(sections) - 1} sections, expected one each: em, bake, batch, scale, load and infer"
+    assert len(sections) == 7, f"{len(sections) - 1} sections, expected em, bake, batch, scale, load and infer"
     assert "commit " in sections[0] and " cores, " in sections[0], "equal conditions must be stated once, at the top"
     assert re.search(r"`multum-bench document -o docs/\S+ --json em.json --json bake.json", sections[0])
     for name, section in zip(("em", "bake", "batch", "scale", "load", "infer"), sections[1:]):
