@@ -31,7 +31,7 @@ struct ShadingDirections {
   std::vector<int> half_vector_lights = {};
 };
 
-/// Writes values [point][value] to `to`, in the order [value][first + point] of `all_points` points.
+/// Copies values [point][value] to `to`, which holds [value][all_points], from point `first` on.
 void order_by_value(const std::vector<float>& values, std::size_t value_count, std::size_t first,
                     std::size_t all_points, std::vector<float>& to);
 

@@ -39,9 +39,9 @@ Maps make_maps(const ScratchFolder& folder, int size, int count, Progress* progr
 }
 
 std::vector<std::string> batch_command(const BatchBenchmarkOptions& options, const Maps& maps,
-                                       const std::string& folder, const std::string& report) {
+                                       const std::string& folder) {
   std::vector<std::string> command =
-      multum_bake_command(maps.inputs.front(), folder, {options.lobes, options.threads, report, options.bake_options});
+      multum_bake_command(maps.inputs.front(), folder, {options.lobes, options.threads, "", options.bake_options});
   const auto after_first = std::find(command.begin(), command.end(), maps.inputs.front()) + 1;
   command.insert(after_first, maps.inputs.begin() + 1, maps.inputs.end());
   return command;
@@ -68,7 +68,7 @@ std::string hash_of(const Maps& maps) {
 
 Json run_size(const BatchBenchmarkOptions& options, int size, const Maps& maps, const std::string& folder,
               Progress* progress) {
-  const std::vector<std::string> command = batch_command(options, maps, folder, "");
+  const std::vector<std::string> command = batch_command(options, maps, folder);
   std::vector<ProgramCost> ours, theirs;
   std::vector<double> rates, wall, cpu;
   std::string content_hash;

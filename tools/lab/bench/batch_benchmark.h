@@ -26,7 +26,8 @@ struct BatchBenchmarkOptions {
   std::optional<Instructions> instructions;  // instructions of the kernels; the processor's widest if nullopt
 };
 
-/// First bakes the maps of each size once without measuring the time, to compile kernels and to fill the page cache.
+/// For each size, first bakes one map and converts all maps without measuring the time, to compile kernels and to fill
+/// the page cache. Throws Error(kVerification) if two runs of multum give different pixels.
 nlohmann::ordered_json run_batch_benchmark(const BatchBenchmarkOptions& options, Progress* progress);
 
 ResultView view_batch(const nlohmann::ordered_json& result);
