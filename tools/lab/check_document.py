@@ -1,15 +1,17 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Writes docs/evidence/VERDICTS.md. Compares the verdicts of `multum check` with pictures that three.js draws, with
-plain mips, with `multum export` (of a model: `multum gltf`), and with lobes.
+"""Writes docs/evidence/VERDICTS.md, or with --models docs/evidence/VERDICTS_MODELS.md. Compares the verdicts of
+`multum check` with pictures that three.js draws, with plain mips, with `multum export` (of a model: `multum gltf`), and
+with lobes.
 
-    tools/lab/check_document.py BIN_FOLDER MAPS OUT --sky FILE.exr --cache FOLDER [--models FILE...] [--only NAME...]
-        [--metal]
+    tools/lab/check_document.py BIN_FOLDER FOLDER OUT --sky FILE.exr --cache CACHE [--only NAME...] [--metal | --models]
 
-MAPS is a folder with normal maps. The cache contains the errors of pictures, so only new maps are drawn. OUT is written
-at the end, unless --only chooses some maps. Needs Node.js, Chromium and the packages of tests/service/web.
+FOLDER has normal maps, or with --models the files of tools/lab/models.json. The cache contains the errors of pictures,
+so only new maps are drawn. OUT is written at the end, unless --only chooses some maps. Needs Node.js, Chromium and the
+packages of tests/service/web.
 """
 import argparse
+import itertools
 import json
 import math
 import pathlib
@@ -17,7 +19,7 @@ import struct
 import tempfile
 
 import committed_tree
-from model_views import draw, link_model, run
+from model_views import ROOT, draw, link_model, run
 from target_table import is_normal_map
 
 # By distance in metres: side of the picture, which shows the middle of a sphere, samples per side of a pixel, and the
@@ -28,6 +30,7 @@ ROUGHNESS = (0.1, 0.3, 0.6)
 LIGHTS = {"sun": {"intensity": 3.0, "room": 0.3}, "sky": {"intensity": 0.0, "room": 1.0}}
 FORMS = ("plain", "export", "lobes")
 ROWS, ANGLE = 1080, 45
+LIST = ROOT / "tools" / "lab" / "models.json"
 MODEL_SIDE, MODEL_SAMPLES = 200, {2: 6, 5: 6, 25: 12}
 TILE = 0.25 * math.pi  # metres, so that whole numbers of tiles surround every sphere
 MATERIALS = {False: "The material is grey and not a metal.", True: "The material is a grey metal."}
@@ -113,6 +116,7 @@ def model_views():
 
 
 def errors_of(package, folder, models, asked):
+    """Returns errors in percent by view, in the order of FORMS."""
     plan = {"models": [{"file": models[0]}, {"file": models[1]},
                        {"file": models[2], "lobes": True, "options": {"evaluations": 4}}],
             "views": list(asked), "strips": False, "surroundings": "sky.exr"}
@@ -139,27 +143,80 @@ def drawn_errors(multum, package, path, metal, folder):
 
 
 def model_errors(multum, package, path, folder):
-    """Returns errors of a model with its own roughness."""
-    link_model(path, folder)
+    """Returns errors of a model with its own roughness, as drawn_errors() does."""
     for name, options in (("export", []), ("lobes", ["--form", "one-lobe", "--lobes"])):
         run(multum, "gltf", path, "-o", folder / f"{name}.glb", "--format", "rgba8", *options)
     return {"None": errors_of(package, folder, [path.name, "export.glb", "lobes.glb"], model_views())}
 
 
-def measured(given, package, path):
+def node_matrix(node):
+    """Returns the rows of the 3 x 4 matrix of a glTF node."""
+    if "matrix" in node:
+        return [[node["matrix"][4 * column + row] for column in range(4)] for row in range(3)]
+    x, y, z, w = node.get("rotation", (0, 0, 0, 1))
+    turned = ((1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)),
+              (2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)),
+              (2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)))
+    scale, moved = node.get("scale", (1, 1, 1)), node.get("translation", (0, 0, 0))
+    return [[turned[row][column] * scale[column] for column in range(3)] + [moved[row]] for row in range(3)]
+
+
+def transformed(matrix, point):
+    return [sum(row[i] * point[i] for i in range(3)) + row[3] for row in matrix]
+
+
+def half_diagonal(model):
+    """Returns half of the diagonal of the box around a glTF model, from the boxes of its meshes."""
+    def corners(node):
+        points = [corner for child in node.get("children", []) for corner in corners(model["nodes"][child])]
+        if "mesh" in node:
+            for primitive in model["meshes"][node["mesh"]]["primitives"]:
+                accessor = model["accessors"][primitive["attributes"]["POSITION"]]
+                points += itertools.product(*zip(accessor["min"], accessor["max"]))
+        return [transformed(node_matrix(node), point) for point in points]
+
+    scene = model["scenes"][model.get("scene", 0)]
+    points = [point for root in scene["nodes"] for point in corners(model["nodes"][root])]
+    return 0.5 * math.dist(*([limit(axis) for axis in zip(*points)] for limit in (min, max)))
+
+
+def scaled_model(path, reach, folder):
+    """Writes the model into `folder`, scaled so that half of its diagonal is `reach` metres, or unchanged without
+    `reach`. Returns its path."""
+    link_model(path, folder)
+    if reach is None:
+        return folder / path.name
+    data, is_glb = path.read_bytes(), path.suffix == ".glb"
+    length = struct.unpack_from("<I", data, 12)[0] if is_glb else 0
+    model = json.loads(data[20:20 + length] if is_glb else data)
+    scene, scale = model["scenes"][model.get("scene", 0)], reach / half_diagonal(model)
+    model["nodes"].append({"children": scene["nodes"], "scale": [scale] * 3})
+    scene["nodes"] = [len(model["nodes"]) - 1]
+    text = json.dumps(model).encode()
+    if is_glb:
+        text += b" " * (-len(text) % 4)
+        rest = data[20 + length:]
+        text = struct.pack("<4sIII4s", b"glTF", 2, 20 + len(text) + len(rest), len(text), b"JSON") + text + rest
+    (folder / path.name).unlink()
+    (folder / path.name).write_bytes(text)
+    return folder / path.name
+
+
+def measured(given, package, entry):
     """Returns the errors of pictures of a map or model, and what `multum check` says about its maps."""
-    multum = given.programs / "multum"
-    is_model = path.suffix in (".glb", ".gltf")
+    multum, path = given.programs / "multum", given.folder / entry["file"]
     kept = given.cache / f"{path.name}{'_metal' if given.metal else ''}.json"
     with tempfile.TemporaryDirectory(dir=given.cache) as name:
         folder = pathlib.Path(name)
+        if given.models:
+            path = scaled_model(path, entry.get("reach"), folder)
         if not kept.exists():
             (folder / "sky.exr").symlink_to(given.sky.resolve())
-            errors = (model_errors(multum, package, path, folder) if is_model
+            errors = (model_errors(multum, package, path, folder) if given.models
                       else drawn_errors(multum, package, path, given.metal, folder))
             kept.write_text(json.dumps(errors), encoding="utf-8")
-    options = [] if is_model else ["--tile-size", TILE] + (["--metal"] if given.metal else [])
-    said = json.loads(run(multum, "check", path, "--json", *options))["maps"]
+        options = [] if given.models else ["--tile-size", TILE] + (["--metal"] if given.metal else [])
+        said = json.loads(run(multum, "check", path, "--json", *options))["maps"]
     return json.loads(kept.read_text(encoding="utf-8")), [one for one in said if "errors" in one]
 
 
@@ -213,16 +270,27 @@ def table(entries):
     return "\n".join(lines)
 
 
-def document(maps, models, given):
-    right = sum(not wrong_orders(drawn, said)[0] for _, drawn, said in maps)
-    counts = [wrong_orders(drawn, said) for _, drawn, said in maps]
-    pairs, wrong = sum(count for _, count in counts), sum(len(found) for found, _ in counts)
-    text = f"""# Verdicts
+HEAD = """Generated by `tools/lab/check_document.py{option}` ({commit}). Do not edit.
+"""
+PAIRS = f"""A *pair* consists of two forms whose errors differ by more than {POINTS:g} percentage point in a picture. It
+is *wrong* if the verdict has the opposite order."""
+
+
+def counts_of(results):
+    """Returns the number of files without a wrong pair, of wrong pairs, and of pairs."""
+    counts = [wrong_orders(drawn, said) for _, drawn, said in results]
+    return (sum(not found for found, _ in counts), sum(len(found) for found, _ in counts),
+            sum(count for _, count in counts))
+
+
+def map_document(maps, given):
+    right, wrong, pairs = counts_of(maps)
+    head = HEAD.format(option=" --metal" if given.metal else "", commit=committed_tree.stated_commit(given.allow_dirty))
+    return f"""# Verdicts
 
 This page compares the verdicts of `multum check` with pictures that three.js draws.
 
-Generated by `tools/lab/check_document.py` ({committed_tree.stated_commit(given.allow_dirty)}). Do not edit.
-
+{head}
 For each map, three.js drew a sphere in Chromium from 2, 5 and 25 m, with roughness 0.1, 0.3 and 0.6. *Sun* is a
 directional light with a dim sky, and *sky* is {given.sky.name} without another light.
 {MATERIALS[given.metal]} A tile of the map covers {TILE:.2f} m. The spheres have radii of 0.25, 0.5 and 1.5 m, and the
@@ -230,49 +298,72 @@ pictures show their middle. The reference averages 9, 36 or 144 samples per pixe
 *export* the textures of `multum export --form auto`, and *lobes* are drawn by @multum/three with 4 evaluations per
 pixel.
 
-A *pair* consists of two forms whose errors differ by more than {POINTS:g} percentage point in a picture. It is *wrong*
-if the verdict has the opposite order. The columns with per cent list plain / export / lobes at 5 m and roughness 0.3,
+{PAIRS} The columns with per cent list plain / export / lobes at 5 m and roughness 0.3,
 as the mean of sun and sky.
 
 On {right} of {len(maps)} maps, no pair is wrong. In total, {wrong} of {pairs} pairs are wrong.
 
 {table(maps)}
 """
-    if models:
-        text += f"""
-Models have their own size and roughness. Their pictures show the whole model. A verdict is the mean of the materials.
+
+
+def model_document(models, given):
+    right, wrong, pairs = counts_of(models)
+    head = HEAD.format(option=" --models", commit=committed_tree.stated_commit(given.allow_dirty))
+    return f"""# Verdicts about models
+
+This page compares the verdicts of `multum check` about models with pictures that three.js draws.
+
+{head}
+The models are all of `tools/lab/models.json`, which lists their sources and licences. three.js drew each model in
+Chromium from 2, 5 and 25 m, with its own materials. *Sun* is a directional light with a dim sky, and *sky* is
+{given.sky.name} without another light. Models without a meaningful size are scaled so that half of their diagonal is
+1.2 m long. The pictures show the whole model with {MODEL_SIDE} x {MODEL_SIDE} pixels or fewer. The reference averages
+36 or 144 samples per pixel. *Plain* is the original model, *export* is the model after `multum gltf`, and *lobes* are
+drawn by @multum/three with 4 evaluations per pixel. The verdict is the mean of the materials that have a normal map.
+In pictures, parts without a normal map lower the relative error, and edges raise it.
+
+{PAIRS} The columns with per cent list plain / export / lobes at 5 m, as the mean of sun and sky. A picture from inside
+a model can be black, and is then left out.
+
+On {right} of {len(models)} models, no pair is wrong. In total, {wrong} of {pairs} pairs are wrong.
 
 {table(models)}
 """
-    return text
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
     parser.add_argument("programs", type=pathlib.Path)
-    parser.add_argument("maps", type=pathlib.Path)
+    parser.add_argument("folder", type=pathlib.Path, help="maps, or the models of tools/lab/models.json")
     parser.add_argument("out", type=pathlib.Path)
     parser.add_argument("--cache", type=pathlib.Path, required=True)
     parser.add_argument("--sky", type=pathlib.Path, required=True, help="EXR picture of the surroundings")
-    parser.add_argument("--models", type=pathlib.Path, nargs="*", default=[], help="models with normal maps")
-    parser.add_argument("--only", nargs="+", help="draw only these maps, and do not write the page")
-    parser.add_argument("--metal", action="store_true")
+    parser.add_argument("--only", nargs="+", metavar="NAME", help="draw only these, and do not write the page")
+    kind = parser.add_mutually_exclusive_group()
+    kind.add_argument("--metal", action="store_true", help="draw the maps on a metal")
+    kind.add_argument("--models", action="store_true", help="draw models")
     committed_tree.add_option(parser)
     given = parser.parse_args()
     given.cache.mkdir(parents=True, exist_ok=True)
     package = given.cache / "shaders" / "three"
     run(given.programs / "multum", "shaders", "-o", given.cache / "shaders")
-    names = given.only or sorted(path.name for path in given.maps.iterdir() if is_normal_map(path))
+    if given.models:
+        entries = json.loads(LIST.read_text(encoding="utf-8"))
+    else:
+        paths = sorted(given.folder.iterdir())
+        entries = [{"name": path.name, "file": path.name} for path in paths if is_normal_map(path)]
     results = []
-    for path in [given.maps / name for name in names] + given.models:
-        drawn, said = measured(given, package, path)
+    for entry in entries:
+        if given.only and entry["name"] not in given.only:
+            continue
+        drawn, said = measured(given, package, entry)
         wrong, pairs = wrong_orders(drawn, said)
-        print(path.name, f"{len(wrong)} of {pairs} wrong", flush=True)
-        results.append((path.name, drawn, said))
-    if given.only:
-        return
-    maps, models = results[:len(names)], results[len(names):]
-    given.out.write_text(document(maps, models, given), encoding="utf-8")
+        print(entry["name"], f"{len(wrong)} of {pairs} wrong", flush=True)
+        results.append((entry["name"], drawn, said))
+    if not given.only:
+        write = model_document if given.models else map_document
+        given.out.write_text(write(results, given), encoding="utf-8")
 
 
 if __name__ == "__main__":

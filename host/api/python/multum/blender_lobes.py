@@ -294,38 +294,38 @@ def export_material(material, path, engine, program="multum"):
     return output
 
 
-class ImportLobes(bpy.types.Operator, ImportHelper):
+class ImportOperator(ImportHelper):
+    """Draws the active object with a file that the user chooses."""
+    bl_options = {"REGISTER", "UNDO"}
+    nearest: bpy.props.FloatProperty(name="Nearest view", default=-1.0, min=-1.0,
+                                     description="Smallest distance of the camera; -1: the distance now")
+
+    def execute(self, context):
+        try:
+            self.draw_with(pathlib.Path(self.filepath), context.object, context.scene,
+                           None if self.nearest < 0 else self.nearest)
+        except (ValueError, RuntimeError, AssertionError) as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        return {"FINISHED"}
+
+
+class ImportLobes(bpy.types.Operator, ImportOperator):
     """Draw the active object with the lobes of a baked file"""
-    bl_idname, bl_label, bl_options = "multum.import_lobes", "multum lobes (.ndf.exr)", {"REGISTER", "UNDO"}
+    bl_idname, bl_label = "multum.import_lobes", "multum lobes (.ndf.exr)"
     filter_glob: bpy.props.StringProperty(default="*.ndf.exr", options={"HIDDEN"})
-    nearest: bpy.props.FloatProperty(name="Nearest view", default=-1.0, min=-1.0,
-                                     description="Smallest distance of the camera; -1: the distance now")
 
-    def execute(self, context):
-        try:
-            add_lobes(context.object, self.filepath, context.scene, None if self.nearest < 0 else self.nearest)
-        except (ValueError, AssertionError) as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
-        return {"FINISHED"}
+    def draw_with(self, path, thing, scene, nearest):
+        add_lobes(thing, str(path), scene, nearest)
 
 
-class ImportTextures(bpy.types.Operator, ImportHelper):
+class ImportTextures(bpy.types.Operator, ImportOperator):
     """Draw the active object with the textures of multum export --for blender; choose any file of their folder"""
-    bl_idname, bl_label, bl_options = "multum.import_textures", "multum textures (folder)", {"REGISTER", "UNDO"}
+    bl_idname, bl_label = "multum.import_textures", "multum textures (folder)"
     filter_glob: bpy.props.StringProperty(default="*.png", options={"HIDDEN"})
-    nearest: bpy.props.FloatProperty(name="Nearest view", default=-1.0, min=-1.0,
-                                     description="Smallest distance of the camera; -1: the distance now")
 
-    def execute(self, context):
-        path = pathlib.Path(self.filepath)
-        try:
-            add_textures(context.object, path if path.is_dir() else path.parent, context.scene,
-                         None if self.nearest < 0 else self.nearest)
-        except (ValueError, RuntimeError) as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
-        return {"FINISHED"}
+    def draw_with(self, path, thing, scene, nearest):
+        add_textures(thing, path if path.is_dir() else path.parent, scene, nearest)
 
 
 class ExportMaterial(bpy.types.Operator, ExportHelper):
