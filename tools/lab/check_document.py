@@ -15,11 +15,12 @@ import itertools
 import json
 import math
 import pathlib
+import shutil
 import struct
 import tempfile
 
 import committed_tree
-from model_views import ROOT, draw, link_model, run
+from model_views import ROOT, draw, files_of, run
 from target_table import is_normal_map
 
 # By distance in metres: side of the picture, which shows the middle of a sphere, samples per side of a pixel, and the
@@ -183,7 +184,9 @@ def half_diagonal(model):
 def scaled_model(path, reach, folder):
     """Writes the model into `folder`, scaled so that half of its diagonal is `reach` metres, or unchanged without
     `reach`. Returns its path."""
-    link_model(path, folder)
+    for name in files_of(path):  # copies, because multum follows no links that leave a model's folder
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        shutil.copyfile(path.parent / name, folder / name)
     if reach is None:
         return folder / path.name
     data, is_glb = path.read_bytes(), path.suffix == ".glb"
@@ -197,7 +200,6 @@ def scaled_model(path, reach, folder):
         text += b" " * (-len(text) % 4)
         rest = data[20 + length:]
         text = struct.pack("<4sIII4s", b"glTF", 2, 20 + len(text) + len(rest), len(text), b"JSON") + text + rest
-    (folder / path.name).unlink()
     (folder / path.name).write_bytes(text)
     return folder / path.name
 

@@ -24,23 +24,31 @@ constexpr int kReferenceSamples = 8, kWideReferenceSamples = 16;
 constexpr double kWideTexels = 16.0;
 
 // Copies a small texture into memory, where lookups are several times as fast.
-class CopiedTexture : public SharesTexture {
+class CopiedTexture final : public SharesTexture {
  public:
   explicit CopiedTexture(const SharesTexture& from) : SharesTexture(from.frame()) {
     for (int level = 0; level < frame().level_count; ++level) {
       const int width = mip_level_size(frame().width, level), height = mip_level_size(frame().height, level);
-      std::vector<glm::dvec4>& texels = levels_.emplace_back();
-      texels.reserve(size_of(width) * size_of(height));
+      Level& made = levels_.emplace_back(Level{size_of(width), {}});
+      made.texels.reserve(size_of(width) * size_of(height));
       for (int y = 0; y < height; ++y)
-        for (int x = 0; x < width; ++x) texels.push_back(from.texel(level, x, y));
+        for (int x = 0; x < width; ++x) made.texels.push_back(from.texel(level, x, y));
     }
   }
-  glm::dvec4 texel(int level, int x, int y) const override {
-    return levels_[size_of(level)][size_of(y) * size_of(mip_level_size(frame().width, level)) + size_of(x)];
+  glm::dvec4 texel(int level, int x, int y) const override { return levels_[size_of(level)].texel(x, y); }
+  glm::dvec4 linear(int level, const glm::dvec2& place) const override {
+    const Level& at = levels_[size_of(level)];
+    return linear_lookup(frame(), level, place, [&](int x, int y) -> const glm::dvec4& { return at.texel(x, y); });
   }
 
  private:
-  std::vector<std::vector<glm::dvec4>> levels_;
+  struct Level {
+    std::size_t width;
+    std::vector<glm::dvec4> texels;
+
+    const glm::dvec4& texel(int x, int y) const { return texels[size_of(y) * width + size_of(x)]; }
+  };
+  std::vector<Level> levels_;
 };
 
 LobeLevels fitted_lobes(Device& device, const GainSurface& surface, int threads, Progress* progress) {

@@ -16,7 +16,10 @@ constexpr double kLightIntensity = 3.0, kDim = 0.3;  // equal to the scenes of d
 constexpr double kRoughnessLeast = 0.045;            // minimum of three.js and Filament
 constexpr double kDielectric = 0.04;                 // reflectance along the normal
 
-double schlick(double f0, double cosine) { return f0 + (1.0 - f0) * std::pow(1.0 - std::clamp(cosine, 0.0, 1.0), 5.0); }
+double schlick(double f0, double cosine) {
+  const double x = 1.0 - std::clamp(cosine, 0.0, 1.0), x2 = x * x;
+  return f0 + (1.0 - f0) * x2 * x2 * x;
+}
 
 // The lamps of a room that resembles RoomEnvironment of three.js. Smooth surfaces show their reflections.
 struct Lamp {

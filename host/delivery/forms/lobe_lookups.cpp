@@ -53,6 +53,14 @@ glm::dvec4 LobeLevels::ColourLayer::texel(int level, int x, int y) const {
   return {glm::dot(glm::dvec3(colour), kLuminance), 0.0, 0.0, 0.0};
 }
 
+glm::dvec4 LobeLevels::Layer::linear(int level, const glm::dvec2& place) const {
+  return linear_lookup(levels.frame_, level, place, [&](int x, int y) { return texel(level, x, y); });
+}
+
+glm::dvec4 LobeLevels::ColourLayer::linear(int level, const glm::dvec2& place) const {
+  return linear_lookup(levels.frame_, level, place, [&](int x, int y) { return texel(level, x, y); });
+}
+
 double LobeLevels::level_of(const glm::dvec2& along_x, const glm::dvec2& along_y, double bias) const {
   const glm::dvec2 size(frame_.width, frame_.height);
   return std::log2(std::max({glm::length(along_x * size), glm::length(along_y * size), 1e-15})) + bias;

@@ -48,14 +48,14 @@ class LobeLevels {
   struct Layer {
     const LobeLevels& levels;
     std::size_t lobe;
-    const TextureFrame& frame() const { return levels.frame_; }
     glm::dvec4 texel(int level, int x, int y) const;
+    glm::dvec4 linear(int level, const glm::dvec2& place) const;
   };
   struct ColourLayer {  // luminance in x
     const LobeLevels& levels;
     std::size_t lobe;
-    const TextureFrame& frame() const { return levels.frame_; }
     glm::dvec4 texel(int level, int x, int y) const;
+    glm::dvec4 linear(int level, const glm::dvec2& place) const;
   };
 
   int count_ = 0, finest_held_ = 0;

@@ -99,7 +99,7 @@ void FormMeter::light(Measured& at, std::uint64_t seed) const {
   double alpha = kAlphaLeast;
   for (std::size_t i = 0; i < kSampled; ++i) {
     const SurfacePoint& sample = pixel.samples[(2 * i + 1) * pixel.samples.size() / (2 * kSampled)];
-    const glm::dvec4 texel = linear_lookup(*textures_.averages, 0, sample.place);
+    const glm::dvec4 texel = textures_.averages->linear(0, sample.place);
     normals.push_back(glm::normalize(turned_by(sample, 2.0 * glm::dvec3(texel) - 1.0)));
     sum += normals.back();
     alpha = std::max(alpha, 1.5 * texel.w * texel.w);
@@ -165,12 +165,12 @@ FormMeter::Reference FormMeter::reference_of(const ModelPicture& picture, const 
   std::array<FormLight, 2> halves{};
   for (std::size_t i = 0; i < pixel.samples.size(); ++i) {
     const SurfacePoint& sample = pixel.samples[i];
-    const glm::dvec4 texel = linear_lookup(*textures_.averages, 0, sample.place);
+    const glm::dvec4 texel = textures_.averages->linear(0, sample.place);
     const glm::dvec3 normal = glm::normalize(2.0 * glm::dvec3(texel) - 1.0), turned = turned_by(sample, normal);
     FormSurface surface{texel.w, textures_.metallic_factor,
                         lobes == nullptr ? textures_.colour : lobes->finest_luminance(sample.place, normal)};
     if (textures_.surface != nullptr && textures_.has_metalness_map)
-      surface.metalness *= linear_lookup(*textures_.surface, 0, sample.place).z;
+      surface.metalness *= textures_.surface->linear(0, sample.place).z;
     const FormLight light =
         shaded_normal(glm::normalize(turned), surface, glm::normalize(picture.eye - sample.position), scene);
     for (std::size_t l = 0; l < kFormLights; ++l) halves[i % 2][l] += light[l];
@@ -302,7 +302,7 @@ FormLight FormMeter::shade_lobes(const Measured& at, const LobeLevels& lobes, co
       for (std::size_t j = 0; j < count; ++j) sums[j] += (1.0 - map_share) * turned_lobe(point, read[j]);
     }
     if (map_share == 0.0) return;
-    const glm::dvec3 mean = 2.0 * glm::dvec3(linear_lookup(*textures_.normals, 0, point.place)) - 1.0;
+    const glm::dvec3 mean = 2.0 * glm::dvec3(textures_.normals->linear(0, point.place)) - 1.0;
     // Follows multum_movmf_magnified(). Level 0 of the map is one level finer than level 0 of the lobes.
     const double length = std::max(glm::length(mean), 1e-9);
     const double seen = std::exp2(2.0 * std::min(level + 1.0, 0.5) - 1.0);

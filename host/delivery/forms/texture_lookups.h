@@ -23,33 +23,37 @@ struct TextureFrame {
   WrapMode wrap_s = WrapMode::kPeriodic, wrap_t = WrapMode::kPeriodic;
 };
 
-/// The levels of a texture, whose channels are shares from 0 to 1.
-class SharesTexture {
- public:
-  explicit SharesTexture(const TextureFrame& frame) : frame_(frame) {}
-  virtual ~SharesTexture() = default;
-
-  const TextureFrame& frame() const { return frame_; }
-  /// This function can be called from any number of threads at once.
-  virtual glm::dvec4 texel(int level, int x, int y) const = 0;
-
- private:
-  TextureFrame frame_;
-};
-
-/// Samples a level bilinearly. `place` is from 0 to 1 across the image.
-template <typename Texture>
-glm::dvec4 linear_lookup(const Texture& texture, int level, const glm::dvec2& place) {
-  const TextureFrame& frame = texture.frame();
+/// Samples a level bilinearly. `place` is from 0 to 1 across the image, and `texel` returns a texel of column x and
+/// row y.
+template <typename Texel>
+glm::dvec4 linear_lookup(const TextureFrame& frame, int level, const glm::dvec2& place, const Texel& texel) {
   const int width = mip_level_size(frame.width, level), height = mip_level_size(frame.height, level);
   const double x = place.x * width - 0.5, y = place.y * height - 0.5;
   const int x0 = static_cast<int>(std::floor(x)), y0 = static_cast<int>(std::floor(y));
   const int left = wrapped_texel(x0, width, frame.wrap_s), right = wrapped_texel(x0 + 1, width, frame.wrap_s);
   const int above = wrapped_texel(y0, height, frame.wrap_t), below = wrapped_texel(y0 + 1, height, frame.wrap_t);
   const double u = x - x0, v = y - y0;
-  return (1.0 - v) * ((1.0 - u) * texture.texel(level, left, above) + u * texture.texel(level, right, above)) +
-         v * ((1.0 - u) * texture.texel(level, left, below) + u * texture.texel(level, right, below));
+  return (1.0 - v) * ((1.0 - u) * texel(left, above) + u * texel(right, above)) +
+         v * ((1.0 - u) * texel(left, below) + u * texel(right, below));
 }
+
+/// The levels of a texture, whose channels are shares from 0 to 1. All functions can be called from any number of
+/// threads at once.
+class SharesTexture {
+ public:
+  explicit SharesTexture(const TextureFrame& frame) : frame_(frame) {}
+  virtual ~SharesTexture() = default;
+
+  const TextureFrame& frame() const { return frame_; }
+  virtual glm::dvec4 texel(int level, int x, int y) const = 0;
+  /// Samples a level bilinearly, as linear_lookup() does. Textures in memory can do this faster.
+  virtual glm::dvec4 linear(int level, const glm::dvec2& place) const {
+    return linear_lookup(frame_, level, place, [&](int x, int y) { return texel(level, x, y); });
+  }
+
+ private:
+  TextureFrame frame_;
+};
 
 /// The places and levels at which a texture is read for a pixel. The pixel's value is the mean of the values at these
 /// places. All textures of one size use the same places and levels.
@@ -68,8 +72,8 @@ struct PixelTaps {
   glm::dvec4 mean(const Texture& texture) const {
     glm::dvec4 sum(0.0);
     for (const glm::dvec2& place : places) {
-      if (coarser_share < 1.0) sum += (1.0 - coarser_share) * linear_lookup(texture, levels[0], place);
-      if (coarser_share > 0.0) sum += coarser_share * linear_lookup(texture, levels[1], place);
+      if (coarser_share < 1.0) sum += (1.0 - coarser_share) * texture.linear(levels[0], place);
+      if (coarser_share > 0.0) sum += coarser_share * texture.linear(levels[1], place);
     }
     return sum / static_cast<double>(places.size());
   }
