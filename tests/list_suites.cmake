@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-# Writes one ctest entry for each suite of a GoogleTest program: cmake -DPROGRAM=... -DOUTPUT=... -DTIMEOUT=...
+# Writes one ctest entry for each suite of a GoogleTest program: cmake -DPROGRAM=... -DOUTPUT=...
 # -DSLOW="suite suite" -DEMULATOR=... -P list_suites.cmake. The suites in SLOW are labelled slow; the others are
 # labelled fast. EMULATOR is the program that runs a program of another processor or system, or "".
 cmake_policy(VERSION 3.25)
@@ -22,7 +22,7 @@ foreach(suite ${suites})
     set(label slow)
   endif()
   string(APPEND entries "add_test([=[${suite}]=] ${runner}[=[${PROGRAM}]=] [=[--gtest_filter=${suite}.*]=])\n"
-    "set_tests_properties([=[${suite}]=] PROPERTIES LABELS ${label} TIMEOUT ${TIMEOUT}"
+    "set_tests_properties([=[${suite}]=] PROPERTIES LABELS ${label}"
     " SKIP_REGULAR_EXPRESSION [=[${skipped}]=])\n")
 endforeach()
 file(WRITE ${OUTPUT} "${entries}")

@@ -17,7 +17,7 @@ environment = {"POCL_CACHE_DIR": f"{cache}/pocl/kcache", **os.environ, "MULTUM_C
 
 
 def run(*arguments, expected):
-    result = subprocess.run([bench, "on-gpu", *arguments], capture_output=True, text=True, timeout=500,
+    result = subprocess.run([bench, "on-gpu", *arguments], capture_output=True, text=True,
                             env=environment)
     assert result.returncode == expected, f"{arguments}: exit code {result.returncode}\n{result.stdout}{result.stderr}"
     return result

@@ -31,7 +31,7 @@ class FarmSimulationTest(unittest.TestCase):
         folder.mkdir()
         result = self.folder / f"{self.count}.json"
         done = subprocess.run([PROGRAM, "--folder", folder, "-o", result, *options], capture_output=True, text=True,
-                              check=False, timeout=120)
+                              check=False)
         self.assertEqual(done.returncode, 0, done.stderr)
         return json.loads(result.read_text())
 
@@ -71,7 +71,7 @@ class FarmSimulationTest(unittest.TestCase):
         for options, code, expected in ((("--nodes", "0"), 2, "--nodes is 0"), (("--fail", "2"), 2, "--fail"),
                                         ((), 3, "has a jobs.sqlite")):
             done = subprocess.run([PROGRAM, "--folder", self.folder, "-o", self.folder / "none.json", *options],
-                                  capture_output=True, text=True, check=False, timeout=60)
+                                  capture_output=True, text=True, check=False)
             self.assertEqual(done.returncode, code, done.stderr)
             self.assertIn(expected, done.stderr)
             self.assertFalse((self.folder / "none.json").exists())

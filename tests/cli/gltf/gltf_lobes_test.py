@@ -49,7 +49,7 @@ class GltfLobesTest(FolderCase):
         return subprocess.run([MULTUM, "gltf", self.path(source), "-o", self.path(output),
                                "--form", "one-lobe", "--format", form,
                                "--report", self.path("report.json"), *arguments],
-                              capture_output=True, text=True, check=False, timeout=300)
+                              capture_output=True, text=True, check=False)
 
     def convert(self, model, *arguments, output="out.glb", form="rgba8"):
         with open(self.path("in.glb"), "wb") as file:
@@ -175,7 +175,7 @@ class GltfLobesTest(FolderCase):
         self.write_model(model)
         run = subprocess.run([MULTUM, "gltf", self.path("in.glb"), "-o", self.path("out.glb"), "--lobes", "--format",
                               "png", "--report", self.path("report.json")], capture_output=True, text=True,
-                             check=False, timeout=300)
+                             check=False)
         self.assertEqual(run.returncode, 0, run.stderr)
         self.assertNotIn("has colours, which", run.stderr)
         after, report = Glb(self.read("out.glb")), json.loads(self.read("report.json"))
@@ -270,7 +270,7 @@ class GltfLobesTest(FolderCase):
                                              "metallicRoughnessTexture": {"index": surface}})
         self.convert(model, "--lobes", form="png")
         run = subprocess.run(["node", str(HERE / "gltf_reading.mjs"), self.path("out.glb")], capture_output=True,
-                             text=True, check=False, timeout=120)
+                             text=True, check=False)
         self.assertEqual(run.returncode, 0, run.stderr)
         read, = json.loads(run.stdout)
         self.assertEqual((read["errors"], read["warnings"]), (0, 0), read)
@@ -285,7 +285,7 @@ class GltfLobesTest(FolderCase):
         os.makedirs(out, exist_ok=True)
         run = subprocess.run(["node", str(HERE.parents[1] / "three" / "model_pictures.mjs"),
                               self.path("shaders/three"), self.path("plan.json"), out],
-                             capture_output=True, text=True, check=False, timeout=300)
+                             capture_output=True, text=True, check=False)
         if run.returncode == 77:
             self.skipTest(run.stdout)
         self.assertEqual(run.returncode, 0, run.stderr)

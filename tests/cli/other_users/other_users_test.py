@@ -97,7 +97,7 @@ class OtherUsersTest(unittest.TestCase):
         environment = {"PATH": os.environ["PATH"], "HOME": self.home}
         for name in ("POCL_CACHE_DIR", "MULTUM_CACHE_DIR"):
             environment[name] = os.path.join(self.home, name)
-        return subprocess.run([MULTUM, *arguments], capture_output=True, text=True, check=False, timeout=300,
+        return subprocess.run([MULTUM, *arguments], capture_output=True, text=True, check=False,
                               cwd=self.home, env=environment, preexec_fn=become_baker)
 
     def assert_precious_is_whole(self, folder=None):

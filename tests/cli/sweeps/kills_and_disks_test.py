@@ -96,8 +96,7 @@ class SweepTest(unittest.TestCase):
                 ["pack", "inferred", "-o", "out/a.mpt", "--ratio", "1", "--resume"]]
 
     def run_multum(self, arguments, wrapped=()):
-        return subprocess.run([*wrapped, MULTUM, *arguments], cwd=self.top, capture_output=True, text=True, check=False,
-                              timeout=300)
+        return subprocess.run([*wrapped, MULTUM, *arguments], cwd=self.top, capture_output=True, text=True, check=False)
 
     def reset(self):
         shutil.rmtree(self.out)
