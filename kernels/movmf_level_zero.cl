@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Assigns the normals of the finest level, one per texel, to the parent's nearest lobe. Each normal belongs wholly to
-// one lobe. The result is exact, and aligned with the parent for trilinear filtering (Han et al. 2007, section 7.2).
+// one lobe. The result is exact, and aligned with the parent for trilinear filtering (Han et al. 2007, section 7.3).
 // The paper does not say whether to assign a normal to one lobe or to divide it among all lobes. Assigning it to one
 // lobe lowers the error midway between texels by a fifth, and only the lobe's index must be stored. If normals were
 // shortened to include a BRDF's width, each normal goes to the lobe whose mean vector is nearest in direction and

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Initialises the lobes of each texel before an EM launch, and sums the alignment vectors of the texel's neighbours.
-// The alignment is that of Han et al. 2007, section 7.2, in the order of docs/contributing/ALGORITHMS.md, "Order".
+// The alignment is that of Han et al. 2007, section 7.3, in the order of docs/contributing/ALGORITHMS.md, "Order".
 
 #include "device/done_neighbours.clh"
 #include "device/level_window.clh"

@@ -21,7 +21,7 @@ struct TexelRectangle {
 
 /// Returns `lobe_count` lobes of equal amplitude and kappa 20, far apart: first the normal farthest from the mean, then
 /// repeatedly the normal farthest from all chosen normals. This is the method of Hochbaum and Shmoys, which Han et al.
-/// 2007, section 7.2, use to choose among lobes. The function reads at most about 2^14 normals on a regular grid.
+/// 2007, section 7.1, use to choose among lobes. The function reads at most about 2^14 normals on a regular grid.
 std::vector<MultumVmfLobe> farthest_first_lobes(const PlaneStore& map, const TexelRectangle& where, int lobe_count);
 
 /// Converts the lobes to `representation`. The Gaussian of a lobe has the x and y of the lobe's mean. Its sigma^2 is 1

@@ -239,9 +239,9 @@ def shininess(study, material):
 
 
 def starts(study):
-    """Section 7.2: the start of lobes by Hochbaum and Shmoys, compared with the search."""
+    """Section 7.1: the start of lobes by Hochbaum and Shmoys, compared with the search."""
     source = study.path("quarters_normal.png")
-    study.heading("Section 7.2: where EM starts")
+    study.heading("Section 7.1: where EM starts")
     study.paragraph("For each texel, the paper starts EM from those lobes of the child texels that are farthest apart",
                     "(Hochbaum and Shmoys). multum starts each texel with the lobes of the parent texel, so "
                     "only the coarsest texel needs other starting lobes. The table compares two ways to choose "

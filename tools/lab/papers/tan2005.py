@@ -181,8 +181,7 @@ def armour(study):
                     f"factor is {factor({label: colour_distance(rows[label], far[REFERENCE]) for label in rows})}.",
                     "Against the reference with the same filter, the factor is",
                     f"{factor(own)}. The normals of hemispherical scales fill the whole hemisphere, which four "
-                    "lobes cannot represent well. Possibly, the normals of the armour in the paper do not fill "
-                    "the hemisphere.")
+                    "lobes cannot represent well.")
 
 
 def reproduce(study):

@@ -251,10 +251,9 @@ def rate_section(found, table):
         "the view moves between two neighbouring samples, whose textures are already decoded. On the *diagonal* "
         "path, each frame moves one sample further along all parameters, until all samples have been shown. Each "
         "frame waits for "
-        "the textures of its sample. For a diagonal path on hardware of 1999, the paper reports averages of 2.4 "
-        "to 8.8 frames per second, and 1.3 frames per second in the worst case. For a cached path, the paper reports "
-        "34 frames per "
-        "second."] if lines else []
+        "the textures of its sample. For a diagonal path on hardware of 1999, at 640 x 480 pixels, the paper "
+        "reports averages of 2.4 (full size) and 8.8 frames per second (reduced textures) with cosines, and of 0.39 "
+        "and 2.6 with wavelets. For a cached path, the paper reports 34 frames per second."] if lines else []
 
 
 def border_section(found, table):
