@@ -8,6 +8,7 @@
 
 #include <glm/geometric.hpp>
 
+#include "runtime_gl/materials/mip_texture.h"
 #include "runtime_gl/materials/moment_material.h"
 #include "runtime_gl/materials/movmf_material.h"
 #include "runtime_gl/materials/normal_material.h"
@@ -186,25 +187,50 @@ TEST_P(EvaluationsTest, LobesTurnWithTheMesh) {
 
 // A point's colours are the mean over the same places as its lobes. Texels of this map are black or white, so the
 // colours of only one place would be far from those of the pixel.
+float speckle(int x, int y) { return (x * 7 + y * 13 + x * y) % 5 < 2 ? 1.0f : 0.0f; }
+std::vector<glm::vec3> speckles() {
+  std::vector<glm::vec3> made;
+  for (int i = 0; i < 64 * 64; ++i) made.emplace_back(speckle(i % 64, i / 64));
+  return made;
+}
+RenderScene matt_distant_scene() {
+  RenderScene scene = distant_scene();
+  scene.brdf.diffuse = glm::vec3(1.0f);
+  scene.brdf.specular = glm::vec3(0.0f);
+  return scene;
+}
+
 TEST_P(EvaluationsTest, ColoursAreReadWhereLobesAre) {
   TestMap map = make_two_tilt_map(64, 0.0, StorageEncoding::kFloat, true);
-  const auto shade = [](int x, int y) { return (x * 7 + y * 13 + x * y) % 5 < 2 ? 1.0f : 0.0f; };
-  for (int i = 0; i < 64 * 64; ++i) map.image.albedo[static_cast<std::size_t>(i)] = glm::vec3(shade(i % 64, i / 64));
+  map.image.albedo = speckles();
   for (std::size_t l = 0; l < map.mipmap.levels.size(); ++l) {
     MovmfLevel& level = map.mipmap.levels[l];
     const int side = 64 >> l, block = 1 << l;
     for (int i = 0; i < side * side; ++i) {
       float sum = 0.0f;
-      for (int k = 0; k < block * block; ++k) sum += shade(i % side * block + k % block, i / side * block + k / block);
+      for (int k = 0; k < block * block; ++k)
+        sum += speckle(i % side * block + k % block, i / side * block + k / block);
       const float mean = sum / static_cast<float>(block * block);
       const auto at = static_cast<std::size_t>(i);
       for (std::size_t j = 0; j < 2; ++j) level.colours[j][at] = glm::vec3(level.lobes[j][at].w * mean);
     }
   }
-  RenderScene scene = distant_scene();
-  scene.brdf.diffuse = glm::vec3(1.0f);
-  scene.brdf.specular = glm::vec3(0.0f);
+  const RenderScene scene = matt_distant_scene();
   const MovmfMaterial lobes(context_->functions(), map.mipmap, 1.0f);
+  const FloatImage exact = reference(map.image, scene);
+  const double usual = error_of(drawn(lobes, scene, filter_of(1)), exact);
+  EXPECT_LT(error_of(drawn(lobes, scene, filter_of(1, true)), exact), 1.1 * usual);
+}
+
+TEST_P(EvaluationsTest, SharedColoursAreReadWhereLobesAre) {
+  TestMap map = make_two_tilt_map(64, 0.0, StorageEncoding::kFloat, false);
+  map.image.albedo = speckles();
+  TexelPlane plane{64, 64, {}};
+  for (const glm::vec3& colour : map.image.albedo) plane.texels.emplace_back(colour, 1.0f);
+  MovmfMaterial lobes(context_->functions(), map.mipmap, 1.0f);
+  lobes.set_mean_colours(
+      upload_mips(context_->functions(), "colours", plane, 7, {WrapMode::kPeriodic, WrapMode::kPeriodic, true, 1.0f}));
+  const RenderScene scene = matt_distant_scene();
   const FloatImage exact = reference(map.image, scene);
   const double usual = error_of(drawn(lobes, scene, filter_of(1)), exact);
   EXPECT_LT(error_of(drawn(lobes, scene, filter_of(1, true)), exact), 1.1 * usual);
