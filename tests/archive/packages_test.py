@@ -11,6 +11,7 @@ the tools of tools/package, exits with code 77 (skipped).
 import json
 import os
 import pathlib
+import platform
 import re
 import shutil
 import subprocess
@@ -23,10 +24,11 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 BUILD = pathlib.Path(sys.argv[1]).resolve()
 HARDENED = "MULTUM_HARDENING:BOOL=ON" in (BUILD / "CMakeCache.txt").read_text()
 VERSION = re.search(r"project\(multum VERSION (\S+)", (ROOT / "CMakeLists.txt").read_text()).group(1)
+UNIT = f"{'' if platform.freedesktop_os_release().get('VERSION_ID') == '12' else '/usr'}/lib/systemd/system/multum.service"
 # Each package with files that it must contain. LIB is the folder of libraries, which depends on the build.
 CONTENTS = {
     "multum": ("/usr/bin/multum", "/usr/bin/multum-view", "/usr/share/man/man1/multum-bake.1.gz",
-               "/lib/systemd/system/multum.service", "/usr/lib/sysusers.d/multum.conf", "/etc/multum/serve.toml",
+               UNIT, "/usr/lib/sysusers.d/multum.conf", "/etc/multum/serve.toml",
                "/usr/share/bash-completion/completions/multum", "/usr/share/zsh/vendor-completions/_multum",
                "/usr/share/fish/vendor_completions.d/multum.fish",
                "/usr/share/multum/engines/import_into_unreal.py"),
@@ -102,18 +104,20 @@ class PackagesTest(unittest.TestCase):
             self.assertIn(f"multum-{command}.1.gz", pages)
 
     def test_debian_packages_name_their_own_paths(self):
-        unit = (self.unpacked["multum"] / "lib/systemd/system/multum.service").read_text()
+        unit = (self.unpacked["multum"] / UNIT.lstrip("/")).read_text()
         self.assertIn("\nExecStart=/usr/bin/multum serve ", unit)
         self.assertIn("\nReadWritePaths=-/srv/maps\n", unit)
         pkgconfig = next(self.unpacked["libmultum-dev"].rglob("multum.pc")).read_text()
         self.assertTrue(pkgconfig.startswith("prefix=/usr\n"), pkgconfig)
 
     def test_debian_packages_depend_on_each_other_in_one_version(self):
+        system = platform.freedesktop_os_release()["VERSION_ID"]
+        revised = f"{VERSION}-1" if system == "12" else f"{VERSION}-1+deb{system}"
         for package, folder in self.unpacked.items():
             control = (folder / "DEBIAN/control").read_text()
-            self.assertIn(f"\nVersion: {VERSION}-1\n", control)
+            self.assertIn(f"\nVersion: {revised}\n", control)
             if package in ("multum", "libmultum-dev", "python3-multum"):
-                self.assertIn(f"libmultum1 (= {VERSION}-1)", control)
+                self.assertIn(f"libmultum1 (= {revised})", control)
 
     def test_lintian_finds_no_error(self):
         if not shutil.which("lintian"):
@@ -185,7 +189,8 @@ class PackagesTest(unittest.TestCase):
             licences = {text.stem for text in pathlib.Path(temporary).glob("multum/lib/licences/*.txt")}
         self.assertGreater(len(licences), 20)
         self.assertEqual(licences - listed, set())
-        self.assertLessEqual({"libopenexr-3-1-30", "libopenimageio2.4", "pybind11-dev"}, listed)
+        self.assertLessEqual({"libopenexr-3-1-30", "pybind11-dev"}, listed)
+        self.assertTrue(any(name.startswith("libopenimageio2.") for name in listed), listed)
 
     def test_a_second_run_gives_the_same_bytes(self):
         environment = dict(os.environ, TZ="Asia/Kathmandu", LC_ALL="C", HOME=str(self.folder))
