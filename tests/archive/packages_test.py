@@ -24,7 +24,8 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 BUILD = pathlib.Path(sys.argv[1]).resolve()
 HARDENED = "MULTUM_HARDENING:BOOL=ON" in (BUILD / "CMakeCache.txt").read_text()
 VERSION = re.search(r"project\(multum VERSION (\S+)", (ROOT / "CMakeLists.txt").read_text()).group(1)
-UNIT = f"{'' if platform.freedesktop_os_release().get('VERSION_ID') == '12' else '/usr'}/lib/systemd/system/multum.service"
+RELEASE = platform.freedesktop_os_release()["VERSION_ID"]
+UNIT = f"{'' if RELEASE == '12' else '/usr'}/lib/systemd/system/multum.service"
 # Each package with files that it must contain. LIB is the folder of libraries, which depends on the build.
 CONTENTS = {
     "multum": ("/usr/bin/multum", "/usr/bin/multum-view", "/usr/share/man/man1/multum-bake.1.gz",
@@ -111,8 +112,7 @@ class PackagesTest(unittest.TestCase):
         self.assertTrue(pkgconfig.startswith("prefix=/usr\n"), pkgconfig)
 
     def test_debian_packages_depend_on_each_other_in_one_version(self):
-        system = platform.freedesktop_os_release()["VERSION_ID"]
-        revised = f"{VERSION}-1" if system == "12" else f"{VERSION}-1+deb{system}"
+        revised = f"{VERSION}-1" if RELEASE == "12" else f"{VERSION}-1+deb{RELEASE}"
         for package, folder in self.unpacked.items():
             control = (folder / "DEBIAN/control").read_text()
             self.assertIn(f"\nVersion: {revised}\n", control)
