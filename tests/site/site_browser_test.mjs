@@ -20,7 +20,9 @@ const tools = fileURLToPath(new URL("../../tools", import.meta.url));
 const skip = (why) => { console.log(`skipped: ${why}`); process.exit(77); };
 const executablePath = ["/usr/bin/chromium-headless-shell", "/usr/bin/chromium"].find(existsSync);
 if (executablePath === undefined) skip("no Chromium: tools/install_dependencies test");
-if (!existsSync("/usr/share/mkdocs/themes/material")) skip("no mkdocs-material: tools/install_dependencies site");
+// The theme's folder on Debian 12 and on Debian 13.
+const themes = ["/usr/share/mkdocs/themes/material", "/usr/lib/python3/dist-packages/material/templates"];
+if (!themes.some(existsSync)) skip("no mkdocs-material: tools/install_dependencies site");
 const { chromium } = await import("../service/web/node_modules/playwright-core/index.mjs").catch(() =>
   skip("no playwright-core: tools/install_dependencies test"));
 const SIZES = [{ width: 360, height: 740 }, { width: 1280, height: 800 }];

@@ -21,6 +21,9 @@ import markdown_pages  # noqa: E402
 import page_checks  # noqa: E402
 import site_build  # noqa: E402
 
+# The theme's folder on Debian 12 and on Debian 13.
+HAS_THEME = any(pathlib.Path(folder).exists() for folder in (
+    "/usr/share/mkdocs/themes/material", "/usr/lib/python3/dist-packages/material/templates"))
 # Prints the help of multum, multum bake, multum jobs submit, and multum openjd.
 PROGRAM = """#!/bin/sh
 case "$*" in
@@ -216,7 +219,7 @@ class CommandLineTest(Pages):
         self.assertEqual(done.returncode, 2)
         self.assertIn("has no multum", done.stderr)
 
-    @unittest.skipUnless(pathlib.Path("/usr/share/mkdocs/themes/material").exists(), "no mkdocs-material here")
+    @unittest.skipUnless(HAS_THEME, "no mkdocs-material here")
     def test_a_folder_with_other_files_is_not_overwritten(self):
         self.write("out/precious.txt", "x")
         code, _, said = self.site("-o", self.root / "out")
@@ -228,7 +231,7 @@ class CommandLineTest(Pages):
             self.assertEqual(self.site("-o", self.root / "site")[0], 0)
         self.assertIn("Words", (self.root / "site/how-to/page.html").read_text())
 
-    @unittest.skipUnless(pathlib.Path("/usr/share/mkdocs/themes/material").exists(), "no mkdocs-material here")
+    @unittest.skipUnless(HAS_THEME, "no mkdocs-material here")
     def test_the_first_page_shows_materials_if_multum_runs(self):
         self.write("README.md", "# Start\n\nWords\n\n## Next\n\nMore\n")
         self.assertEqual(self.site("-o", self.root / "site", "--no-check")[0::2], (0, ""))
