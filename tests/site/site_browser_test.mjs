@@ -155,17 +155,17 @@ async function walk(colorScheme) {
   await context.close();
 }
 
-/** Types a word into the search and follows the first result. */
+/** Types a word into the search and follows the first result that shows it. */
 async function search(base, size) {
   const { context, page } = await openContext(base, size, "light");
   await page.goto(`${base}index.html`);
   if (size.width < 960) await page.click("label.md-header__button[for=__search]");
   await page.click("input.md-search__input");
   await page.keyboard.type("lobes", { delay: 20 });
-  const result = page.locator(".md-search-result__link").first();
+  // Results of "l" and "lo" appear first, and some versions of the theme show titles alone.
+  const result = page.locator(".md-search-result__link").filter({ hasText: /lobe/i }).first();
   await result.waitFor();
   await page.screenshot(screenshotOf(`search_${base === onDisk ? "disk" : "server"}_${size.width}`));
-  assert.match((await result.textContent()).toLowerCase(), /lobe/);
   await Promise.all([page.waitForURL((url) => !url.pathname.endsWith("/index.html")), result.click()]);
   assert.match((await page.locator("article").textContent()).toLowerCase(), /lobes/);
   await context.close();

@@ -261,7 +261,8 @@ def remove_foreign_addresses(output):
     for name in ("404.html", "sitemap.xml", "sitemap.xml.gz"):
         (output / name).unlink(missing_ok=True)
     index = (output / "search/search_index.json").read_text()
-    (output / "search/search_index.js").write_text(f"multumSearchIndex({index});\n")
+    # Newer versions of the theme load this file by themselves and expect this name.
+    (output / "search/search_index.js").write_text(f"var __index = {index};\nmultumSearchIndex(__index);\n")
 
 
 def build(root, output, programs):
