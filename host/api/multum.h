@@ -35,7 +35,7 @@
  *
  * DEVICES. Bakes, exports and measurements need OpenCL. Reading, filtering, shading and sampling do not need it,
  * because libOpenCL.so.1 is loaded only by the first call of multum_device_open() or multum_list_devices(). With PoCL
- * and LLVM 18, some processors need POCL_WORK_GROUP_METHOD=cbs in the environment. If this variable is missing,
+ * and LLVM 18, the environment must contain POCL_WORK_GROUP_METHOD=cbs. If this variable is missing,
  * multum_device_open() returns an error that says so.
  *
  * COORDINATES. Directions are unit vectors in tangent space: +X right (u grows), +Y up (towards the first row of the

@@ -12,14 +12,6 @@ namespace {
 // The first name is for PoCL before 4.0, and the second name is for 4.0 and later.
 constexpr const char* kThreadVariables[] = {"POCL_MAX_PTHREAD_COUNT", "POCL_CPU_MAX_CU_COUNT"};
 
-bool processor_has_avx512() {
-#if defined(__x86_64__)
-  return __builtin_cpu_supports("avx512f") != 0;
-#else
-  return false;
-#endif
-}
-
 }  // namespace
 
 // By default, PoCL compiles a kernel again for each local size at its first launch, although the program has a version
@@ -39,16 +31,16 @@ void ask_pocl_for_usual_threads() {
   set_pocl_threads(processor_count());
 }
 
-bool pocl_loops_may_abort(const std::string& platform_version, bool has_avx512) {
-  return !has_avx512 && platform_version.find(" PoCL ") != std::string::npos &&
+bool pocl_loops_may_abort(const std::string& platform_version) {
+  return platform_version.find(" PoCL ") != std::string::npos &&
          platform_version.find(" LLVM 18.") != std::string::npos;
 }
 
-// With continuations (PoCL 6.0, haswell), bakes had the same bytes and took the same time.
+// With continuations (PoCL 6.0, haswell and skylake-avx512), bakes had the same bytes and took the same time.
 void ask_pocl_for_safe_loops(const std::string& platform_version) {
-  if (pocl_loops_may_abort(platform_version, processor_has_avx512()))
+  if (pocl_loops_may_abort(platform_version))
     require_environment("POCL_WORK_GROUP_METHOD", "cbs",
-                        "PoCL with LLVM 18 terminates the process while compiling loops for this processor");
+                        "PoCL with LLVM 18 can terminate the process while compiling loops");
 }
 
 }  // namespace multum

@@ -20,9 +20,9 @@ void set_pocl_threads(int threads);
 void ask_pocl_for_usual_threads();
 
 /// Returns whether a PoCL with this CL_PLATFORM_VERSION can abort when it joins work-items by loops, which is its
-/// default. With LLVM 18 and later, it can end the program ("Instruction Combining did not reach a fixpoint", pocl
-/// issue 1608). This happened only on processors without AVX-512.
-[[nodiscard]] bool pocl_loops_may_abort(const std::string& platform_version, bool has_avx512);
+/// default. With LLVM 18, some kernels end the program ("Instruction Combining did not reach a fixpoint", pocl issue
+/// 1608).
+[[nodiscard]] bool pocl_loops_may_abort(const std::string& platform_version);
 
 /// Makes a PoCL with this CL_PLATFORM_VERSION join work-items by continuations if its loops may abort. Call this
 /// function before compiling the first kernel.
