@@ -106,8 +106,8 @@ class BakedWriter::Work {
       levels_.push_back({mip_level_size(header.width, l), mip_level_size(header.height, l), 0, 0, 0, {}});
     for (std::size_t i = 0; i < parts_.size(); ++i)
       for (int l = 0; l < parts_[i].level_count; ++l)
-        levels_[static_cast<std::size_t>(parts_[i].first_level + l)].parts.emplace_back(
-            new PartLevel{&parts_[i], static_cast<int>(i), {}, {}});
+        levels_[static_cast<std::size_t>(parts_[i].first_level + l)].parts.push_back(
+            std::unique_ptr<PartLevel>(new PartLevel{&parts_[i], static_cast<int>(i), {}, {}}));
     stream_ = std::make_unique<ExrOutputStream>(file_);
     guarded([&] {
       use_exr_threads(options.threads);
