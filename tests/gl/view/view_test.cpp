@@ -428,8 +428,13 @@ TEST_F(ViewTest, EnvironmentsChangeFromFrameToFrame) {
     EXPECT_EQ(hash_file(path("still.png")), hash_of("frame_0002.png"));
     EXPECT_NE(hash_of("frame_0001.png"), hash_of("frame_0002.png"));
     EXPECT_NE(hash_of("frame_0001.png"), hash_of("frame_0000.png"));
+    // A single time can be shorter than the clock's resolution.
     std::ifstream file(path("r.json"));
-    EXPECT_GT(nlohmann::json::parse(file)["pictures"][1][0]["environment_processor_ms"]["set"].get<double>(), 0.0);
+    const nlohmann::json report = nlohmann::json::parse(file);
+    double set = 0.0;
+    for (const nlohmann::json& frame : report["pictures"])
+      set += frame[0]["environment_processor_ms"]["set"].get<double>();
+    EXPECT_GT(set, 0.0);
   }
   expect_refusal({"-o", path("out.png"), "--environment-turn", "10"}, 2,
                  {"--environment-turn", "require --environment"});
