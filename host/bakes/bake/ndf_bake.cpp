@@ -32,8 +32,8 @@ std::uint64_t tile_rows_bytes(const BakedHeader& header, int tile_size, std::uin
 }
 
 std::uint64_t memory_beside_writer(const BakeRun& run, std::uint64_t waiting_bytes) {
-  constexpr std::uint64_t kDefault = std::uint64_t{32} << 20, kLeast = std::uint64_t{8} << 20;
-  const std::uint64_t more = waiting_bytes > kDefault ? waiting_bytes - kDefault : 0;
+  constexpr std::uint64_t kWaitingAllowed = std::uint64_t{32} << 20, kLeast = std::uint64_t{8} << 20;
+  const std::uint64_t more = waiting_bytes > kWaitingAllowed ? waiting_bytes - kWaitingAllowed : 0;
   if (run.memory_bytes < more + kLeast) {
     const bool is_given = run.job.memory_bytes > 0;
     const std::uint64_t memory = is_given ? run.job.memory_bytes : machine_memory_bytes() / 4;
