@@ -129,30 +129,31 @@ std::optional<ModelPixel> pixel_of(const Seen& seen, int samples_per_side) {
 }  // namespace
 
 std::vector<ModelPicture> shape_views(int width, int height, const ShapeViews& views) {
-  constexpr int kPixelsAtOnce = 64;
+  constexpr int kPicturesAtOnce = 64;
   const MapSize map{static_cast<double>(width), static_cast<double>(height)};
   std::vector<ModelPicture> made;
   for (const SeenDistance& seen : views.distances)
     for (const char* shape : views.shapes) {
       std::vector<ModelPicture> pictures(views.pixels_per_view);
-      for_each_row_band(static_cast<int>(pictures.size()), kPixelsAtOnce, views.threads, [&](int, int begin, int end) {
-        for (std::size_t i = size_of(begin); i < size_of(end); ++i) {
-          EvenNumbers numbers(i);
-          const double turn = numbers.next(), rise = numbers.next();
-          const Side side(turn, rise, seen.texels * std::exp2(views.octaves * (numbers.next() - 0.5)));
-          std::optional<ModelPixel> pixel =
-              pixel_of(shape == kSphere ? sphere_of(side, map, views.radius, numbers)
-                                        : plane_of(side, map, shape == kTiltedPlane, numbers),
-                       views.samples_per_side);
-          if (!pixel) continue;
-          ModelPicture& picture = pictures[i];
-          picture.distance = seen.distance;
-          picture.shape = shape;
-          picture.eye = pixel->middle.position + kFar * side.towards_eye;
-          picture.to_view = glm::transpose(glm::dmat3(side.right, side.up, side.towards_eye));
-          picture.pixels.push_back(std::move(*pixel));
-        }
-      });
+      for_each_row_band(
+          static_cast<int>(pictures.size()), kPicturesAtOnce, views.threads, [&](int, int begin, int end) {
+            for (std::size_t i = size_of(begin); i < size_of(end); ++i) {
+              EvenNumbers numbers(i);
+              const double turn = numbers.next(), rise = numbers.next();
+              const Side side(turn, rise, seen.texels * std::exp2(views.octaves * (numbers.next() - 0.5)));
+              std::optional<ModelPixel> pixel =
+                  pixel_of(shape == kSphere ? sphere_of(side, map, views.radius, numbers)
+                                            : plane_of(side, map, shape == kTiltedPlane, numbers),
+                           views.samples_per_side);
+              if (!pixel) continue;
+              ModelPicture& picture = pictures[i];
+              picture.distance = seen.distance;
+              picture.shape = shape;
+              picture.eye = pixel->middle.position + kFar * side.towards_eye;
+              picture.to_view = glm::transpose(glm::dmat3(side.right, side.up, side.towards_eye));
+              picture.pixels.push_back(std::move(*pixel));
+            }
+          });
       for (ModelPicture& picture : pictures)
         if (!picture.pixels.empty()) made.push_back(std::move(picture));
     }
