@@ -1,8 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Writes docs/evidence/VERDICTS.md, or with --models docs/evidence/VERDICTS_MODELS.md. Compares the verdicts of
-`multum check` with pictures that three.js draws, with plain mips, with `multum export` (of a model: `multum gltf`), and
-with lobes.
+"""Writes docs/evidence/VERDICTS.md, or with --models a page about models. Compares the verdicts of `multum check` with
+pictures that three.js draws, with plain mips, with `multum export` (of a model: `multum gltf`), and with lobes.
 
     tools/lab/check_document.py BIN_FOLDER FOLDER OUT --sky FILE.exr --cache CACHE [--only NAME...] [--metal | --models]
 
