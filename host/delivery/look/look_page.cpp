@@ -131,7 +131,7 @@ std::string albedo_base64(const LookMap& map, const BakedHeader& header, const s
   for (std::size_t i = 0; i < colours.r.size(); ++i)
     for (const float value : {colours.r[i], colours.g[i], colours.b[i]})
       image.interleaved.push_back(
-          static_cast<std::uint8_t>(std::lround(255.0 * srgb_from_linear(std::min(1.0, double{value})))));
+          static_cast<std::uint8_t>(std::lround(255.0 * srgb_from_linear(std::min(1.0, static_cast<double>(value))))));
   write_png8(stem + "_albedo.png", image);
   return base64_of_file(stem + "_albedo.png");
 }
