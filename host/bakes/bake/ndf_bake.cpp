@@ -32,9 +32,9 @@ std::uint64_t tile_rows_bytes(const BakedHeader& header, int tile_size, std::uin
 }
 
 std::uint64_t memory_beside_writer(const BakeRun& run, std::uint64_t waiting_bytes) {
-  constexpr std::uint64_t kWaitingAllowed = std::uint64_t{32} << 20, kLeast = std::uint64_t{8} << 20;
+  constexpr std::uint64_t kWaitingAllowed = std::uint64_t{32} << 20, kBesideLeast = std::uint64_t{8} << 20;
   const std::uint64_t more = waiting_bytes > kWaitingAllowed ? waiting_bytes - kWaitingAllowed : 0;
-  if (run.memory_bytes < more + kLeast) {
+  if (run.memory_bytes < more + kBesideLeast) {
     const bool is_given = run.job.memory_bytes > 0;
     const std::uint64_t memory = is_given ? run.job.memory_bytes : machine_memory_bytes() / 4;
     throw Error(
@@ -42,7 +42,8 @@ std::uint64_t memory_beside_writer(const BakeRun& run, std::uint64_t waiting_byt
         fmt::format("{} {} MiB, expected at least {} MiB for a map {} texels wide, because the rows of tiles that wait "
                     "to be written need {} MiB",
                     is_given ? "--memory is" : "a bake can use a quarter of the memory of this process,", memory >> 20,
-                    ((memory + more + kLeast - run.memory_bytes) >> 20) + 1, run.header.width, waiting_bytes >> 20));
+                    ((memory + more + kBesideLeast - run.memory_bytes) >> 20) + 1, run.header.width,
+                    waiting_bytes >> 20));
   }
   return run.memory_bytes - more;
 }
