@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 
 namespace multum::testing {
 namespace {
@@ -24,7 +25,7 @@ TEST(VectorExpTest, Limits) {
   EXPECT_EQ(exp_of_negative(0.0), 1.0);
   EXPECT_EQ(exp_of_negative(-0.0), 1.0);
   EXPECT_EQ(exp_of_negative(-1e9), exp_of_negative(-700.0));
-  EXPECT_EQ(exp_of_negative(-INFINITY), exp_of_negative(-700.0));
+  EXPECT_EQ(exp_of_negative(-std::numeric_limits<double>::infinity()), exp_of_negative(-700.0));
   EXPECT_GT(exp_of_negative(-700.0), 0.0);
 }
 
