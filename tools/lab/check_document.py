@@ -19,7 +19,7 @@ import struct
 import tempfile
 
 import committed_tree
-from model_views import ROOT, draw, files_of, run
+from model_views import ROOT, draw, fail, files_of, run
 from target_table import is_normal_map
 
 # By distance in metres: side of the picture, which shows the middle of a sphere, samples per side of a pixel, and the
@@ -354,6 +354,8 @@ def main():
     else:
         paths = sorted(given.folder.iterdir())
         entries = [{"name": path.name, "file": path.name} for path in paths if is_normal_map(path)]
+    if unknown := sorted(set(given.only or []) - {entry["name"] for entry in entries}):
+        fail(f"--only: found no {', '.join(unknown)} among {given.folder}'s maps or the listed models")
     results = []
     for entry in entries:
         if given.only and entry["name"] not in given.only:

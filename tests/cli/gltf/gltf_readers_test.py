@@ -224,7 +224,7 @@ class ReadersTest(FolderCase):
         while time.time() < end and not os.path.exists(blocks):
             time.sleep(0.01)
         process.send_signal(signal.SIGTERM)
-        process.communicate()
+        process.communicate(timeout=60)
         self.assertEqual(process.returncode, 130)
         self.assertEqual(os.listdir(self.folder), ["in.glb"])
 

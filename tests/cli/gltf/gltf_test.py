@@ -506,7 +506,7 @@ class GltfTest(FolderCase):
         while time.time() < end and not (os.path.isdir(hidden) and any("levels" in n for n in os.listdir(hidden))):
             time.sleep(0.002)
         process.send_signal(signal.SIGTERM)
-        process.communicate()
+        process.communicate(timeout=60)
         self.assertEqual(process.returncode, 130)
         self.assertEqual(sorted(os.listdir(self.folder)), ["in.glb", "out.glb"])
         self.assertEqual(self.read("out.glb"), b"an older file")

@@ -57,9 +57,10 @@ class Run:
         kind = [] if first.movmf else ["--ndf", "moments"]
         if "-d" not in arguments and not first.movmf:
             kind += ["-d", "float"]
-        command = [self.program, "bake", *(self.path(case.file) for case in cases), "-o", output, "--no-measure",
-                   "--threads", "2", "--compression", COMPRESSIONS[int(first.file[:3]) % len(COMPRESSIONS)], *kind,
-                   *arguments]
+        # No map may keep a process busy for 400 seconds of processor time.
+        files = [self.path(case.file) for case in cases]
+        command = ["prlimit", "--cpu=400", self.program, "bake", *files, "-o", output, "--no-measure", "--threads", "2",
+                   "--compression", COMPRESSIONS[int(first.file[:3]) % len(COMPRESSIONS)], *kind, *arguments]
         result = subprocess.run(command, capture_output=True, text=True, check=False)
         return result.returncode, result.stderr
 
