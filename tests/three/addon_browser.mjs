@@ -1,17 +1,37 @@
 // SPDX-License-Identifier: Apache-2.0
 // Starts headless Chromium with three.js, the package @multum/three from `multum shaders`, and the files of a test.
-import { existsSync } from "node:fs";
-import { readFile } from "node:fs/promises";
+import { createReadStream, existsSync, statSync } from "node:fs";
+import { createServer } from "node:http";
 import path from "node:path";
 import { fileURLToPath } from "node:url";
 
 const MODULES = fileURLToPath(new URL("../service/web/node_modules/", import.meta.url));
 const HERE = fileURLToPath(new URL(".", import.meta.url));
-const ORIGIN = "http://multum.test/"; // no network is used: this script answers every request
 const TYPES = { ".js": "text/javascript", ".wasm": "application/wasm", ".png": "image/png" };
 
 export const executablePath = ["/usr/bin/chromium-headless-shell", "/usr/bin/chromium",
   "/usr/local/bin/chromium"].find(existsSync);
+
+/**
+ * Starts a server on a free port of the loopback interface, which sends `html` for / and the files of `roots`, folders
+ * by the first part of a path. Returns its address. Files do not pass through Playwright, whose messages have at most
+ * 100 MB.
+ */
+async function serve(html, roots) {
+  const server = createServer(({ url }, response) => {
+    const name = decodeURIComponent(new URL(url, "http://localhost").pathname.slice(1));
+    const [root, ...rest] = name.split("/");
+    if (name === "") return response.writeHead(200, { "Content-Type": "text/html" }).end(html);
+    if (name === "favicon.ico") return response.writeHead(204).end();
+    const file = root in roots && !rest.includes("..") ? path.join(roots[root], ...rest) : "";
+    if (!statSync(file, { throwIfNoEntry: false })?.isFile()) return response.writeHead(404).end();
+    response.writeHead(200, { "Content-Type": TYPES[path.extname(file)] ?? "application/octet-stream" });
+    return createReadStream(file).pipe(response);
+  });
+  await new Promise((resolve) => server.listen(0, "127.0.0.1", resolve));
+  server.unref(); // Node.js may end although the server still listens
+  return `http://127.0.0.1:${server.address().port}/`;
+}
 
 /**
  * Returns { page, complaints, close }: a page after `script`, a module of this folder, has run. `files` are served at
@@ -23,6 +43,7 @@ export async function openPage(chromium, { package: packageFolder, files, script
     "@multum/three": "/package/index.js" };
   const html = `<!doctype html><meta charset="utf-8"><script type="importmap">${JSON.stringify({ imports: map })}` +
     `</script><script type="module" src="/tests/${script}"></script>`;
+  const address = await serve(html, roots);
   const browser = await chromium.launch({ executablePath, args: ["--no-sandbox", "--headless=new",
     "--disable-dev-shm-usage", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"] });
   try {
@@ -34,17 +55,7 @@ export async function openPage(chromium, { package: packageFolder, files, script
       if (["error", "warning"].includes(message.type()) && !/GL Driver|GPU stall|favicon/.test(message.text()))
         complaints.push(message.text());
     });
-    await page.route("**/*", async (route) => {
-      const name = decodeURIComponent(new URL(route.request().url()).pathname.slice(1));
-      const [root, ...rest] = name.split("/");
-      if (name === "") return route.fulfill({ contentType: "text/html", body: html });
-      if (name === "favicon.ico") return route.fulfill({ status: 204 });
-      const file = root in roots && !rest.includes("..") ? path.join(roots[root], ...rest) : "";
-      if (!existsSync(file)) return route.fulfill({ status: 404, body: "" });
-      return route.fulfill({ contentType: TYPES[path.extname(file)] ?? "application/octet-stream",
-        body: await readFile(file) });
-    });
-    await page.goto(ORIGIN);
+    await page.goto(address);
     await page.waitForFunction(() => globalThis.lab !== undefined);
     return { page, complaints, close: () => browser.close() };
   } catch (error) {

@@ -72,6 +72,7 @@ MapOutcome run_map(ManifestMap map, const ManifestModeOptions& o, const CommonOp
   if (!result.report) return {result, std::nullopt};
   const std::optional<GainVerdict> gain = end_with_verdict(map.job, *result.report, common, turn.device, printing.out);
   result.report->mosaic.reset();  // all results stay in memory until the run ends
+  result.report->starts.reset();
   return {result, gain};
 }
 

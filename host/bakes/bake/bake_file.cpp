@@ -218,9 +218,12 @@ BakeReport bake_file(const BakeJob& asked, const BakeSource* given, Device& devi
   const BakeSource& source = read ? *read : *given;
   std::optional<MemoryGate::Pass> pass;
   if (asked.memory_gate) pass.emplace(*asked.memory_gate, bytes_beside_others(source.map.normals));
-  if (asked.keeps_mosaic && !asked.shard)
+  BakeJob job = with_region(asked, source);
+  if (asked.keeps_mosaic && !asked.shard) {
     report.mosaic = std::make_shared<const MapMosaic>(mosaic_of(source.map.normals, nullptr, kSmallMosaic));
-  const BakeJob job = with_region(asked, source);
+    if (!job.starts) job.starts = std::make_shared<StartMemory>();
+    report.starts = job.starts;
+  }
   ndf_bake(job.representation).check_map(job, source.map.normals.width(), source.map.normals.height());
   const DeviceCounts counts(device);
   device.restart_buffer_peak();

@@ -11,6 +11,7 @@
 
 #include "host/bakes/accuracy/accuracy.h"
 #include "host/bakes/movmf/fit_report.h"
+#include "host/bakes/movmf/start_memory.h"
 #include "host/bakes/pyramid/average_pass.h"
 #include "host/formats/image/material_maps.h"
 #include "host/formats/image/normals/normal_map.h"
@@ -62,6 +63,7 @@ struct BakeReport {
   std::string choice;                       // reasons for the chosen settings, one per line; empty if no settings were
                                             // chosen
   std::shared_ptr<const MapMosaic> mosaic;  // set if BakeJob::keeps_mosaic is true and the whole map was baked
+  std::shared_ptr<StartMemory> starts;      // starts of the fitted lobes, set together with `mosaic`
   std::optional<double> picture_error;      // relative L1 error of a picture with the chosen settings, if it was drawn
 
   /// Returns the plan of the bands and levels, either of the fit or of the averages.

@@ -20,7 +20,7 @@ namespace {
 const std::vector<double> kDistances = {1.0, 2.0, 5.0, 10.0, 25.0, 50.0};  // metres, for the roughness of the sentence
 const std::vector<double> kOtherDistances = {2.0, 5.0, 25.0}, kQuickDistances = kOtherDistances;
 constexpr double kOtherRoughness[] = {0.1, 0.3, 0.6};
-constexpr std::size_t kPixels = 1000, kQuickPixels = 150;
+constexpr std::size_t kPixels = 1000, kQuickPixels = 150, kQuickFormPixels = 40;
 
 // Glints of smooth surfaces are rare and bright, so they need more pixels.
 std::size_t pixels_for(double roughness) { return roughness < 0.2 ? 5 * kPixels : kPixels; }
@@ -101,13 +101,16 @@ std::vector<GainVerdict> check_file(const CheckJob& job, Device& device, Progres
   return {measured(job.input, surface, job.base_roughness, settings, device, progress)};
 }
 
-GainVerdict quick_verdict(const CheckJob& job, const MapMosaic& mosaic, Device& device, Progress* progress) {
+GainVerdict quick_verdict(const CheckJob& job, const MapMosaic& mosaic, StartMemory* starts, Device& device,
+                          Progress* progress) {
   GainSurface surface = surface_of_mosaic(mosaic, job.tile_metres);
   surface.has_roughness = surface.has_roughness || job.has_roughness;
   surface.has_metalness = job.has_metalness;
   surface.metalness = job.is_metal || job.has_metalness ? 1.0 : 0.0;
   GainSettings settings = settings_of(job, job.base_roughness, kQuickDistances);
   settings.cases.front().pixels_per_view = kQuickPixels;
+  settings.form_pixels = kQuickFormPixels;
+  settings.starts = starts;
   return measured(job.input, surface, job.base_roughness, settings, device, progress);
 }
 

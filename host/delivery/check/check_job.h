@@ -40,7 +40,8 @@ std::vector<std::string> files_to_check(const std::string& folder);
 std::vector<GainVerdict> check_file(const CheckJob& job, Device& device, Progress* progress);
 
 /// Returns a coarser verdict for a mosaic in a fraction of the time: fewer pixels, and only the roughness of the
-/// sentence.
-GainVerdict quick_verdict(const CheckJob& job, const MapMosaic& mosaic, Device& device, Progress* progress);
+/// sentence. `starts` has the starts of the whole map's lobes. It can be null.
+GainVerdict quick_verdict(const CheckJob& job, const MapMosaic& mosaic, StartMemory* starts, Device& device,
+                          Progress* progress);
 
 }  // namespace multum

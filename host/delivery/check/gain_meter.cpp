@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "host/bakes/movmf/movmf_bake.h"
-#include "host/delivery/export/formed_material.h"
 #include "host/delivery/export/held_material.h"
 #include "host/delivery/forms/simple_views.h"
 #include "host/formats/asset/baked_file.h"
@@ -51,15 +50,15 @@ class CopiedTexture final : public SharesTexture {
   std::vector<Level> levels_;
 };
 
-LobeLevels fitted_lobes(Device& device, const GainSurface& surface, int threads, Progress* progress) {
+LobeLevels fitted_lobes(Device& device, const GainSurface& surface, const GainSettings& gain, Progress* progress) {
   MovmfSettings settings;
   settings.periodic_x = settings.periodic_y = true;
   settings.first_level = 1;
   settings.search_start = false;  // the search takes longer than the whole fit of a mosaic
   FitReport report;
   MapInputs inputs{&surface.normals};
-  inputs.threads = threads;
-  return {bake_movmf(device, inputs, settings, report, progress), WrapMode::kPeriodic, WrapMode::kPeriodic};
+  inputs.threads = gain.threads;
+  return {bake_movmf(device, inputs, settings, report, progress, gain.starts), WrapMode::kPeriodic, WrapMode::kPeriodic};
 }
 
 // Fits the export for one roughness, and measures all forms.
@@ -87,7 +86,7 @@ class RoughnessMeter {
   void measure(const std::vector<ModelPicture>& seen, const LobeLevels& lobes, std::optional<double> roughness,
                std::vector<GainError>& made) const {
     const FormTextures textures = textures_.form_textures(surface_.metalness, surface_.colour);
-    const NormalForm form = choose_export_form(textures, settings_.engine, settings_.threads).normals;
+    const NormalForm form = choose_export_form(textures, settings_.engine, settings_.threads, settings_.form_pixels).normals;
     const FormMeter meter(textures, seen, {settings_.engine, true, settings_.threads, FormSurroundings::kSky});
     const LitErrors plain = meter.lit_normals(NormalForm::of(meter.level_count(), {})),
                     exported = meter.lit_normals(form), of_lobes = meter.lit_lobes(lobes, form),
@@ -138,7 +137,7 @@ std::vector<GainError> measure_gain(Device& device, const GainSurface& surface, 
   for (const GainCase& one : settings.cases) {
     const std::vector<ModelPicture> seen = seen_pixels(surface, one, settings.threads);
     if (seen.empty()) continue;
-    if (!lobes) lobes.emplace(fitted_lobes(device, surface, settings.threads, progress));
+    if (!lobes) lobes.emplace(fitted_lobes(device, surface, settings, progress));
     const std::optional<double> stated = surface.has_roughness ? std::nullopt : std::make_optional(one.roughness);
     RoughnessMeter(device, surface, settings, one.roughness, progress).measure(seen, *lobes, stated, made);
   }

@@ -7,6 +7,8 @@
 #include <optional>
 #include <vector>
 
+#include "host/bakes/movmf/start_memory.h"
+#include "host/delivery/export/formed_material.h"
 #include "host/delivery/forms/material_forms.h"
 #include "host/formats/image/plane_store.h"
 #include "host/formats/opencl/device.h"
@@ -36,6 +38,8 @@ struct GainSettings {
   Engine engine = Engine::kThree;
   std::vector<GainCase> cases;
   int threads = 1;
+  StartMemory* starts = nullptr;  // starts of the whole map's lobes; if null or without them, they are searched
+  std::size_t form_pixels = 70;  // pixels per view that choose the form; an export uses kFormPixels
 };
 
 enum class GainLight { kSun, kSky };

@@ -11,14 +11,13 @@
 namespace multum {
 namespace {
 
-constexpr std::size_t kPixelsPerView = 140;
 constexpr double kColour = 0.5;  // assumed base colour, because exports have none
 
 }  // namespace
 
-ChosenForm choose_export_form(const FormTextures& textures, Engine engine, int threads) {
+ChosenForm choose_export_form(const FormTextures& textures, Engine engine, int threads, std::size_t pixels_per_view) {
   const TextureFrame& frame = textures.averages->frame();
-  const std::vector<ModelPicture> seen = simple_views(frame.width, frame.height, kPixelsPerView);
+  const std::vector<ModelPicture> seen = simple_views(frame.width, frame.height, pixels_per_view);
   const FormMeter meter(textures, seen, {engine, false, threads});
   ChosenForm made;
   made.views = meter.views();

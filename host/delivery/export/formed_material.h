@@ -25,9 +25,12 @@ struct FormedReport {
   std::optional<ChosenForm> form;  // set only for MaterialForm::kAuto
 };
 
+constexpr std::size_t kFormPixels = 140;  // per view, for choose_export_form()
+
 /// Chooses the form of an export by pictures of simple shapes. If a map is too small for pictures, returns fitted
 /// levels and no errors.
-ChosenForm choose_export_form(const FormTextures& textures, Engine engine, int threads);
+ChosenForm choose_export_form(const FormTextures& textures, Engine engine, int threads,
+                              std::size_t pixels_per_view = kFormPixels);
 
 /// Does the same as fit_one_lobe() for MaterialForm::kOneLobe. Anisotropic lobes allow no other form.
 FormedReport fit_formed_material(Device& device, const OneLobeInputs& inputs, const OneLobeSettings& settings,

@@ -22,6 +22,7 @@ constexpr double kSphereRim = 0.9;          // share of the sphere's area in the
 constexpr double kTilts[] = {0.0, 35.0, 75.0};
 constexpr double kPoleMost = 1.4;  // largest latitude on the sphere in radians, because tangent frames turn fast near
                                    // the poles
+constexpr double kFlatRadius = 1000.0;  // radius in pixels from which a sphere is flat within a pixel
 constexpr double kFar = 1e7;       // distance of the eye in texels, so large that all rays are parallel
 constexpr double kTurn = 2.0 * std::numbers::pi;
 
@@ -110,8 +111,8 @@ Seen sphere_of(const Side& side, const MapSize& map, double radius, EvenNumbers&
   };
 }
 
-// Returns nullopt if the pixel is on an edge.
-std::optional<ModelPixel> pixel_of(const Seen& seen, int samples_per_side) {
+// Returns nullopt if the pixel is on an edge. If `is_flat` is true, samples lie on the plane through the middle.
+std::optional<ModelPixel> pixel_of(const Seen& seen, int samples_per_side, bool is_flat) {
   const auto middle = seen(0.0, 0.0), right = seen(0.5, 0.0), left = seen(-0.5, 0.0), below = seen(0.0, 0.5),
              above = seen(0.0, -0.5);
   if (!middle || !right || !left || !below || !above) return std::nullopt;
@@ -119,7 +120,8 @@ std::optional<ModelPixel> pixel_of(const Seen& seen, int samples_per_side) {
   made.samples.reserve(size_of(samples_per_side * samples_per_side));
   const auto place = [&](int index) { return (index + 0.5) / samples_per_side - 0.5; };
   for (int s = 0; s < samples_per_side * samples_per_side; ++s) {
-    const auto sample = seen(place(s % samples_per_side), place(s / samples_per_side));
+    const double x = place(s % samples_per_side), y = place(s / samples_per_side);
+    const auto sample = is_flat ? made.middle + made.along_x * x + made.along_y * y : seen(x, y);
     if (!sample) return std::nullopt;
     made.samples.push_back(*sample);
   }
@@ -144,7 +146,7 @@ std::vector<ModelPicture> shape_views(int width, int height, const ShapeViews& v
               std::optional<ModelPixel> pixel =
                   pixel_of(shape == kSphere ? sphere_of(side, map, views.radius, numbers)
                                             : plane_of(side, map, shape == kTiltedPlane, numbers),
-                           views.samples_per_side);
+                           views.samples_per_side, shape == kSphere && views.radius >= kFlatRadius * side.pixel);
               if (!pixel) continue;
               ModelPicture& picture = pictures[i];
               picture.distance = seen.distance;

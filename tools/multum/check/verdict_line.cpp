@@ -11,11 +11,12 @@
 namespace multum {
 namespace {
 
-std::optional<GainVerdict> measured(const CheckJob& job, const MapMosaic* mosaic, Device& device) {
+std::optional<GainVerdict> measured(const CheckJob& job, const MapMosaic* mosaic, StartMemory* starts,
+                                    Device& device) {
   if (mosaic == nullptr) return std::nullopt;
   try {
     const auto progress = make_terminal_progress(false);
-    return quick_verdict(job, *mosaic, device, progress.get());
+    return quick_verdict(job, *mosaic, starts, device, progress.get());
   } catch (const Cancelled&) {
     return std::nullopt;
   } catch (...) {
@@ -35,7 +36,7 @@ CheckJob check_of(const std::string& input, int threads) {
 
 std::optional<GainVerdict> end_with_verdict(const BakeJob& job, const BakeReport& report, const CommonOptions& common,
                                             Device& device, std::FILE* out) {
-  const auto verdict = measured(check_of(job.input, job.threads), report.mosaic.get(), device);
+  const auto verdict = measured(check_of(job.input, job.threads), report.mosaic.get(), report.starts.get(), device);
   print_verdict(job.output, verdict, common, out);
   return verdict;
 }
@@ -47,7 +48,7 @@ std::optional<GainVerdict> end_with_verdict(const ExportJob& job, const ExportRe
   check.base_roughness = job.lobe.base_roughness;
   check.has_roughness = !job.roughness.empty();
   check.has_metalness = !job.metalness.empty();
-  const auto verdict = measured(check, report.mosaic.get(), device);
+  const auto verdict = measured(check, report.mosaic.get(), nullptr, device);
   print_verdict(job.output, verdict, common);
   return verdict;
 }

@@ -52,6 +52,18 @@ TEST(SimpleViewsTest, NormalsTurnOnSpheresAlone) {
   }
 }
 
+TEST(SimpleViewsTest, SamplesOfLargeSpheresAreOnTheSphere) {
+  constexpr double kPixel = 8.0;  // texels
+  for (const double radius : {900.0 * kPixel, 3000.0 * kPixel})  // one is curved within a pixel, one is flat
+    for (const ModelPicture& picture :
+         shape_views(kWidth, kHeight, {{{kPixel, kPixel}}, {kSphere}, radius, 0.0, 50, 8}))
+      for (const SurfacePoint& sample : picture.pixels.at(0).samples) {
+        EXPECT_NEAR(glm::length(sample.position), radius, 0.001 * kPixel);
+        EXPECT_LT(glm::length(sample.normal - sample.position / radius), 1e-5);
+        EXPECT_NEAR(glm::length(sample.tangent), 1.0, 1e-5);
+      }
+}
+
 TEST(SimpleViewsTest, ATinyMapHasNone) { EXPECT_TRUE(simple_views(8, 8, 20).empty()); }
 
 }  // namespace
