@@ -58,7 +58,8 @@ LobeLevels fitted_lobes(Device& device, const GainSurface& surface, const GainSe
   FitReport report;
   MapInputs inputs{&surface.normals};
   inputs.threads = gain.threads;
-  return {bake_movmf(device, inputs, settings, report, progress, gain.starts), WrapMode::kPeriodic, WrapMode::kPeriodic};
+  return {bake_movmf(device, inputs, settings, report, progress, gain.starts), WrapMode::kPeriodic,
+          WrapMode::kPeriodic};
 }
 
 // Fits the export for one roughness, and measures all forms.
@@ -86,7 +87,8 @@ class RoughnessMeter {
   void measure(const std::vector<ModelPicture>& seen, const LobeLevels& lobes, std::optional<double> roughness,
                std::vector<GainError>& made) const {
     const FormTextures textures = textures_.form_textures(surface_.metalness, surface_.colour);
-    const NormalForm form = choose_export_form(textures, settings_.engine, settings_.threads, settings_.form_pixels).normals;
+    const NormalForm form =
+        choose_export_form(textures, settings_.engine, settings_.threads, settings_.form_pixels).normals;
     const FormMeter meter(textures, seen, {settings_.engine, true, settings_.threads, FormSurroundings::kSky});
     const LitErrors plain = meter.lit_normals(NormalForm::of(meter.level_count(), {})),
                     exported = meter.lit_normals(form), of_lobes = meter.lit_lobes(lobes, form),

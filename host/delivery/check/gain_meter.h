@@ -39,7 +39,7 @@ struct GainSettings {
   std::vector<GainCase> cases;
   int threads = 1;
   StartMemory* starts = nullptr;  // starts of the whole map's lobes; if null or without them, they are searched
-  std::size_t form_pixels = 70;  // pixels per view that choose the form; an export uses kFormPixels
+  std::size_t form_pixels = 70;   // pixels per view that choose the form; an export uses kFormPixels
 };
 
 enum class GainLight { kSun, kSky };

@@ -17,7 +17,7 @@ namespace {
 constexpr int kPointsAnisotropy = 16;  // requested by @multum/three and supported by GPUs
 constexpr int kPointsPerSide = 2;
 // These values are those of @multum/three (runtime_gl/web/three/lobe_material.js).
-constexpr double kPointsBias = -0.25 - 1.0, kLobeBias = -0.5, kLobesFrom = 0.002;
+constexpr double kPointsBias = -0.25 - 1.0, kLobeBias = -0.5, kLobesFrom = 0.002, kMagnified = -3.0;
 constexpr double kLobeRoughnessMin = 0.045;
 constexpr int kPixelsAtOnce = 64;
 
@@ -309,6 +309,7 @@ FormLight FormMeter::shade_lobes(const Measured& at, const LobeLevels& lobes, co
     sums[0] += map_share * turned_lobe(point, {mean * ((1.0 - seen + seen * std::min(length, 1.0)) / length), 1.0});
   };
   const double level = lobes.level_of(pixel.along_x.place, pixel.along_y.place, kLobeBias);
+  if (level <= kMagnified) return point_light(at, form, colours.mean);
   glm::dvec4 all_normals(0.0);
   for (const glm::dvec4& lobe : lobes.at(pixel.middle.place, std::max(level - 1.0, 0.0))) all_normals += lobe;
   if (1.0 - glm::length(glm::dvec3(all_normals)) / std::max(all_normals.w, 1e-6) <= kLobesFrom)
@@ -320,7 +321,10 @@ FormLight FormMeter::shade_lobes(const Measured& at, const LobeLevels& lobes, co
                              double factor) {
     const double rough =
         looked.values[0].rough + looked.coarser_share * (looked.values[1].rough - looked.values[0].rough);
-    const FormSurface surface{std::max(rough, kLobeRoughnessMin), looked.metal, factor * colours.mean};
+    const double widened = lobes_pay ? rough
+                                     : roughness_of_variance(rough, pixel.along_x.normal * (1.0 / kPointsPerSide),
+                                                             pixel.along_y.normal * (1.0 / kPointsPerSide));
+    const FormSurface surface{std::max(widened, kLobeRoughnessMin), looked.metal, factor * colours.mean};
     const FormLight light = shaded_lobe(lobe / std::max(lobe.w, 1e-6), surface, from, at.scene);
     for (std::size_t l = 0; l < kFormLights; ++l) made[l] += weight * light[l];
   };

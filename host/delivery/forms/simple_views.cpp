@@ -23,7 +23,7 @@ constexpr double kTilts[] = {0.0, 35.0, 75.0};
 constexpr double kPoleMost = 1.4;  // largest latitude on the sphere in radians, because tangent frames turn fast near
                                    // the poles
 constexpr double kFlatRadius = 1000.0;  // radius in pixels from which a sphere is flat within a pixel
-constexpr double kFar = 1e7;       // distance of the eye in texels, so large that all rays are parallel
+constexpr double kFar = 1e7;            // distance of the eye in texels, so large that all rays are parallel
 constexpr double kTurn = 2.0 * std::numbers::pi;
 
 // Generates numbers from 0 to 1 that are evenly spread over any number of axes (Kronecker's sequence).

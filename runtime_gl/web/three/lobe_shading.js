@@ -60,6 +60,8 @@ const FETCH = `
 uniform sampler2D u_ggx_lobe_table;
 vec4 multum_lobes[MULTUM_LOBE_COUNT];  // (a r, a) in view space
 vec4 multum_lobe;  // lobe of this evaluation, amplitude 1
+// If lobes begin on level 1, a pixel is then as wide as a third of a texel of the map.
+const float MULTUM_MAGNIFIED = -3.0;
 bool multum_lobes_pay = false, multum_is_plain = false, multum_maps_are_read = false;
 vec4 multum_read_maps[MULTUM_MAP_COUNT];
 
@@ -178,15 +180,16 @@ void multum_fetch_lobes(float count, vec2 part, float side) {
 #endif
 }
 
-// Decides how to spend a pixel's evaluations. The decision depends on the spread of the normals around the pixel, read
-// one level finer than the pixel's own level. Four neighbouring pixels share derivatives and must read textures
-// together, because the lookups need these derivatives. These pixels use one place between them, so that all four
-// decide in the same way.
+// Decides how to spend a pixel's evaluations. On a strongly magnified map, normals hardly change within a point, so
+// three.js shades the points with the map's own normals. Otherwise, the decision depends on the spread of the normals around the pixel, read one level finer than the
+// pixel's own level. Four neighbouring pixels share derivatives and must read textures together, because the lookups
+// need these derivatives. These pixels use one place between them, so that all four decide in the same way.
 void multum_decide() {
-#if MULTUM_EVALUATIONS >= 2
   MultumFootprint footprint = multum_part_footprint(vec2(1.0));
   vec2 side = 0.5 - mod(floor(gl_FragCoord.xy), 2.0);
   float level = footprint.level + side.x * dFdx(footprint.level) + side.y * dFdy(footprint.level);
+  multum_is_plain = level <= MULTUM_MAGNIFIED;
+#if MULTUM_EVALUATIONS >= 2
   bool is_near = multum_normal_map_share(level - 1.0) > 0.0;
   footprint.level = max(level - 1.0, 0.0);
   vec2 place = vNormalMapUv + side.x * multum_along_x_vNormalMapUv + side.y * multum_along_y_vNormalMapUv;
@@ -194,7 +197,7 @@ void multum_decide() {
   vec4 sum = vec4(0.0);
   for (int j = 0; j < MULTUM_LOBE_COUNT; ++j) sum += surface.lobes[j];
   bool is_alike = multum_movmf_spread(sum) <= MULTUM_LOBES_FROM;
-  multum_is_plain = is_alike && MULTUM_EVALUATIONS >= 4;
+  multum_is_plain = multum_is_plain || (is_alike && MULTUM_EVALUATIONS >= 4);
   multum_lobes_pay = MULTUM_LOBE_COUNT > 1 && !is_alike && !is_near;
 #endif
 }
@@ -348,9 +351,9 @@ diffuseColor.rgb *= multum_tint;
 #endif
 `;
 
-// Lobes already contain the variance of the geometry's normals.
+// Lobes that are read at several places already contain the variance of the geometry's normals.
 const GEOMETRY = `
-if (multum_is_plain) ${VARIANCE}
+if (multum_is_plain || (!multum_lobes_pay && MULTUM_EVALUATIONS >= 4)) ${VARIANCE}
 `;
 
 /**

@@ -11,8 +11,7 @@
 namespace multum {
 namespace {
 
-std::optional<GainVerdict> measured(const CheckJob& job, const MapMosaic* mosaic, StartMemory* starts,
-                                    Device& device) {
+std::optional<GainVerdict> measured(const CheckJob& job, const MapMosaic* mosaic, StartMemory* starts, Device& device) {
   if (mosaic == nullptr) return std::nullopt;
   try {
     const auto progress = make_terminal_progress(false);

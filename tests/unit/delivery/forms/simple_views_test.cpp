@@ -53,7 +53,7 @@ TEST(SimpleViewsTest, NormalsTurnOnSpheresAlone) {
 }
 
 TEST(SimpleViewsTest, SamplesOfLargeSpheresAreOnTheSphere) {
-  constexpr double kPixel = 8.0;  // texels
+  constexpr double kPixel = 8.0;                                 // texels
   for (const double radius : {900.0 * kPixel, 3000.0 * kPixel})  // one is curved within a pixel, one is flat
     for (const ModelPicture& picture :
          shape_views(kWidth, kHeight, {{{kPixel, kPixel}}, {kSphere}, radius, 0.0, 50, 8}))
