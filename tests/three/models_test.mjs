@@ -41,8 +41,8 @@ const run = (...words) => execFileSync(path.join(bin, "multum"), words, { cwd: f
 const percent = (error) => `${(100 * error).toFixed(1)} %`;
 
 /**
- * Returns { error, energy, lobed } by row, and the noise of the floor and of the reference. `near` has the errors of the
- * rows from near.
+ * Returns { error, energy, lobed } by row, the noise of the floor and of the reference, and in `near` the errors of the
+ * rows in a near view.
  */
 async function measured(page, name) {
   await page.evaluate((model) => globalThis.lab.begin(model), { url: `/files/${name}.glb`, reach: REACH });

@@ -181,9 +181,10 @@ void multum_fetch_lobes(float count, vec2 part, float side) {
 }
 
 // Decides how to spend a pixel's evaluations. On a strongly magnified map, normals hardly change within a point, so
-// three.js shades the points with the map's own normals. Otherwise, the decision depends on the spread of the normals around the pixel, read one level finer than the
-// pixel's own level. Four neighbouring pixels share derivatives and must read textures together, because the lookups
-// need these derivatives. These pixels use one place between them, so that all four decide in the same way.
+// three.js shades the points with the map's own normals. Otherwise, the decision depends on the spread of the normals
+// around the pixel, read one level finer than the pixel's own level. Four neighbouring pixels share derivatives and
+// must read textures together, because the lookups need these derivatives. These pixels use one place between them, so
+// that all four decide in the same way.
 void multum_decide() {
   MultumFootprint footprint = multum_part_footprint(vec2(1.0));
   vec2 side = 0.5 - mod(floor(gl_FragCoord.xy), 2.0);
