@@ -223,13 +223,13 @@ def measured(given, package, entry):
 
 def orders(drawn, said):
     """Yields (roughness, distance, light, errors of pictures, errors of the verdict). The verdict of a model is the
-    mean of its materials."""
+    mean of its materials, whose own roughness is called None."""
     for roughness, by_view in drawn.items():
         for view, errors in by_view.items():
             distance, light = view.split("_")
             told = [[error[form] for form in FORMS] for one in said for error in one["errors"]
-                    if (str(error["roughness"]), error["distance"], error["light"])
-                    == (roughness, float(distance), light)]
+                    if (error["distance"], error["light"]) == (float(distance), light)
+                    and roughness in ("None", str(error["roughness"]))]
             if told:
                 yield roughness, distance, light, errors, [sum(values) / len(values) for values in zip(*told)]
 
@@ -319,8 +319,7 @@ This page compares the verdicts of `multum check` about models with pictures tha
 The models are all of `tools/lab/models.json`, which lists their sources and licences. three.js drew each model in
 Chromium from 2, 5 and 25 m, with its own materials. *Sun* is a directional light with a dim sky, and *sky* is
 {given.sky.name} without another light. Models without a meaningful size are scaled so that half of their diagonal is
-1.2 m long. The pictures show the whole model with {MODEL_SIDE} x {MODEL_SIDE} pixels or fewer. The reference averages
-36 or 144 samples per pixel. *Plain* is the original model, *export* is the model after `multum gltf`, and *lobes* are
+1.2 m long. The pictures show the whole model with {MODEL_SIDE} x {MODEL_SIDE} pixels or fewer. The reference averages 36 or 144 samples per pixel. *Plain* is the original model, *export* is the model after `multum gltf`, and *lobes* are
 drawn by @multum/three with 4 evaluations per pixel. The verdict is the mean of the materials that have a normal map.
 In pictures, parts without a normal map lower the relative error, and edges raise it.
 
