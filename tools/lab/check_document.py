@@ -319,7 +319,8 @@ This page compares the verdicts of `multum check` about models with pictures tha
 The models are all of `tools/lab/models.json`, which lists their sources and licences. three.js drew each model in
 Chromium from 2, 5 and 25 m, with its own materials. *Sun* is a directional light with a dim sky, and *sky* is
 {given.sky.name} without another light. Models without a meaningful size are scaled so that half of their diagonal is
-1.2 m long. The pictures show the whole model with {MODEL_SIDE} x {MODEL_SIDE} pixels or fewer. The reference averages 36 or 144 samples per pixel. *Plain* is the original model, *export* is the model after `multum gltf`, and *lobes* are
+1.2 m long. The pictures show the whole model with {MODEL_SIDE} x {MODEL_SIDE} pixels or fewer. The reference averages
+36 or 144 samples per pixel. *Plain* is the original model, *export* is the model after `multum gltf`, and *lobes* are
 drawn by @multum/three with 4 evaluations per pixel. The verdict is the mean of the materials that have a normal map.
 In pictures, parts without a normal map lower the relative error, and edges raise it.
 
