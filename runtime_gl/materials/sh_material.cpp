@@ -2,6 +2,7 @@
 #include "runtime_gl/materials/sh_material.h"
 
 #include <cstdio>
+#include <numbers>
 #include <vector>
 
 #include <glm/gtc/type_ptr.hpp>
@@ -9,6 +10,7 @@
 #include <glm/vec4.hpp>
 
 #include "host/foundation/base/error.h"
+#include "host/foundation/base/gauss_legendre.h"
 #include "runtime_gl/materials/texture_binder.h"
 #include "runtime_gl/materials/weight_texture.h"
 #include "runtime_gl/shaders/embedded_shaders.h"
@@ -76,9 +78,27 @@ ShMaterial::ShMaterial(const GlFunctions& gl, const ShMipmap& mipmap, float anis
   finest_.upload(gl, left_out, source, sampler);
 }
 
+namespace {
+
+// The nodes that integrate products of two functions of this order over the sphere (surface/sh.glsl).
+std::string sphere_nodes_flag(int order) {
+  const QuadratureRule rule = gauss_legendre(order + 1);
+  std::string text = "MULTUM_SH_NODES vec2[" + std::to_string(rule.nodes.size()) + "](";
+  for (std::size_t i = 0; i < rule.nodes.size(); ++i) {
+    char node[64];
+    std::snprintf(node, sizeof(node), "%svec2(%.9e, %.9e)", i == 0 ? "" : ", ", rule.nodes[i],
+                  rule.weights[i] * 2.0 * std::numbers::pi / (2 * order + 1));
+    text += node;
+  }
+  return text + ")";
+}
+
+}  // namespace
+
 ShaderParts ShMaterial::shader_parts() const {
   ShaderParts parts{sh_shading_flags(order_), {shader_common_sh_shading_glsl, shader_surface_sh_glsl}};
   parts.flags.push_back("MULTUM_ZONAL_ORDER " + std::to_string(order_));
+  parts.flags.push_back(sphere_nodes_flag(order_));
   if (cosine_ == ShCosine::kIrradiance) parts.flags.push_back("MULTUM_SH_IRRADIANCE");
   if (cosine_ == ShCosine::kMeanDirection) parts.flags.push_back("MULTUM_SH_DIRECTION");
   if (wrap_s_ == WrapMode::kBlack) parts.flags.push_back("MULTUM_BLACK_S");

@@ -14,10 +14,12 @@
 #include "runtime_gl/context/headless_context.h"
 #include "runtime_gl/materials/movmf_material.h"
 #include "runtime_gl/materials/normal_material.h"
+#include "runtime_gl/materials/sh_material.h"
 #include "runtime_gl/render/environment_background.h"
 #include "runtime_gl/render/environment_shading.h"
 #include "runtime_gl/render/picture_error.h"
 #include "runtime_gl/render/renderer.h"
+#include "tests/gl/sh_test_map.h"
 #include "tests/gl/test_context.h"
 #include "tests/gl/test_maps.h"
 
@@ -252,6 +254,24 @@ TEST_P(EnvironmentTest, ASkyIsFilteredNearlyAsBruteForceHasIt) {
   EXPECT_NEAR(light(EnvironmentMode::kPrefiltered, sharp), 1.0, 0.05);
   // Harmonics up to order 8 are too smooth for a sharp highlight; prefiltered levels follow it.
   EXPECT_GT(error(EnvironmentMode::kHarmonics, sharp), error(EnvironmentMode::kPrefiltered, sharp));
+}
+
+// The harmonics of normals in two directions, 60 degrees apart, are shaded, and not a lobe around the mean of these
+// directions.
+TEST_P(EnvironmentTest, HarmonicsOfNormalsAreShaded) {
+  if (GetParam() != test_backend()) GTEST_SKIP() << "one context is enough: the pictures are equal";
+  make_glossy(12.0f);
+  scene_.environment_turn = 70.0f;
+  const TestMap map = make_two_tilt_map(16, 30.0, StorageEncoding::kFloat, false);
+  const FloatImage exact = reference(map, 512);
+  const auto error = [&](int order, EnvironmentMode mode) {
+    scene_.environment_mode = mode;
+    const ShMaterial material(context_->functions(), make_harmonics(map.image, order, StorageEncoding::kFloat), 1.0f);
+    return picture_error(renderer_->draw(*mesh_, material, scene_).image, exact).relative_l1;
+  };
+  EXPECT_LT(error(8, EnvironmentMode::kHarmonics), 0.11);   // measured: 9.9 %, the same as for lobes
+  EXPECT_LT(error(4, EnvironmentMode::kHarmonics), 0.15);   // measured: 13.5 %
+  EXPECT_GT(error(8, EnvironmentMode::kPrefiltered), 0.2);  // measured: 22.9 %, one lobe
 }
 
 // A nearly perfect mirror shows the map. Texels 3 degrees wide blend in one picture and not in the other.

@@ -160,6 +160,12 @@ void check_options_of(const std::string& file, const PictureOptions& options, co
   if (baked.has_colours && !shading.colour_map.empty())
     throw Error(ErrorCode::kUsage,
                 file + ": contains colours, and --colour-map was given too; expected only one of them");
+  if (info.has_order && !options.light.environment.empty() && !baked.has_roughness &&
+      scenes.first.brdf.kind != BrdfKind::kLambert && scenes.first.environment_mode != gl::EnvironmentMode::kHarmonics)
+    throw Error(ErrorCode::kUsage,
+                fmt::format("{}: holds {}, whose highlights need the harmonics of the environment; found "
+                            "--environment-mode prefiltered, expected sh",
+                            file, info.contents));
   if (!info.takes_every_brdf) check_options_of_gaussians(file, options, scenes.first.brdf);
   if (!info.has_slopes && shading.moments) refuse("--moments", "files of moments");
   if (!info.has_kappa && shading.formula == gl::LobeFormula::kPaper) refuse("--formula paper", "lobes");
@@ -175,7 +181,11 @@ std::string environment_note(const MapOptions& options, const BakedHeader& baked
   const bool draws_lean =
       representation_info(baked.representation).has_slopes &&
       options.picture.shading.moments.value_or(kDefaultMomentShading) != gl::MomentShading::kToksvig;
-  if (options.picture.light.environment.empty() || (!compares_lean && !draws_lean)) return "";
+  if (options.picture.light.environment.empty()) return "";
+  if (representation_info(baked.representation).has_order && baked.has_roughness)
+    return "--environment: highlights of harmonics that include roughness are drawn with one lobe around the mean "
+           "normal";
+  if (!compares_lean && !draws_lean) return "";
   return "--environment: under this light, lean and lean-jacobian are drawn in the same way as toksvig, with one lobe "
          "around the mean normal";
 }

@@ -42,8 +42,8 @@ std::unique_ptr<gl::Material> make_material(const gl::GlFunctions& gl, const Bak
 void check_options_of(const std::string& file, const PictureOptions& options, const ViewScenes& scenes, bool compares,
                       const BakedHeader& baked);
 
-/// Returns a note if moments or LEAN maps are drawn in an environment, where only their Toksvig normals are used.
-/// Otherwise returns an empty string.
+/// Returns a note if an environment lights moments, LEAN maps or harmonics that include roughness, whose highlights are
+/// then those of one lobe around the mean normal. Otherwise returns an empty string.
 std::string environment_note(const MapOptions& options, const BakedHeader& baked);
 
 /// The default shading for files of moments. In measured bakes, it has the lowest error on most maps

@@ -28,14 +28,14 @@ CLI::Option* add_parsed_list(CLI::App& app, const std::string& option, std::vect
 
 void add_environment_options(CLI::App& app, LightOptions& options) {
   app.add_option("--environment", options.environment,
-                 "light the scene with this latitude-longitude image, .exr or .hdr, and show it in the background");
+                 "light the scene with this latitude-longitude image, .exr or .hdr, also as its background");
   app.add_option("--environment-turn", options.environment_turn,
                  "rotate the environment by this many degrees about the up axis, counterclockwise when seen from above")
       ->check(number_in(-3600.0f, 3600.0f));
   app.add_flag("--no-background", options.no_background, "draw a black background instead of the environment");
   add_choice(app, "--environment-mode", options.environment_mode, kEnvironmentModes,
              "shade highlights of the environment by mips convolved with vMFs (prefiltered) or by harmonics up to "
-             "order 8, for broad BRDFs (sh)")
+             "order 8 (sh), for broad BRDFs and files of harmonics")
       ->default_str("prefiltered");
 }
 

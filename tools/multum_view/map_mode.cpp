@@ -22,6 +22,8 @@ int draw_map(MapOptions options) {
   change_last_scene(options.animation, scenes);
   check_outputs(options, scenes);
   BakedMap map = read_baked_map(options.file);
+  if (representation_info(map.header.representation).has_order && !picture.light.environment_mode)
+    scenes.first.environment_mode = scenes.last.environment_mode = gl::EnvironmentMode::kHarmonics;
   check_options_of(options.file, picture, scenes, !options.comparison.pictures.empty(), map.header);
   if (map.header.has_roughness) scenes.first.brdf.exponent = scenes.last.brdf.exponent = kRoughnessExponent;
   warn_of_sources(options, map.header);

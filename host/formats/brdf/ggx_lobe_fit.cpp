@@ -8,10 +8,10 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <utility>
 
 #include "host/formats/brdf/facet_distribution.h"
 #include "host/formats/brdf/vmf_terms.h"
+#include "host/foundation/base/gauss_legendre.h"
 
 namespace multum {
 namespace {
@@ -24,26 +24,7 @@ constexpr double kWidthMin = 0.01;  // smallest s; below it, shapes do not depen
 constexpr double kSpreadMin = 1e-9, kSpreadMax = 1.0 - 1e-5;
 constexpr double kLeastPart = 1e-6;  // weights stop growing where the exact value is below this share of its maximum
 
-// Gauss-Legendre quadrature on [-1, 1].
-struct Rule {
-  std::vector<double> nodes, weights;
-};
-
-Rule gauss_legendre(int count) {
-  Rule rule;
-  for (int i = 0; i < count; ++i) {
-    double x = std::cos(kPi * (i + 0.75) / (count + 0.5)), slope = 0.0;
-    for (int step = 0; step < 50; ++step) {  // Newton's method, which converges in five steps
-      double p = 1.0, before = 0.0;
-      for (int j = 0; j < count; ++j) before = std::exchange(p, ((2 * j + 1) * x * p - j * before) / (j + 1));
-      slope = count * (x * p - before) / (x * x - 1.0);
-      x -= p / slope;
-    }
-    rule.nodes.push_back(x);
-    rule.weights.push_back(2.0 / ((1.0 - x * x) * slope * slope));
-  }
-  return rule;
-}
+using Rule = QuadratureRule;
 
 double versine(double angle) {  // 1 - cos
   const double half = std::sin(0.5 * angle);

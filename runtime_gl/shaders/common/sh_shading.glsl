@@ -51,6 +51,29 @@ void multum_sh_bands(vec4 parts[MULTUM_SH_PARTS], float share, vec3 w, out float
   }
 }
 
+// Returns the sum over l and m of c_lm Y_lm(w) for a unit vector w, with coefficient (l, m) at index l (l + 1) + m.
+vec3 multum_sh_colour(vec3 coefficients[MULTUM_SH_COUNT + 1], vec3 w) {
+  vec3 sum = vec3(0.0);
+  float c = 1.0, s = 0.0;  // (x + iy)^m
+  int step = 0;
+  for (int m = 0; m <= MULTUM_SH_ORDER; ++m) {
+    float before = 0.0, p = 0.0;
+    for (int l = 0; l <= MULTUM_SH_ORDER; ++l) {
+      if (l < m) continue;
+      vec2 k = multum_sh_steps[step++];
+      float next = l == m ? k.x : k.x * w.z * p - k.y * before;
+      before = p;
+      p = next;
+      sum += p * c * coefficients[l * (l + 1) + m];
+      if (m > 0) sum += p * s * coefficients[l * (l + 1) - m];
+    }
+    float rotated = c * w.x - s * w.y;
+    s = c * w.y + s * w.x;
+    c = rotated;
+  }
+  return sum;
+}
+
 // Returns E[n], which is computed from the band l = 1.
 vec3 multum_sh_mean_normal(vec4 parts[MULTUM_SH_PARTS]) { return parts[0].zxy / 0.48860251; }
 

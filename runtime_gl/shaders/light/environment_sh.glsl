@@ -16,6 +16,18 @@ vec3 multum_half_vector_light(int index) {
   return textureLod(u_half_vector_light, position / (u_half_grid * vec2(1.0, MULTUM_HALF_COUNT)), 0.0).rgb;
 }
 
+// Returns the share of the light that the cosine and the other factors keep, for a lobe.
+vec3 multum_reflection_quotient(vec3 mu, float d, vec3 v) {
+  vec3 weight = vec3(0.0);
+  float plain = 0.0;
+  for (int i = 0; i < MULTUM_ENVIRONMENT_TERMS; ++i) {
+    vec4 entry = multum_reflection_entry(i, dot(mu, v), d);
+    weight += entry.rgb;
+    plain += entry.w;
+  }
+  return weight / max(plain, 1e-6);
+}
+
 vec3 multum_environment_specular(vec3 mu, float d, vec3 v) {
   float zonal[MULTUM_VMF_ZONAL_ORDER + 1];
   multum_vmf_zonal(multum_vmf_kappa(d), zonal);
@@ -46,12 +58,5 @@ vec3 multum_environment_specular(vec3 mu, float d, vec3 v) {
       sum += u_half_zonal[l] * zonal[l] * p * light;
     }
   }
-  vec3 weight = vec3(0.0);
-  float plain = 0.0;
-  for (int i = 0; i < MULTUM_ENVIRONMENT_TERMS; ++i) {
-    vec4 entry = multum_reflection_entry(i, dot(mu, v), d);
-    weight += entry.rgb;
-    plain += entry.w;
-  }
-  return max(sum, vec3(0.0)) * weight / max(plain, 1e-6);
+  return max(sum, vec3(0.0)) * multum_reflection_quotient(mu, d, v);
 }

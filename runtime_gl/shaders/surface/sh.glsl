@@ -144,9 +144,48 @@ vec3 multum_sh_irradiance(vec4 parts[MULTUM_SH_PARTS]) {
   return max(sum, vec3(0.0));
 }
 
-// Uses the highlight of a lobe around the mean normal.
+#if defined(MULTUM_ENVIRONMENT_SH) && !defined(MULTUM_ROUGHNESS)
+const vec2 multum_sh_nodes[MULTUM_SH_ORDER + 1] = MULTUM_SH_NODES;  // z and weight
+
+// Computes the highlight by Han et al. 2007, section 8: the sum over l and m of a_l(f) g_lm L'_lm. The normals g are in
+// tangent space, and L' is in the environment's frame. Instead of rotating coefficients, their product is integrated
+// over the sphere. Nodes of Gauss and Legendre, with equal steps around the z axis, are exact for both orders. The
+// cosine and the other factors that depend on the normal are those of each node. The upper hemisphere contains all
+// normals, so only its nodes are used.
+vec3 multum_sh_environment_specular(vec4 parts[MULTUM_SH_PARTS], vec3 v) {
+  vec3 light[MULTUM_SH_COUNT + 1];
+  for (int i = 0; i <= MULTUM_SH_COUNT; ++i) {
+    int l = int(sqrt(float(i) + 0.5));
+    light[i] = l > MULTUM_VMF_ZONAL_ORDER ? vec3(0.0)
+                                          : u_half_zonal[min(l, MULTUM_VMF_ZONAL_ORDER)] * multum_half_vector_light(i);
+  }
+  const int turns = 2 * MULTUM_SH_ORDER + 1;
+  vec3 sum = vec3(0.0);
+  for (int node = 0; node <= MULTUM_SH_ORDER; ++node) {
+    float z = multum_sh_nodes[node].x, side = sqrt(1.0 - z * z);
+    if (z < -1e-6) continue;
+    for (int turn = 0; turn < turns; ++turn) {
+      float angle = 2.0 * MULTUM_PI * float(turn) / float(turns);
+      vec3 d = vec3(side * cos(angle), side * sin(angle), z);
+      vec3 share = multum_reflection_quotient(d, 0.0, v);
+      if (share == vec3(0.0)) continue;
+      float bands[MULTUM_SH_ORDER + 1], density = 0.0;
+      multum_sh_bands(parts, 1.0, d, bands);
+      for (int l = 0; l <= MULTUM_SH_ORDER; ++l) density += bands[l];
+      sum += multum_sh_nodes[node].y * density * share * multum_sh_colour(light, multum_environment_frame * d);
+    }
+  }
+  return max(sum, vec3(0.0));
+}
+#endif
+
+// With MULTUM_ROUGHNESS, or with prefiltered levels of the environment, the highlight is that of a lobe around the mean
+// normal.
 MultumReflection multum_reflect_environment(MultumSurface surface, vec3 v) {
   MultumReflection sum = multum_environment_lobe(vec4(multum_sh_mean_normal(surface.parts), 1.0), v);
+#if defined(MULTUM_ENVIRONMENT_SH) && !defined(MULTUM_ROUGHNESS)
+  sum.specular = multum_sh_environment_specular(surface.parts, v);
+#endif
 #ifndef MULTUM_FRESNEL_DIFFUSE
   sum.diffuse = multum_sh_irradiance(surface.parts);
 #endif

@@ -92,6 +92,7 @@ const std::map<std::string, std::string> kByPictures = {
     {"texture_filter.glsl multum_first_tap", "TextureFilterTest, TapsAreTheirsInDouble"},
     {"texture_filter.glsl multum_filtered", "TextureFilterTest, TapsAreTheirsInDouble"},
     {"texture_filter.glsl multum_normal_map_lobe", "FirstLevelViewTest, NearTheNormalMapIsTheSurfaceBetweenTexels"},
+    {"sh.glsl multum_sh_environment_specular", "EnvironmentTest, HarmonicsOfNormalsAreShaded"},
     {"scene.frag multum_frame_at", "EvaluationsTest, LobesTurnWithTheMesh"},
     {"scene.frag multum_fetch_at", "EvaluationsTest, PointsAreNearer"},
     {"scene.frag multum_fetch_turned", "EvaluationsTest, LobesTurnWithTheMesh"},

@@ -56,6 +56,10 @@ constexpr char kHarmonicTexts[] =
     "uniform vec3 u_test_zonal[MULTUM_SH_ORDER + 1];\n"
     "float test_facets(vec3 w, float set) {\n  vec4 parts[MULTUM_SH_PARTS];\n  test_fetch(set, parts);\n"
     "  return multum_sh_facets(parts, 1.0, w, u_test_zonal).x;\n}\n"
+    "float test_colour(vec3 w, float set) {\n  vec4 parts[MULTUM_SH_PARTS];\n  test_fetch(set, parts);\n"
+    "  vec3 coefficients[MULTUM_SH_COUNT + 1];\n  coefficients[0] = vec3(MULTUM_SH_CONSTANT);\n"
+    "  for (int i = 0; i < MULTUM_SH_COUNT; ++i) coefficients[i + 1] = vec3(parts[i >> 2][i & 3]);\n"
+    "  return multum_sh_colour(coefficients, w).y;\n}\n"
     "vec4 test_mean(float set) {\n  vec4 parts[MULTUM_SH_PARTS];\n  test_fetch(set, parts);\n"
     "  return vec4(multum_sh_mean_normal(parts), 0.0);\n}\n"
     "vec4 test_moments(float set, int column) {\n  vec4 parts[MULTUM_SH_PARTS];\n  test_fetch(set, parts);\n"
@@ -104,9 +108,10 @@ void harmonics_of_opposite_tilts(const GlFunctions& gl, const Edits& edits, Wors
     Harmonics h = harmonics_of(gl, kUnrolledOrder, of_brdf);
     h.variant.texture = &h.map;
     const double peak = reference::shade_sh(mean_basis(kUnrolledOrder, h.sets[0]), 1.0, of_brdf, h.sets[0][0]);
-    GlslComparison c{"vec4(test_facets(a.xyz, a.w) / u_facet_total.x, test_lambert(a.xyz, a.w), 0.0, 0.0)",
-                     sets_and_directions(h.sets.size()),
-                     {}};
+    GlslComparison c{
+        "vec4(test_facets(a.xyz, a.w) / u_facet_total.x, test_lambert(a.xyz, a.w), test_colour(a.xyz, a.w), 0.0)",
+        sets_and_directions(h.sets.size()),
+        {}};
     c.variant = h.variant;
     c.variant.set_uniforms = [&](const ShaderProgram& program) {
       const glm::vec3 total(static_cast<float>(peak));
@@ -118,7 +123,8 @@ void harmonics_of_opposite_tilts(const GlFunctions& gl, const Edits& edits, Wors
       const auto shaded = [&](const ZonalCoefficients& zonal) {
         return std::max(reference::shade_sh(mean, 1.0, zonal, glm::dvec3(a)), 0.0);
       };
-      return glm::dvec4(shaded(of_brdf) / peak, shaded(of_lambert), 0.0, 0.0);
+      const double density = reference::shade_sh(mean, 1.0, ZonalCoefficients(kUnrolledOrder + 1, 1.0), glm::dvec3(a));
+      return glm::dvec4(shaded(of_brdf) / peak, shaded(of_lambert), density, 0.0);
     };
     compare_glsl(gl, edits, c, worst);
   }
@@ -174,7 +180,7 @@ std::vector<GlslCase> glsl_harmonic_cases() {
         "the lobe weight"},
        {glsl_edit("float rotated = c * w.x - s * w.y;", "float rotated = c * w.x;")},
        harmonics_of_opposite_tilts,
-       {"multum_sh_coefficient", "multum_sh_bands", "multum_sh_facets", "multum_sh_lambert"}},
+       {"multum_sh_coefficient", "multum_sh_bands", "multum_sh_colour", "multum_sh_facets", "multum_sh_lambert"}},
       {{"glsl-harmonics-ring-below-0", file,
         "a truncated series oscillates, and negative light darkens its surroundings", "the result is clamped at 0",
         kNothingWrong, "deviation of light below 0", "no light may be negative"},

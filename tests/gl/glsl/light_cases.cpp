@@ -429,7 +429,7 @@ std::vector<GlslCase> glsl_light_cases() {
         "the error of kappa (2.3e-4) affects each of eight bands"},
        {glsl_edit("weight / max(plain, 1e-6)", "weight / plain")},
        harmonics_of_half_vectors,
-       {"multum_half_vector_light", "multum_environment_specular"}},
+       {"multum_half_vector_light", "multum_reflection_quotient", "multum_environment_specular"}},
   };
   for (auto* part : {sample_cases, light_cases})
     for (GlslCase& c : part()) cases.push_back(std::move(c));

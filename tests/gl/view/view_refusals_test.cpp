@@ -33,6 +33,8 @@ TEST_F(ViewRefusalTest, RefusesWhatIsForAnotherRepresentation) {
   write_sh_mipmap(path("map.ndf.exr"), gl::make_harmonics(gl::make_flat_map(8).image, 2, StorageEncoding::kHalf), {});
   expect_refusal({"-o", path("out.png"), "--formula", "paper"}, 2, {"spherical harmonics", "--formula paper"});
   expect_refusal({"-o", path("out.png"), "--moments", "lean"}, 2, {"spherical harmonics", "--moments"});
+  expect_refusal({"-o", path("out.png"), "--environment", path("sky.hdr"), "--environment-mode", "prefiltered"}, 2,
+                 {"spherical harmonics", "--environment-mode prefiltered, expected sh"});
   expect_refusal({"-o", path("out.png"), "--compare", "leen"}, 2, {"reference, mip, toksvig, lean, lean-jacobian"});
 }
 

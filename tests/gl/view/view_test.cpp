@@ -360,6 +360,25 @@ TEST_F(ViewTest, LeanIsToksvigInAnEnvironment) {
   EXPECT_FALSE(drawn({"--light", "0.2,0.4,1"}));
 }
 
+// A file of harmonics is lit by the harmonics of the environment, without an option.
+TEST_F(ViewTest, HarmonicsAreShadedInAnEnvironment) {
+  write_sky();
+  const gl::TestMap map = gl::make_two_tilt_map(16, 30.0, StorageEncoding::kFloat, false);
+  write_sh_mipmap(path("map.ndf.exr"), gl::make_harmonics(map.image, 4, StorageEncoding::kFloat), {});
+  const auto report = [&](const std::vector<std::string>& options) {
+    std::vector<std::string> arguments = {"-o",       path("out.png"),  "--size",        "32x24",
+                                          "--report", path("r.json"),   "--context",     "osmesa",
+                                          "--camera", "0,10,12,0,20,0", "--environment", path("sky.hdr")};
+    arguments.insert(arguments.end(), options.begin(), options.end());
+    const ChildResult result = view(arguments);
+    EXPECT_EQ(result.exit_code, 0) << result.output;
+    std::ifstream file(path("r.json"));
+    return nlohmann::json::parse(file);
+  };
+  EXPECT_EQ(report({"--brdf", "blinn-phong:12"})["environment_mode"], "sh");
+  EXPECT_EQ(report({"--brdf", "lambert", "--environment-mode", "prefiltered"})["environment_mode"], "prefiltered");
+}
+
 TEST_F(ViewTest, AnimatesBetweenTwoScenes) {
   const ChildResult result =
       run({"animate",    path("map.ndf.exr"), "-o",          path("frames"), "--frames", "3",
