@@ -35,7 +35,7 @@ void add_environment_options(CLI::App& app, LightOptions& options) {
   app.add_flag("--no-background", options.no_background, "draw a black background instead of the environment");
   add_choice(app, "--environment-mode", options.environment_mode, kEnvironmentModes,
              "shade highlights of the environment by mips convolved with vMFs (prefiltered) or by harmonics up to "
-             "order 8 (sh), for broad BRDFs and files of harmonics")
+             "order 8 (sh), for broad BRDFs and harmonics")
       ->default_str("prefiltered");
 }
 
