@@ -274,6 +274,24 @@ TEST_P(EnvironmentTest, HarmonicsOfNormalsAreShaded) {
   EXPECT_GT(error(8, EnvironmentMode::kPrefiltered), 0.2);  // measured: 22.9 %, one lobe
 }
 
+// With each BRDF, harmonics have nearly the error of lobes: 7.6 and 9.6 %, 19.2 and 19.3 %, 13.1 and 13.1 %.
+TEST_P(EnvironmentTest, HarmonicsOfNormalsAreShadedWithOtherBrdfs) {
+  if (GetParam() != test_backend()) GTEST_SKIP() << "one context is enough: the pictures are equal";
+  make_glossy(12.0f);
+  scene_.environment_mode = EnvironmentMode::kHarmonics;
+  scene_.brdf.f0 = glm::vec3(0.5f);
+  scene_.brdf.sigma = 0.4f;
+  const TestMap map = make_two_tilt_map(16, 30.0, StorageEncoding::kFloat, false);
+  const ShMaterial material(context_->functions(), make_harmonics(map.image, 8, StorageEncoding::kFloat), 1.0f);
+  for (const BrdfKind kind : {BrdfKind::kGgx, BrdfKind::kCookTorrance, BrdfKind::kTorranceSparrow}) {
+    scene_.brdf.kind = kind;
+    const FloatImage exact = reference(map, 256);
+    const double of_lobes = picture_error(lobes(map, EnvironmentMode::kHarmonics), exact).relative_l1;
+    EXPECT_LT(picture_error(renderer_->draw(*mesh_, material, scene_).image, exact).relative_l1, of_lobes + 0.03)
+        << "BRDF " << static_cast<int>(kind);
+  }
+}
+
 // A nearly perfect mirror shows the map. Texels 3 degrees wide blend in one picture and not in the other.
 TEST_P(EnvironmentTest, AMirrorShowsTheMap) {
   if (GetParam() != test_backend()) GTEST_SKIP() << "one context is enough: the pictures are equal";

@@ -35,27 +35,19 @@ class Shares:
         return [self.path + "_normal.png", "--quiet", *(option.replace("@", self.path) for option in options)]
 
     def seconds(self, *options):
-        """Returns the processor time of a bake and its children. It is the lowest of several runs, because other work
-        only adds time."""
-        least = float("inf")
-        for _ in range(self.repeat):
-            words = [self.multum, "bake", *self.words(options), "-o", self.path + ".ndf.exr", "--force"]
-            least = min(least, succeed(words).processor_seconds)
-        return least
-
-    def merge_seconds(self, count, *options):
-        """Times a merge only once, because the merge removes the shares."""
-        repeat, self.repeat = self.repeat, 1
-        seconds = self.seconds(*options, "--merge", str(count))
-        self.repeat = repeat
-        return seconds
+        """Returns the processor time of a bake and its children."""
+        words = [self.multum, "bake", *self.words(options), "-o", self.path + ".ndf.exr", "--force"]
+        return succeed(words).processor_seconds
 
     def measured(self, count, options):
         """Measures four processes: the bake in one process, share 0, the band with the most rows around it, and the
-        merge."""
-        whole = self.seconds(*options)
-        times = [self.seconds(*options, "--shard", f"{i}/{count}") for i in range(count + 1)]
-        return [whole, times[0], max(times[1:]), self.merge_seconds(count, *options)]
+        merge. Each time is the lowest of several rounds, because other work only adds time."""
+        rounds = []
+        for _ in range(self.repeat):
+            whole = self.seconds(*options)
+            times = [self.seconds(*options, "--shard", f"{i}/{count}") for i in range(count + 1)]
+            rounds.append([whole, times[0], max(times[1:]), self.seconds(*options, "--merge", str(count))])
+        return [min(times) for times in zip(*rounds)]
 
     def predicted(self, count, options):
         plan = json.loads(subprocess.run(

@@ -160,8 +160,10 @@ void check_options_of(const std::string& file, const PictureOptions& options, co
   if (baked.has_colours && !shading.colour_map.empty())
     throw Error(ErrorCode::kUsage,
                 file + ": contains colours, and --colour-map was given too; expected only one of them");
-  if (info.has_order && !options.light.environment.empty() && !baked.has_roughness &&
-      scenes.first.brdf.kind != BrdfKind::kLambert && scenes.first.environment_mode != gl::EnvironmentMode::kHarmonics)
+  const bool has_highlight =
+      scenes.first.brdf.kind != BrdfKind::kLambert || scenes.last.brdf.kind != BrdfKind::kLambert;
+  if (info.has_order && !options.light.environment.empty() && !baked.has_roughness && has_highlight &&
+      scenes.first.environment_mode != gl::EnvironmentMode::kHarmonics)
     throw Error(ErrorCode::kUsage,
                 fmt::format("{}: holds {}, whose highlights need the harmonics of the environment; found "
                             "--environment-mode prefiltered, expected sh",

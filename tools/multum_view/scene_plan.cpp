@@ -83,8 +83,9 @@ class PlanView {
     set_list("point_light", light.points, parse_point_light);
     if (!view_.contains("environment")) return;
     set_file("environment", light.environment);
-    if (!light.environment_mode)
-      light.environment_mode = find_choice(kEnvironmentModes, view_.at("environment_mode").get<std::string>());
+    // Prefiltered light is the default, except for files of harmonics.
+    const auto mode = find_choice(kEnvironmentModes, view_.at("environment_mode").get<std::string>());
+    if (!light.environment_mode && mode == gl::EnvironmentMode::kHarmonics) light.environment_mode = mode;
   }
   void apply_material(MaterialOptions& material) const {
     const bool is_measured = view_.contains("measured");

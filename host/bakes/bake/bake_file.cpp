@@ -221,7 +221,7 @@ BakeReport bake_file(const BakeJob& asked, const BakeSource* given, Device& devi
   BakeJob job = with_region(asked, source);
   if (asked.keeps_mosaic && !asked.shard) {
     report.mosaic = std::make_shared<const MapMosaic>(mosaic_of(source.map.normals, nullptr, kSmallMosaic));
-    if (!job.starts) job.starts = std::make_shared<StartMemory>();
+    if (!job.starts) job.starts = std::make_shared<StartMemory>(false);
     report.starts = job.starts;
   }
   ndf_bake(job.representation).check_map(job, source.map.normals.width(), source.map.normals.height());

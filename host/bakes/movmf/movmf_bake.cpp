@@ -211,7 +211,7 @@ ChosenStart search_start(Device& device, const PlaneStore& normals, const MovmfS
   ChosenStart chosen{candidates.starts.front(), 0, {}};
   // Starts can be compared only on levels that grow from the coarsest level.
   if (settings.search_start && settings.aligned_start && candidates.starts.size() > 1)
-    chosen = try_candidates(device, proxy, whole, schedule, candidates.starts, memory != nullptr);
+    chosen = try_candidates(device, proxy, whole, schedule, candidates.starts, memory != nullptr && memory->is_timed());
   chosen.time = chosen.time + candidates.time;
   if (memory != nullptr) memory->remember(whole, chosen);
   return chosen;

@@ -23,12 +23,16 @@ struct StartCandidates {
 struct ChosenStart {
   std::vector<MultumVmfLobe> start;
   int tried = 0;  // number of candidates
-  RunTime time;   // time to find and try the candidates, with loaded kernels
+  RunTime time;   // time to find and try the candidates
 };
 
 /// Serves successive bakes of one map on one device.
 class StartMemory {
  public:
+  /// If `is_timed` is true, an additional trial loads the kernels, so that ChosenStart::time does not include this.
+  explicit StartMemory(bool is_timed = true) : is_timed_(is_timed) {}
+
+  bool is_timed() const { return is_timed_; }
   /// Returns null if no search has been made.
   const StartCandidates* candidates(int lobe_count, float kappa_max) const;
   const StartCandidates& remember(int lobe_count, float kappa_max, StartCandidates found);
@@ -46,6 +50,7 @@ class StartMemory {
     MovmfSettings settings;
     ChosenStart chosen;
   };
+  const bool is_timed_;
   std::vector<OfCandidates> candidates_;
   std::vector<OfChosen> chosen_;
 };

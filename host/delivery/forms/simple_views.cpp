@@ -111,7 +111,7 @@ Seen sphere_of(const Side& side, const MapSize& map, double radius, EvenNumbers&
   };
 }
 
-// Returns nullopt if the pixel is on an edge. If `is_flat` is true, samples lie on the plane through the middle.
+// Returns nullopt if the pixel is on an edge. If `is_flat` is true, the samples are interpolated from the middle.
 std::optional<ModelPixel> pixel_of(const Seen& seen, int samples_per_side, bool is_flat) {
   const auto middle = seen(0.0, 0.0), right = seen(0.5, 0.0), left = seen(-0.5, 0.0), below = seen(0.0, 0.5),
              above = seen(0.0, -0.5);

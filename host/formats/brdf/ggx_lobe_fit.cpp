@@ -24,8 +24,6 @@ constexpr double kWidthMin = 0.01;  // smallest s; below it, shapes do not depen
 constexpr double kSpreadMin = 1e-9, kSpreadMax = 1.0 - 1e-5;
 constexpr double kLeastPart = 1e-6;  // weights stop growing where the exact value is below this share of its maximum
 
-using Rule = QuadratureRule;
-
 double versine(double angle) {  // 1 - cos
   const double half = std::sin(0.5 * angle);
   return 2.0 * half * half;
@@ -54,7 +52,7 @@ GgxLobeShape shape_of(const Vector& values) {
 }
 
 Cell cell_of(std::size_t row, std::size_t column) {
-  static const Rule rule = gauss_legendre(6);
+  static const QuadratureRule rule = gauss_legendre(6);
   const double s = std::max(std::numbers::sqrt3 * static_cast<double>(row) / (kSide - 1), kWidthMin);
   const double part = static_cast<double>(column) / (kSide - 1);
   // alpha and d end at 1, but a filter also reads texels beyond this end.
@@ -128,7 +126,7 @@ GgxLobeShape fit_cell(const Cell& cell, const Vector& pulled_to, const std::vect
 
 // Integrates over rings about h. The integral of the vMF around a ring is the Bessel function I_0.
 double convolved_ggx_facets(double alpha, double kappa, double theta) {
-  static const Rule rule = gauss_legendre(10);
+  static const QuadratureRule rule = gauss_legendre(10);
   const double width = 1.0 / std::sqrt(kappa + 1.0);
   std::vector<double> edges = {0.0};
   add_geometric(0.05 * alpha, 0.5 * kPi, 10, edges);

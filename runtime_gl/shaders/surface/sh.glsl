@@ -149,9 +149,8 @@ const vec2 multum_sh_nodes[MULTUM_SH_ORDER + 1] = MULTUM_SH_NODES;  // z and wei
 
 // Computes the highlight by Han et al. 2007, section 8: the sum over l and m of a_l(f) g_lm L'_lm. The normals g are in
 // tangent space, and L' is in the environment's frame. Instead of rotating coefficients, their product is integrated
-// over the sphere. Nodes of Gauss and Legendre, with equal steps around the z axis, are exact for both orders. The
-// cosine and the other factors that depend on the normal are those of each node. The upper hemisphere contains all
-// normals, so only its nodes are used.
+// over the sphere. Nodes of Gauss and Legendre, with equal steps around the z axis, are exact for this product. The
+// cosine and the other factors that depend on the normal are those of each node.
 vec3 multum_sh_environment_specular(vec4 parts[MULTUM_SH_PARTS], vec3 v) {
   vec3 light[MULTUM_SH_COUNT + 1];
   for (int i = 0; i <= MULTUM_SH_COUNT; ++i) {
@@ -163,12 +162,11 @@ vec3 multum_sh_environment_specular(vec4 parts[MULTUM_SH_PARTS], vec3 v) {
   vec3 sum = vec3(0.0);
   for (int node = 0; node <= MULTUM_SH_ORDER; ++node) {
     float z = multum_sh_nodes[node].x, side = sqrt(1.0 - z * z);
-    if (z < -1e-6) continue;
     for (int turn = 0; turn < turns; ++turn) {
       float angle = 2.0 * MULTUM_PI * float(turn) / float(turns);
       vec3 d = vec3(side * cos(angle), side * sin(angle), z);
-      vec3 share = multum_reflection_quotient(d, 0.0, v);
-      if (share == vec3(0.0)) continue;
+      // Where d faces away from the viewer, the quotient can be very large, but only because it belongs to no light.
+      vec3 share = min(multum_reflection_quotient(d, 0.0, v), vec3(8.0));
       float bands[MULTUM_SH_ORDER + 1], density = 0.0;
       multum_sh_bands(parts, 1.0, d, bands);
       for (int l = 0; l <= MULTUM_SH_ORDER; ++l) density += bands[l];

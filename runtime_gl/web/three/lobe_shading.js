@@ -60,8 +60,8 @@ const FETCH = `
 uniform sampler2D u_ggx_lobe_table;
 vec4 multum_lobes[MULTUM_LOBE_COUNT];  // (a r, a) in view space
 vec4 multum_lobe;  // lobe of this evaluation, amplitude 1
-// If lobes begin on level 1, a pixel is then as wide as a third of a texel of the map.
-const float MULTUM_MAGNIFIED = -3.0;
+// The level of lobes at which a pixel is about a third of a texel of the map wide.
+const float MULTUM_MAGNIFIED = -2.0 - float(MULTUM_FIRST_LEVEL);
 bool multum_lobes_pay = false, multum_is_plain = false, multum_maps_are_read = false;
 vec4 multum_read_maps[MULTUM_MAP_COUNT];
 
