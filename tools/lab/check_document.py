@@ -321,8 +321,10 @@ Chromium from 2, 5 and 25 m, with its own materials. *Sun* is a directional ligh
 {given.sky.name} without another light. Models without a meaningful size are scaled so that half of their diagonal is
 1.2 m long. The pictures show the whole model with {MODEL_SIDE} x {MODEL_SIDE} pixels or fewer. The reference averages
 36 or 144 samples per pixel. *Plain* is the original model, *export* is the model after `multum gltf`, and *lobes* are
-drawn by @multum/three with 4 evaluations per pixel. The verdict is the mean of the materials that have a normal map.
-In pictures, parts without a normal map lower the relative error, and edges raise it.
+drawn by @multum/three with 4 evaluations per pixel. `multum check` shades
+pixels of the model's own triangles, but reads each pixel's normals at a random place of the map. The verdict is the
+mean of the materials that have a normal map. In pictures, parts without a normal map lower the relative error, and
+edges raise it.
 
 {PAIRS} The columns with per cent list plain / export / lobes at 5 m, as the mean of sun and sky. A picture from inside
 a model can be black, and is then left out.

@@ -46,7 +46,7 @@ std::vector<GainVerdict> check_model(const CheckJob& job, Device& device, Progre
   const GltfAsset asset = read_gltf_asset(job.input);
   const auto folder = WorkFolder::make(std::filesystem::temp_directory_path().string());
   std::vector<GainVerdict> made;
-  for (const ModelSurface& one : surfaces_of_model(asset, folder->path(), job.threads, progress)) {
+  for (const ModelSurface& one : surfaces_of_model(asset, folder->path(), kDistances, job.threads, progress)) {
     const std::string name = job.input + ": " + one.material;
     if (one.surface)
       made.push_back(

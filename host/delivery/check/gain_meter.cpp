@@ -18,6 +18,7 @@ namespace {
 
 constexpr double kObjectRadiusLeast = 4.0;  // pixels
 constexpr double kSphereRadius = 3000.0;    // pixels
+constexpr std::size_t kModelPixelsLeast = 24;
 // Samples per side of a pixel, and of a pixel that covers many texels.
 constexpr int kReferenceSamples = 8, kWideReferenceSamples = 16;
 constexpr double kWideTexels = 16.0;
@@ -109,12 +110,20 @@ class RoughnessMeter {
   HeldMaterial::Textures textures_;
 };
 
-// Returns pixels of a sphere from each distance.
+// Returns pixels of the model from each distance, or pixels of a sphere if the model has too few there.
 std::vector<ModelPicture> seen_pixels(const GainSurface& surface, const GainCase& settings, int threads) {
   std::vector<ModelPicture> made;
   for (const double distance : settings.distances) {
     const double pixel = kPixelAtOneMetre * distance, texels = pixel * surface.texels_per_metre;
     if (surface.radius < kObjectRadiusLeast * pixel) break;
+    std::vector<ModelPicture> pictures;
+    if (surface.model_pixels) pictures = surface.model_pixels(distance, settings.pixels_per_view);
+    std::size_t count = 0;
+    for (const ModelPicture& picture : pictures) count += picture.pixels.size();
+    if (count >= kModelPixelsLeast) {
+      for (ModelPicture& picture : pictures) made.push_back(std::move(picture));
+      continue;
+    }
     const ShapeViews views{{{texels, distance}},
                            {kSphere},
                            kSphereRadius * texels,

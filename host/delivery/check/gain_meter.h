@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Measures how much a normal map gains from multum. Fits the lobes and the export of a mosaic, which is a small part of
-// the map, and draws pixels of a sphere from several distances (host/delivery/forms/material_forms.h). The sphere is so
-// large in every picture that its own curvature within a pixel has no effect.
+// the map, and draws pixels of the model or of a sphere from several distances (host/delivery/forms/material_forms.h).
+// The sphere is so large in every picture that its own curvature within a pixel has no effect.
 #pragma once
 
+#include <cstddef>
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -25,6 +27,9 @@ struct GainSurface {
   double colour = 0.5;                                // base colour, grey
   double texels_per_metre = 1024.0;
   double radius = 0.5;  // of the object, in metres
+  // If set, returns pixels of the model from a distance in metres, with places on the mosaic. They are as many as asked
+  // for, or fewer. There are none from inside the model.
+  std::function<std::vector<ModelPicture>(double distance, std::size_t pixels)> model_pixels = {};
 };
 
 /// A roughness, and the distances from which it is seen.

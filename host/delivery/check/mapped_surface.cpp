@@ -7,8 +7,10 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <map>
+#include <memory>
 #include <utility>
 
+#include "host/delivery/forms/model_pictures.h"
 #include "host/delivery/gltf/material_plan.h"
 #include "host/delivery/gltf/source_fit.h"
 #include "host/delivery/gltf/source_forms.h"
@@ -95,14 +97,50 @@ void divide_by_length(GainSurface& surface) {
   surface.has_roughness = true;
 }
 
-double radius_of(const TriangleMesh& mesh) {
-  if (mesh.positions.empty()) return 0.0;
-  glm::dvec3 low(mesh.positions.front()), high(low);
-  for (const glm::vec3& position : mesh.positions) {
-    low = glm::min(low, glm::dvec3(position));
-    high = glm::max(high, glm::dvec3(position));
+// A model, drawn from the distances from which it is larger than a few pixels and the eye is outside.
+struct DrawnModel {
+  TriangleMesh mesh;
+  double radius;
+  ModelPictures pictures;
+
+  DrawnModel(TriangleMesh read, const std::vector<double>& distances, int threads, Progress* progress)
+      : mesh(std::move(read)),
+        radius(BoundingSphere::of(mesh).radius),
+        pictures(mesh, pictures_from(distances, radius), threads, progress) {}
+
+  static PictureSet pictures_from(const std::vector<double>& distances, double radius) {
+    constexpr double kNearest = 1.2;  // radii
+    constexpr int kSide = 160;
+    PictureSet set{{}, kPixelAtOneMetre, kSide};
+    for (const double distance : distances)
+      if (distance >= kNearest * radius) set.distances.push_back({distance, sides_from(distance, radius)});
+    return set;
   }
-  return 0.5 * glm::length(high - low);
+  // The model has fewer pixels from afar.
+  static int sides_from(double distance, double radius) {
+    const double pixels = radius / (kPixelAtOneMetre * distance);
+    return pixels > 60.0 ? 4 : pixels > 20.0 ? 8 : 16;
+  }
+
+  std::vector<ModelPicture> pixels(const PicturedSurface& surface, double distance, std::size_t count) const {
+    const int sides = sides_from(distance, radius);
+    return pictures.of(surface, count / size_of(sides), distance);
+  }
+};
+
+// Moves places of a map to a mosaic of it. Each pixel is put at a random place, and keeps its size in texels.
+void move_to_mosaic(std::vector<ModelPicture>& pictures, const glm::dvec2& map_size, const glm::dvec2& mosaic_size) {
+  if (map_size == mosaic_size) return;
+  const glm::dvec2 ratio = map_size / mosaic_size;
+  SplitMix64 random(kMosaic.seed);
+  for (ModelPicture& picture : pictures)
+    for (ModelPixel& pixel : picture.pixels) {
+      const glm::dvec2 before = pixel.middle.place;
+      pixel.middle.place = {random.uniform(), random.uniform()};
+      for (SurfacePoint& sample : pixel.samples) sample.place = pixel.middle.place + (sample.place - before) * ratio;
+      pixel.along_x.place *= ratio;
+      pixel.along_y.place *= ratio;
+    }
 }
 
 }  // namespace
@@ -116,13 +154,13 @@ GainSurface surface_of_mosaic(const MapMosaic& mosaic, double tile_metres) {
   return made;
 }
 
-std::vector<ModelSurface> surfaces_of_model(const GltfAsset& asset, const std::string& folder, int threads,
-                                            Progress* progress) {
+std::vector<ModelSurface> surfaces_of_model(const GltfAsset& asset, const std::string& folder,
+                                            const std::vector<double>& distances, int threads, Progress* progress) {
   const GltfPlan plan = plan_gltf(asset, false);
   SourceFitSettings settings;
   settings.folder = folder;
   settings.threads = threads;
-  std::map<std::uint64_t, TriangleMesh> meshes;  // by set of texture coordinates
+  std::map<std::uint64_t, std::shared_ptr<const DrawnModel>> models;  // by set of texture coordinates
   std::vector<ModelSurface> made;
   for (const MaterialPlan& material : plan.materials)
     if (!material.kept.empty() && material.is_bad) made.push_back({material.name, material.kept, std::nullopt});
@@ -137,9 +175,11 @@ std::vector<ModelSurface> surfaces_of_model(const GltfAsset& asset, const std::s
     one.kept = prepared.kept;
     if (!one.kept.empty()) continue;
     const std::uint64_t set = first.coordinates.set;
-    if (!meshes.contains(set)) meshes.emplace(set, read_mesh(asset.path, static_cast<int>(set)));
-    const TriangleMesh& mesh = meshes.at(set);
-    const MappedTriangles triangles(mesh, materials, first.coordinates);
+    std::shared_ptr<const DrawnModel>& model = models[set];
+    if (model == nullptr)
+      model = std::make_shared<const DrawnModel>(read_mesh(asset.path, static_cast<int>(set)), distances, threads,
+                                                 progress);
+    const MappedTriangles triangles(model->mesh, materials, first.coordinates);
     if (triangles.empty()) {
       one.kept = "no triangle shows it";
       continue;
@@ -158,7 +198,16 @@ std::vector<ModelSurface> surfaces_of_model(const GltfAsset& asset, const std::s
     one.surface->metalness = factors.metalness;
     one.surface->colour = factors.grey;
     one.surface->texels_per_metre = triangles.density(prepared.width, prepared.height);
-    one.surface->radius = radius_of(mesh);
+    one.surface->radius = model->radius;
+    const glm::dvec2 map_size(prepared.width, prepared.height),
+        mosaic_size(one.surface->normals.width(), one.surface->normals.height());
+    const PicturedSurface shown{
+        materials, [coordinates = first.coordinates](const glm::dvec2& uv) { return place_in_image(coordinates, uv); }};
+    one.surface->model_pixels = [model, shown, map_size, mosaic_size](double distance, std::size_t pixels) {
+      std::vector<ModelPicture> seen = model->pixels(shown, distance, pixels);
+      move_to_mosaic(seen, map_size, mosaic_size);
+      return seen;
+    };
     one.roughness = plan.sources[s].roughness_factor;
   }
   return made;

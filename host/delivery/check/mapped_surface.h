@@ -25,8 +25,8 @@ struct ModelSurface {
 };
 
 /// Returns the surfaces of a model, one per set of textures. Images are stored in `folder`. Blocks of the mosaic are
-/// taken where triangles are. Throws Error(kInput).
-std::vector<ModelSurface> surfaces_of_model(const GltfAsset& asset, const std::string& folder, int threads,
-                                            Progress* progress);
+/// taken where triangles are. The model is drawn from `distances`, in metres. Throws Error(kInput).
+std::vector<ModelSurface> surfaces_of_model(const GltfAsset& asset, const std::string& folder,
+                                            const std::vector<double>& distances, int threads, Progress* progress);
 
 }  // namespace multum

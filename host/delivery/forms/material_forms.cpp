@@ -98,7 +98,7 @@ void FormMeter::light(Measured& at, std::uint64_t seed) const {
   glm::dvec3 sum(0.0);
   double alpha = kAlphaLeast;
   for (std::size_t i = 0; i < kSampled; ++i) {
-    const SurfacePoint& sample = pixel.samples[(2 * i + 1) * pixel.samples.size() / (2 * kSampled)];
+    const SurfacePoint sample = pixel.sample((2 * i + 1) * pixel.sample_count() / (2 * kSampled));
     const glm::dvec4 texel = textures_.averages->linear(0, sample.place);
     normals.push_back(glm::normalize(turned_by(sample, 2.0 * glm::dvec3(texel) - 1.0)));
     sum += normals.back();
@@ -163,8 +163,9 @@ FormMeter::Looked FormMeter::look(const SurfacePoint& point, const ModelPixel& p
 FormMeter::Reference FormMeter::reference_of(const ModelPicture& picture, const ModelPixel& pixel,
                                              const LobeLevels* lobes, const FormScene& scene) const {
   std::array<FormLight, 2> halves{};
-  for (std::size_t i = 0; i < pixel.samples.size(); ++i) {
-    const SurfacePoint& sample = pixel.samples[i];
+  const std::size_t count = pixel.sample_count();
+  for (std::size_t i = 0; i < count; ++i) {
+    const SurfacePoint sample = pixel.sample(i);
     const glm::dvec4 texel = textures_.averages->linear(0, sample.place);
     const glm::dvec3 normal = glm::normalize(2.0 * glm::dvec3(texel) - 1.0), turned = turned_by(sample, normal);
     FormSurface surface{texel.w, textures_.metallic_factor,
@@ -175,7 +176,7 @@ FormMeter::Reference FormMeter::reference_of(const ModelPicture& picture, const 
         shaded_normal(glm::normalize(turned), surface, glm::normalize(picture.eye - sample.position), scene);
     for (std::size_t l = 0; l < kFormLights; ++l) halves[i % 2][l] += light[l];
   }
-  const double share = 1.0 / static_cast<double>(pixel.samples.size());
+  const double share = 1.0 / static_cast<double>(count);
   Reference made{};
   for (std::size_t l = 0; l < kFormLights; ++l) {
     made.light[l] = share * (halves[0][l] + halves[1][l]);

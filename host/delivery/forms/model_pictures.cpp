@@ -24,13 +24,8 @@ const double kPlaneHalf = std::tan(22.5 * std::numbers::pi / 180.0);
 // Pixels are edges if, at their middle, the cosine between surface and view is below this value.
 constexpr double kFacingMin = 0.02;
 
-// A distance in radii of the model's bounding sphere, and the number of views at this distance. Each distant view has
-// only a few pixels.
-struct PicturedDistance {
-  double radii;
-  int side_count;
-};
-constexpr PicturedDistance kPicturedDistances[] = {{1.3, 2}, {2.5, 2}, {5.0, 3}, {10.0, 4}, {20.0, 8}, {40.0, 16}};
+// Distances in radii of the model's bounding sphere. Each distant view has only a few pixels.
+constexpr PicturedDistance kPicturedRadii[] = {{1.3, 2}, {2.5, 2}, {5.0, 3}, {10.0, 4}, {20.0, 8}, {40.0, 16}};
 
 glm::dvec3 direction_of_side(int side) {
   if (side == 0) return glm::normalize(glm::dvec3(0.3, 0.1, 1.0));
@@ -40,46 +35,47 @@ glm::dvec3 direction_of_side(int side) {
 
 }  // namespace
 
-SurfacePoint SurfacePoint::operator+(const SurfacePoint& other) const {
-  return {position + other.position, normal + other.normal, tangent + other.tangent, bitangent + other.bitangent,
-          place + other.place};
+glm::dvec2 ModelPixel::grid_place(int i, int side) {
+  const auto along = [&](int index) { return (index + 0.5) / side - 0.5; };
+  return {along(i % side), along(i / side)};
 }
-SurfacePoint SurfacePoint::operator-(const SurfacePoint& other) const { return *this + other * -1.0; }
-SurfacePoint SurfacePoint::operator*(double factor) const {
-  return {factor * position, factor * normal, factor * tangent, factor * bitangent, factor * place};
+std::size_t ModelPixel::sample_count() const { return flat_side > 0 ? size_of(flat_side * flat_side) : samples.size(); }
+SurfacePoint ModelPixel::sample(std::size_t i) const {
+  if (flat_side == 0) return samples[i];
+  const glm::dvec2 at = grid_place(static_cast<int>(i), flat_side);
+  return middle + along_x * at.x + along_y * at.y;
 }
 
 struct ModelPictures::View {
   double distance = 0.0;
   glm::dvec3 eye{0.0}, right{1.0, 0.0, 0.0}, up{0.0, 1.0, 0.0}, forward{0.0, 0.0, -1.0};
-  int left = 0, top = 0, width = 0, height = 0;  // pixels of the picture that the model may cover
+  double pixel = 1.0;                            // width of a pixel at distance 1
+  int left = 0, top = 0, width = 0, height = 0;  // pixels of the picture, relative to its middle
   std::vector<std::uint32_t> triangles;          // triangle at each sample of these pixels
 
   std::size_t sample_at(int x, int y) const { return size_of(y) * size_of(width * kSamplesPerSide) + size_of(x); }
 
-  // Returns the direction of the ray through a place of the picture. The place is given in pixels.
-  glm::dvec3 ray(double x, double y) const {
-    const double scale = 2.0 * kPlaneHalf / kPictureSide, half = 0.5 * kPictureSide;
-    return forward + (x - half) * scale * right - (y - half) * scale * up;
-  }
-  // Projects a position. Returns its place in the picture, in pixels, and its depth.
+  // Returns the direction of the ray through a place of the picture. The place is given in pixels from the middle.
+  glm::dvec3 ray(double x, double y) const { return forward + x * pixel * right - y * pixel * up; }
+  // Projects a position. Returns its place in the picture, in pixels from the middle, and its depth.
   glm::dvec3 projected(const glm::dvec3& position) const {
     const glm::dvec3 seen = position - eye;
-    const double depth = glm::dot(seen, forward), scale = 0.5 * kPictureSide / (kPlaneHalf * depth);
-    return {0.5 * kPictureSide + scale * glm::dot(seen, right), 0.5 * kPictureSide - scale * glm::dot(seen, up), depth};
+    const double depth = glm::dot(seen, forward), scale = 1.0 / (pixel * depth);
+    return {scale * glm::dot(seen, right), -scale * glm::dot(seen, up), depth};
   }
 
-  void look(const glm::dvec3& middle, const glm::dvec3& direction, double far, double radius) {
+  void look(const glm::dvec3& middle, const glm::dvec3& direction, double far, double radius, const PictureSet& set) {
     distance = far;
+    pixel = set.pixel;
     eye = middle + far * direction;
     forward = -direction;
     right = glm::normalize(glm::cross(forward, glm::dvec3(0.0, 1.0, 0.0)));
     up = glm::cross(right, forward);
     // Uses the tangent cone of the sphere.
-    const double reach = radius / std::sqrt(std::max(1e-9, far * far - radius * radius)) / kPlaneHalf;
-    const double half = 0.5 * kPictureSide, side = std::min(half, std::ceil(half * reach) + 1.0);
-    left = top = static_cast<int>(half - side);
-    width = height = static_cast<int>(2.0 * side);
+    const double reach = radius / std::sqrt(std::max(1e-9 * radius * radius, far * far - radius * radius)) / pixel;
+    const double side = std::min(0.5 * set.side, std::ceil(reach) + 1.0);
+    left = top = -static_cast<int>(side);
+    width = height = 2 * static_cast<int>(side);
   }
 
   void draw(const TriangleMesh& mesh);
@@ -185,11 +181,13 @@ class PictureTriangle {
 
 }  // namespace
 
-ModelPictures::ModelPictures(const TriangleMesh& mesh, int threads, Progress* progress) : mesh_(mesh) {
-  material_of_.assign(mesh.indices.size() / 3, 0);
-  for (const MeshPart& part : mesh.parts)
-    std::fill_n(material_of_.begin() + part.first_index / 3, part.index_count / 3,
-                static_cast<std::uint32_t>(part.material_index));
+PictureSet PictureSet::of_all_sizes(double radius) {
+  PictureSet made{{}, 2.0 * kPlaneHalf / kPictureSide, kPictureSide};
+  for (const PicturedDistance& far : kPicturedRadii) made.distances.push_back({far.distance * radius, far.side_count});
+  return made;
+}
+
+BoundingSphere BoundingSphere::of(const TriangleMesh& mesh) {
   glm::dvec3 low(std::numeric_limits<double>::infinity()), high(-low);
   for (const glm::vec3& position : mesh.positions) {
     low = glm::min(low, glm::dvec3(position));
@@ -199,10 +197,20 @@ ModelPictures::ModelPictures(const TriangleMesh& mesh, int threads, Progress* pr
   double radius = 0.0;
   for (const glm::vec3& position : mesh.positions)
     radius = std::max(radius, glm::length(glm::dvec3(position) - middle));
-  if (!(radius > 0.0) || !std::isfinite(radius)) return;
-  for (const PicturedDistance& far : kPicturedDistances)
+  return {middle, radius > 0.0 && std::isfinite(radius) ? radius : 0.0};
+}
+
+ModelPictures::ModelPictures(const TriangleMesh& mesh, const PictureSet& set, int threads, Progress* progress)
+    : mesh_(mesh) {
+  material_of_.assign(mesh.indices.size() / 3, 0);
+  for (const MeshPart& part : mesh.parts)
+    std::fill_n(material_of_.begin() + part.first_index / 3, part.index_count / 3,
+                static_cast<std::uint32_t>(part.material_index));
+  const auto [middle, radius] = BoundingSphere::of(mesh);
+  if (radius == 0.0) return;
+  for (const PicturedDistance& far : set.distances)
     for (int side = 0; side < far.side_count; ++side)
-      views_.emplace_back().look(middle, direction_of_side(side), far.radii * radius, radius);
+      views_.emplace_back().look(middle, direction_of_side(side), far.distance, radius, set);
   for_each_row_band(static_cast<int>(views_.size()), 1, threads, progress,
                     [&](int view, int, int) { views_[size_of(view)].draw(mesh_); });
 }
@@ -211,58 +219,71 @@ ModelPictures::~ModelPictures() = default;
 
 std::vector<ModelPicture> ModelPictures::of(const PicturedSurface& surface, std::size_t pixel_max) const {
   std::vector<ModelPicture> made;
-  for (const View& view : views_) {
-    const auto is_ours = [&](std::uint32_t triangle) {
-      return triangle != kNothing && std::find(surface.materials.begin(), surface.materials.end(),
-                                               static_cast<int>(material_of_[triangle])) != surface.materials.end();
-    };
-    constexpr int kSampleCount = kSamplesPerSide * kSamplesPerSide, kMiddle = kSamplesPerSide / 2;
-    std::vector<glm::ivec2> covered;
-    for (int y = 0; y < view.height; ++y)
-      for (int x = 0; x < view.width; ++x) {
-        int count = 0;
-        for (int s = 0; s < kSampleCount; ++s)
-          count += is_ours(view.triangles[view.sample_at(x * kSamplesPerSide + s % kSamplesPerSide,
-                                                         y * kSamplesPerSide + s / kSamplesPerSide)])
-                       ? 1
-                       : 0;
-        const std::uint32_t at_middle =
-            view.triangles[view.sample_at(x * kSamplesPerSide + kMiddle, y * kSamplesPerSide + kMiddle)];
-        if (2 * count >= kSampleCount && is_ours(at_middle)) covered.emplace_back(x, y);
-      }
-    if (covered.empty()) continue;
-    ModelPicture& picture = made.emplace_back();
-    picture.distance = view.distance;
-    picture.eye = view.eye;
-    picture.to_view = glm::transpose(glm::dmat3(view.right, view.up, -view.forward));
-    const std::size_t count = std::min(pixel_max, covered.size());
-    for (std::size_t i = 0; i < count; ++i) {
-      const glm::ivec2 pixel = covered[(2 * i + 1) * covered.size() / (2 * count)];
-      const double x = view.left + pixel.x + 0.5, y = view.top + pixel.y + 0.5;
-      const auto triangle_at = [&](int column, int row) {
-        return view.triangles[view.sample_at(pixel.x * kSamplesPerSide + column, pixel.y * kSamplesPerSide + row)];
-      };
-      const PictureTriangle middle(mesh_, triangle_at(kMiddle, kMiddle), surface);
-      const auto point = middle.at(view.eye, view.ray(x, y)), right = middle.at(view.eye, view.ray(x + 0.5, y)),
-                 left = middle.at(view.eye, view.ray(x - 0.5, y)), below = middle.at(view.eye, view.ray(x, y + 0.5)),
-                 above = middle.at(view.eye, view.ray(x, y - 0.5));
-      if (!point || !right || !left || !below || !above) continue;
-      if (glm::dot(point->normal, glm::normalize(view.eye - point->position)) < kFacingMin) continue;
-      ModelPixel& pixel_made = picture.pixels.emplace_back(ModelPixel{*point, *right - *left, *below - *above, {}});
-      pixel_made.samples.reserve(kSampleCount);
-      for (int s = 0; s < kSampleCount; ++s) {
-        const int column = s % kSamplesPerSide, row = s / kSamplesPerSide;
-        const std::uint32_t triangle = triangle_at(column, row);
-        if (!is_ours(triangle)) continue;
-        const auto sample = PictureTriangle(mesh_, triangle, surface)
-                                .at(view.eye, view.ray(x - 0.5 + (column + 0.5) / kSamplesPerSide,
-                                                       y - 0.5 + (row + 0.5) / kSamplesPerSide));
-        if (sample) pixel_made.samples.push_back(*sample);
-      }
-      if (pixel_made.samples.empty()) picture.pixels.pop_back();
-    }
-  }
+  for (const View& view : views_)
+    if (std::optional<ModelPicture> picture = picture_of(view, surface, pixel_max)) made.push_back(std::move(*picture));
   return made;
+}
+
+std::vector<ModelPicture> ModelPictures::of(const PicturedSurface& surface, std::size_t pixel_max,
+                                            double distance) const {
+  std::vector<ModelPicture> made;
+  for (const View& view : views_)
+    if (view.distance == distance)
+      if (std::optional<ModelPicture> picture = picture_of(view, surface, pixel_max))
+        made.push_back(std::move(*picture));
+  return made;
+}
+
+std::optional<ModelPicture> ModelPictures::picture_of(const View& view, const PicturedSurface& surface,
+                                                      std::size_t pixel_max) const {
+  const auto is_ours = [&](std::uint32_t triangle) {
+    return triangle != kNothing && std::find(surface.materials.begin(), surface.materials.end(),
+                                             static_cast<int>(material_of_[triangle])) != surface.materials.end();
+  };
+  constexpr int kSampleCount = kSamplesPerSide * kSamplesPerSide, kMiddle = kSamplesPerSide / 2;
+  std::vector<glm::ivec2> covered;
+  for (int y = 0; y < view.height; ++y)
+    for (int x = 0; x < view.width; ++x) {
+      int count = 0;
+      for (int s = 0; s < kSampleCount; ++s)
+        count += is_ours(view.triangles[view.sample_at(x * kSamplesPerSide + s % kSamplesPerSide,
+                                                       y * kSamplesPerSide + s / kSamplesPerSide)])
+                     ? 1
+                     : 0;
+      const std::uint32_t at_middle =
+          view.triangles[view.sample_at(x * kSamplesPerSide + kMiddle, y * kSamplesPerSide + kMiddle)];
+      if (2 * count >= kSampleCount && is_ours(at_middle)) covered.emplace_back(x, y);
+    }
+  if (covered.empty()) return std::nullopt;
+  ModelPicture picture;
+  picture.distance = view.distance;
+  picture.eye = view.eye;
+  picture.to_view = glm::transpose(glm::dmat3(view.right, view.up, -view.forward));
+  const std::size_t count = std::min(pixel_max, covered.size());
+  for (std::size_t i = 0; i < count; ++i) {
+    const glm::ivec2 pixel = covered[(2 * i + 1) * covered.size() / (2 * count)];
+    const double x = view.left + pixel.x + 0.5, y = view.top + pixel.y + 0.5;
+    const auto triangle_at = [&](int column, int row) {
+      return view.triangles[view.sample_at(pixel.x * kSamplesPerSide + column, pixel.y * kSamplesPerSide + row)];
+    };
+    const PictureTriangle middle(mesh_, triangle_at(kMiddle, kMiddle), surface);
+    const auto point = middle.at(view.eye, view.ray(x, y)), right = middle.at(view.eye, view.ray(x + 0.5, y)),
+               left = middle.at(view.eye, view.ray(x - 0.5, y)), below = middle.at(view.eye, view.ray(x, y + 0.5)),
+               above = middle.at(view.eye, view.ray(x, y - 0.5));
+    if (!point || !right || !left || !below || !above) continue;
+    if (glm::dot(point->normal, glm::normalize(view.eye - point->position)) < kFacingMin) continue;
+    ModelPixel& pixel_made = picture.pixels.emplace_back(ModelPixel{*point, *right - *left, *below - *above, {}, 0});
+    pixel_made.samples.reserve(kSampleCount);
+    for (int s = 0; s < kSampleCount; ++s) {
+      const std::uint32_t triangle = triangle_at(s % kSamplesPerSide, s / kSamplesPerSide);
+      if (!is_ours(triangle)) continue;
+      const glm::dvec2 at = ModelPixel::grid_place(s, kSamplesPerSide);
+      const auto sample = PictureTriangle(mesh_, triangle, surface).at(view.eye, view.ray(x + at.x, y + at.y));
+      if (sample) pixel_made.samples.push_back(*sample);
+    }
+    if (pixel_made.samples.empty()) picture.pixels.pop_back();
+  }
+  return picture;
 }
 
 TriangleMesh textured_sphere() {

@@ -116,12 +116,12 @@ std::optional<ModelPixel> pixel_of(const Seen& seen, int samples_per_side, bool 
   const auto middle = seen(0.0, 0.0), right = seen(0.5, 0.0), left = seen(-0.5, 0.0), below = seen(0.0, 0.5),
              above = seen(0.0, -0.5);
   if (!middle || !right || !left || !below || !above) return std::nullopt;
-  ModelPixel made{*middle, *right - *left, *below - *above, {}};
+  ModelPixel made{*middle, *right - *left, *below - *above, {}, is_flat ? samples_per_side : 0};
+  if (is_flat) return made;
   made.samples.reserve(size_of(samples_per_side * samples_per_side));
-  const auto place = [&](int index) { return (index + 0.5) / samples_per_side - 0.5; };
   for (int s = 0; s < samples_per_side * samples_per_side; ++s) {
-    const double x = place(s % samples_per_side), y = place(s / samples_per_side);
-    const auto sample = is_flat ? made.middle + made.along_x * x + made.along_y * y : seen(x, y);
+    const glm::dvec2 at = ModelPixel::grid_place(s, samples_per_side);
+    const auto sample = seen(at.x, at.y);
     if (!sample) return std::nullopt;
     made.samples.push_back(*sample);
   }

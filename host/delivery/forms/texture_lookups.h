@@ -30,8 +30,8 @@ glm::dvec4 linear_lookup(const TextureFrame& frame, int level, const glm::dvec2&
   const int width = mip_level_size(frame.width, level), height = mip_level_size(frame.height, level);
   const double x = place.x * width - 0.5, y = place.y * height - 0.5;
   const int x0 = static_cast<int>(std::floor(x)), y0 = static_cast<int>(std::floor(y));
-  const int left = wrapped_texel(x0, width, frame.wrap_s), right = wrapped_texel(x0 + 1, width, frame.wrap_s);
-  const int above = wrapped_texel(y0, height, frame.wrap_t), below = wrapped_texel(y0 + 1, height, frame.wrap_t);
+  const auto [left, right] = TexelPair::at(x0, width, frame.wrap_s);
+  const auto [above, below] = TexelPair::at(y0, height, frame.wrap_t);
   const double u = x - x0, v = y - y0;
   return (1.0 - v) * ((1.0 - u) * texel(left, above) + u * texel(right, above)) +
          v * ((1.0 - u) * texel(left, below) + u * texel(right, below));

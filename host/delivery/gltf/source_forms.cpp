@@ -70,7 +70,8 @@ const SourceForms::Drawn& SourceForms::drawn(std::uint64_t uv_set) {
     made->mesh = textured_sphere();
     made->is_sphere = true;
   }
-  made->pictures.emplace(made->mesh, settings_.threads, progress_);
+  made->pictures.emplace(made->mesh, PictureSet::of_all_sizes(BoundingSphere::of(made->mesh).radius), settings_.threads,
+                         progress_);
   return *made;
 }
 

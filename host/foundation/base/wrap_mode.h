@@ -34,8 +34,21 @@ inline std::optional<WrapMode> parse_wrap_mode(std::string_view name) {
 inline int wrapped_texel(int i, int size, WrapMode mode) {
   if (mode == WrapMode::kClamp || mode == WrapMode::kBlack) return std::clamp(i, 0, size - 1);
   const int period = mode == WrapMode::kPeriodic ? size : 2 * size;
-  i = (i % period + period) % period;
+  i %= period;
+  if (i < 0) i += period;
   return i < size ? i : period - 1 - i;
 }
+
+/// The texels of a row or column at places `i` and `i` + 1.
+struct TexelPair {
+  int first, second;
+
+  static TexelPair at(int i, int size, WrapMode mode) {
+    const int first = wrapped_texel(i, size, mode);
+    // One division is enough for the most frequent mode.
+    if (mode == WrapMode::kPeriodic) return {first, first + 1 < size ? first + 1 : 0};
+    return {first, wrapped_texel(i + 1, size, mode)};
+  }
+};
 
 }  // namespace multum

@@ -61,7 +61,7 @@ class MaterialFormsTest : public Test {
   }
   static std::vector<ModelPicture> pictures() {
     static const TriangleMesh mesh = textured_sphere();
-    static const ModelPictures drawn(mesh, 2, nullptr);
+    static const ModelPictures drawn(mesh, PictureSet::of_all_sizes(1.0), 2, nullptr);
     return drawn.of({{0}, [](const glm::dvec2& uv) { return glm::dvec2(uv.x, 1.0 - uv.y); }}, 60);
   }
   // Calls `body` with a meter of the current material.

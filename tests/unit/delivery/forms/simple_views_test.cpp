@@ -33,9 +33,9 @@ TEST(SimpleViewsTest, PixelsAreAsLargeAsTheySay) {
     const double latitude = picture.shape == "sphere" ? std::asin(pixel.middle.normal.y) : 0.0;
     EXPECT_NEAR(std::abs(x.x * y.y - x.y * y.x) * facing * std::cos(latitude), area,
                 (picture.shape == "sphere" ? 0.3 : 1e-6) * area);
-    EXPECT_EQ(pixel.samples.size(), 64u);
+    ASSERT_EQ(pixel.sample_count(), 64u);
     glm::dvec2 mean(0.0);
-    for (const SurfacePoint& sample : pixel.samples) mean += sample.place / 64.0;
+    for (std::size_t i = 0; i < pixel.sample_count(); ++i) mean += pixel.sample(i).place / 64.0;
     EXPECT_LT(glm::length((mean - pixel.middle.place) * size), 0.2 * (glm::length(x) + glm::length(y)));
     EXPECT_NEAR(glm::length(pixel.middle.tangent), 1.0, 1e-9);
     EXPECT_NEAR(glm::dot(pixel.middle.normal, glm::cross(pixel.middle.tangent, pixel.middle.bitangent)), 1.0, 1e-9);
@@ -56,12 +56,16 @@ TEST(SimpleViewsTest, SamplesOfLargeSpheresAreOnTheSphere) {
   constexpr double kPixel = 8.0;                                 // texels
   for (const double radius : {900.0 * kPixel, 3000.0 * kPixel})  // one is curved within a pixel, one is flat
     for (const ModelPicture& picture :
-         shape_views(kWidth, kHeight, {{{kPixel, kPixel}}, {kSphere}, radius, 0.0, 50, 8}))
-      for (const SurfacePoint& sample : picture.pixels.at(0).samples) {
+         shape_views(kWidth, kHeight, {{{kPixel, kPixel}}, {kSphere}, radius, 0.0, 50, 8})) {
+      const ModelPixel& pixel = picture.pixels.at(0);
+      ASSERT_EQ(pixel.sample_count(), 64u);
+      for (std::size_t i = 0; i < pixel.sample_count(); ++i) {
+        const SurfacePoint sample = pixel.sample(i);
         EXPECT_NEAR(glm::length(sample.position), radius, 0.001 * kPixel);
         EXPECT_LT(glm::length(sample.normal - sample.position / radius), 1e-5);
         EXPECT_NEAR(glm::length(sample.tangent), 1.0, 1e-5);
       }
+    }
 }
 
 TEST(SimpleViewsTest, ATinyMapHasNone) { EXPECT_TRUE(simple_views(8, 8, 20).empty()); }
