@@ -37,11 +37,15 @@ struct Input {
 };
 Input split(const std::uint8_t* data, std::size_t size, unsigned count);
 
+/// The number of calls of may_refuse() in which `body` refused its input.
+inline std::uint64_t refused_count = 0;
+
 template <typename Body>
 void may_refuse(const Body& body) {
   try {
     body();
   } catch (const Error&) {  // the only accepted kind of exception
+    ++refused_count;
   }
 }
 

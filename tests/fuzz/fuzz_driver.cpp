@@ -75,15 +75,20 @@ int drive(const std::string& findings, double seconds, std::uint64_t seed) {
       inputs.push_back(file_bytes(entry.path().string()));
   std::sort(inputs.begin() + static_cast<std::ptrdiff_t>(seed_count), inputs.end());
   try_input("");
-  for (const std::string& input : inputs) try_input(input);
+  std::size_t refused_seeds = 0;
+  for (std::size_t i = 0; i < inputs.size(); ++i) {
+    const std::uint64_t before = refused_count;
+    try_input(inputs[i]);
+    if (i < seed_count && refused_count > before) ++refused_seeds;
+  }
   using Clock = std::chrono::steady_clock;
   const Clock::time_point start = Clock::now();
   Mutator mutator(seed);
   std::uint64_t count = 0;
   for (; std::chrono::duration<double>(Clock::now() - start).count() < seconds; ++count)
     try_input(mutator.mutate(inputs[mutator.below(inputs.size())]));
-  std::printf("%zu seeds, %zu earlier findings, %llu mutations with seed %llu: no crash\n", seed_count,
-              inputs.size() - seed_count, static_cast<unsigned long long>(count),
+  std::printf("%zu seeds (%zu of them refused), %zu earlier findings, %llu mutations with seed %llu: no crash\n",
+              seed_count, refused_seeds, inputs.size() - seed_count, static_cast<unsigned long long>(count),
               static_cast<unsigned long long>(seed));
   return inputs.empty() ? 1 : 0;
 }

@@ -7,7 +7,7 @@
 #include <random>
 
 #include "host/bakes/accuracy/accuracy.h"
-#include "host/bakes/accuracy/accuracy_model.h"
+#include "host/bakes/accuracy/models/accuracy_model.h"
 #include "host/bakes/pyramid/mip_coverage.h"
 #include "host/foundation/base/error.h"
 #include "tests/fixtures/test_device.h"

@@ -4,7 +4,7 @@
 // The pixel error is stored in the file and used to choose settings (host/bakes/accuracy/footprint_error.h). Its
 // reference is the BRDF times n . l of every finest normal, averaged over the pixel's footprint in double precision.
 // Its model takes the texels as rounded for storage, reads them with the runtime's filter
-// (host/formats/asset/tap_filter.h), and shades them with the runtime's formula (accuracy_model.h).
+// (host/formats/asset/tap_filter.h), and shades them with the runtime's formula (models/accuracy_model.h).
 // The error is relative L1, sum |model - reference| / sum reference, over footprints and a fixed set of lights and
 // views.
 //
@@ -24,14 +24,14 @@
 #include <glm/vec3.hpp>
 
 #include "host/bakes/accuracy/accuracy_brdf.h"
-#include "host/bakes/accuracy/accuracy_model.h"
 #include "host/bakes/accuracy/accuracy_points.h"
 #include "host/bakes/accuracy/footprint_averages.h"
 #include "host/bakes/accuracy/footprint_error.h"
 #include "host/bakes/accuracy/highlight.h"
-#include "host/bakes/accuracy/moment_model.h"
-#include "host/bakes/accuracy/movmf_model.h"
-#include "host/bakes/accuracy/sh_model.h"
+#include "host/bakes/accuracy/models/accuracy_model.h"
+#include "host/bakes/accuracy/models/moment_model.h"
+#include "host/bakes/accuracy/models/movmf_model.h"
+#include "host/bakes/accuracy/models/sh_model.h"
 #include "host/formats/asset/lobes/movmf_mipmap.h"
 #include "host/formats/image/normals/normal_map.h"
 #include "host/formats/image/plane_store.h"

@@ -6,7 +6,7 @@
 #include <memory>
 #include <optional>
 
-#include "host/bakes/accuracy/movmf_model.h"
+#include "host/bakes/accuracy/models/movmf_model.h"
 #include "host/bakes/bake/bake_output.h"
 #include "host/bakes/bake/file_bake_steps.h"
 #include "host/bakes/bake/output_state.h"

@@ -10,7 +10,7 @@
 #include <span>
 
 #include "host/bakes/accuracy/accuracy.h"
-#include "host/bakes/accuracy/movmf_model.h"
+#include "host/bakes/accuracy/models/movmf_model.h"
 #include "host/bakes/movmf/mip_schedule.h"
 #include "host/bakes/movmf/movmf_average.h"
 #include "host/bakes/movmf/movmf_fit.h"

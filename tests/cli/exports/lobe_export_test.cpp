@@ -11,6 +11,7 @@
 #include "host/formats/asset/lobes/movmf_mipmap.h"
 #include "host/formats/asset/textures/lobe_texture.h"
 #include "tests/cli/program.h"
+#include "tests/fixtures/lobe_texture_file.h"
 
 namespace multum::testing {
 namespace {
@@ -174,6 +175,17 @@ TEST_F(LobeExportTest, RefusesDamagedFiles) {
     bytes.replace(bytes.find(from), std::string(from).size(), to);
     expect_damaged(bytes, "bad.ktx2");
   }
+}
+
+// The reader once allocated 17 GB for such a file.
+TEST_F(LobeExportTest, AShortFileCannotAskForMuchMemory) {
+  LobeTextureHeader header;
+  header.map.width = header.map.height = 32768;
+  header.map.first_level = 1;
+  header.lobes.resize(8);
+  const std::string bytes = lobe_texture_file(header, true, 1000);
+  ASSERT_LT(bytes.size(), 8192u);
+  expect_damaged(bytes, "compressed bytes of level 0, expected 17179869184 bytes");
 }
 
 }  // namespace

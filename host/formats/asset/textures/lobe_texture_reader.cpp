@@ -23,6 +23,8 @@ constexpr std::string_view kIdentifier("\xabKTX 20\xbb\r\n\x1a\n", 12);
 constexpr int kSideMax = 32768;
 constexpr std::int64_t kKeysMax = std::int64_t{16} << 20, kIndexAt = 80, kIndexEntry = 24;
 constexpr std::int64_t kZstandard = 2;
+// A block of Zstandard has at least 4 bytes, and holds at most 128 KiB (RFC 8878, section 3.1.1.2).
+constexpr std::uint64_t kZstandardBlockLeast = 4, kZstandardBlockMost = std::uint64_t{128} << 10;
 
 [[noreturn]] void refuse_texture(const std::string& path, const std::string& found, const std::string& expected) {
   refuse_file(path, fmt::format("found {}, expected {}", found, expected));
@@ -166,6 +168,9 @@ std::vector<std::uint8_t> read_texture_level(ByteFile& file, const LobeTextureHe
     refuse_texture(path, fmt::format("level {} beyond the end of the file", level), "a complete level");
   const std::string stored = file.bytes(begin, size, "a level");
   if (!is_compressed) return {stored.begin(), stored.end()};
+  // Checked before memory is allocated, because a short file can state any size.
+  if (bytes / kZstandardBlockMost > stored.size() / kZstandardBlockLeast)
+    refuse_texture(path, fmt::format("{} compressed bytes of level {}", size, level), fmt::format("{} bytes", bytes));
   std::vector<std::uint8_t> texels(bytes);
   const std::size_t result = ZSTD_decompress(texels.data(), texels.size(), stored.data(), stored.size());
   if (ZSTD_isError(result) != 0 || result != bytes)

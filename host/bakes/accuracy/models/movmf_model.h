@@ -11,7 +11,7 @@
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
 
-#include "host/bakes/accuracy/accuracy_model.h"
+#include "host/bakes/accuracy/models/accuracy_model.h"
 #include "host/formats/asset/lobes/movmf_mipmap.h"
 
 namespace multum {

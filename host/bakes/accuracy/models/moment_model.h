@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "host/bakes/accuracy/accuracy_model.h"
+#include "host/bakes/accuracy/models/accuracy_model.h"
 #include "host/formats/asset/averages/moment_mipmap.h"
 #include "kernels/shared/moments.h"
 

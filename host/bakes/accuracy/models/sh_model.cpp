@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/bakes/accuracy/sh_model.h"
+#include "host/bakes/accuracy/models/sh_model.h"
 
 #include <algorithm>
 #include <array>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/bakes/accuracy/accuracy_model.h"
+#include "host/bakes/accuracy/models/accuracy_model.h"
 
 namespace multum {
 namespace {

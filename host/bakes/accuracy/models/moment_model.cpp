@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/bakes/accuracy/moment_model.h"
+#include "host/bakes/accuracy/models/moment_model.h"
 
 #include <array>
 
