@@ -12,6 +12,7 @@ The model does not predict the speed of a machine, so --check compares each part
 import argparse
 import json
 import os
+import statistics
 import subprocess
 import sys
 import tempfile
@@ -39,15 +40,15 @@ class Shares:
         words = [self.multum, "bake", *self.words(options), "-o", self.path + ".ndf.exr", "--force"]
         return succeed(words).processor_seconds
 
-    def measured(self, count, options):
-        """Measures four processes: the bake in one process, share 0, the band with the most rows around it, and the
-        merge. Each time is the lowest of several rounds, because other work only adds time."""
+    def rounds(self, count, options):
+        """Measures four processes in each round: the bake in one process, share 0, the band with the most rows around
+        it, and the merge."""
         rounds = []
         for _ in range(self.repeat):
             whole = self.seconds(*options)
             times = [self.seconds(*options, "--shard", f"{i}/{count}") for i in range(count + 1)]
             rounds.append([whole, times[0], max(times[1:]), self.seconds(*options, "--merge", str(count))])
-        return [min(times) for times in zip(*rounds)]
+        return rounds
 
     def predicted(self, count, options):
         plan = json.loads(subprocess.run(
@@ -63,13 +64,14 @@ def check(shares, counts):
     """Tests whether all parts are within the bound."""
     is_within = True
     for count in counts:
-        measured, predicted = shares.measured(count, SETTINGS[0]), shares.predicted(count, SETTINGS[0])
-        speed = predicted[0] / measured[0]
-        for part, m, p in zip(PARTS, measured, predicted):
-            ratio = p / m / speed
+        rounds, predicted = shares.rounds(count, SETTINGS[0]), shares.predicted(count, SETTINGS[0])
+        for part, name in enumerate(PARTS):
+            # Each ratio is of two runs of one round, which other work slows alike.
+            ratio = statistics.median(predicted[part] / times[part] * times[0] / predicted[0] for times in rounds)
             is_within = is_within and 1.0 - ALLOWED <= ratio <= 1.0 + ALLOWED
-            print(f"{shares.size} x {shares.size}, {count} bands, {part:<12} measured {m:7.2f} s, predicted "
-                  f"{p:7.2f} s, to one process {ratio:.2f}")
+            print(f"{shares.size} x {shares.size}, {count} bands, {name:<12} measured "
+                  f"{statistics.median(times[part] for times in rounds):7.2f} s, predicted {predicted[part]:7.2f} s, "
+                  f"to one process {ratio:.2f}")
     return is_within
 
 
@@ -77,7 +79,8 @@ def table(shares, counts):
     """Prints the measured and the predicted times of all settings."""
     for options in SETTINGS:
         for count in counts:
-            measured, predicted = shares.measured(count, options), shares.predicted(count, options)
+            measured = [min(times) for times in zip(*shares.rounds(count, options))]  # other work only adds time
+            predicted = shares.predicted(count, options)
             print(f"{shares.size} {count} {' '.join(options):<32} "
                   + "  ".join(f"{m:6.2f}/{p:6.2f}={p / m:4.2f}" for m, p in zip(measured, predicted)), flush=True)
 
