@@ -137,12 +137,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     for (int y = part.y; y < part.y + part.height; y += kBandRows) {
       const PixelBlock block{
           0, y, std::min(y + kBandRows, part.y + part.height), 0, part.channel_count(), part.base_type};
-      std::byte* const rows = file->reserve(block_bytes(part, block));
+      file->reserve(block_bytes(part, block));
       if (const std::string why = file->read(block, 0, {}); !why.empty()) throw Error(ErrorCode::kInput, why);
-      // The sanitizer for memory sees values that no library wrote.
-      unsigned sum = 0;
-      for (std::size_t i = 0; i < block_bytes(part, block); ++i) sum += static_cast<unsigned>(rows[i]);
-      MULTUM_CHECK(sum <= 255 * block_bytes(part, block));
     }
   });
   return 0;

@@ -97,7 +97,7 @@ void divide_by_length(GainSurface& surface) {
   surface.has_roughness = true;
 }
 
-// A model, drawn from the distances from which it is larger than a few pixels and the eye is outside.
+// A model, drawn from the distances at which the eye is outside of it.
 struct DrawnModel {
   TriangleMesh mesh;
   double radius;

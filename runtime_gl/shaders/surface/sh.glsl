@@ -165,7 +165,7 @@ vec3 multum_sh_environment_specular(vec4 parts[MULTUM_SH_PARTS], vec3 v) {
     for (int turn = 0; turn < turns; ++turn) {
       float angle = 2.0 * MULTUM_PI * float(turn) / float(turns);
       vec3 d = vec3(side * cos(angle), side * sin(angle), z);
-      // Where d faces away from the viewer, the quotient can be very large, but only because it belongs to no light.
+      // Limits the quotient, which can be very large for directions that face away from the viewer.
       vec3 share = min(multum_reflection_quotient(d, 0.0, v), vec3(8.0));
       float bands[MULTUM_SH_ORDER + 1], density = 0.0;
       multum_sh_bands(parts, 1.0, d, bands);
