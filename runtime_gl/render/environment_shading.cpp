@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "runtime_gl/render/environment_shading.h"
 
+#include <algorithm>
 #include <cmath>
 #include <ctime>
 
@@ -48,6 +49,12 @@ std::array<glm::vec3, 3> environment_axes(const RenderScene& scene) {
   const float angle = glm::radians(scene.environment_turn);
   const float cosine = std::cos(angle), sine = std::sin(angle);
   return {cosine * x - sine * z, up, sine * x + cosine * z};
+}
+
+int environment_sample_count(int sample_count) {
+  constexpr int kLeast = 8, kOfPixel = 256;
+  if (sample_count == 0) return kLeast;
+  return std::clamp((kOfPixel + sample_count - 1) / sample_count, kLeast, kEnvironmentSampleCount);
 }
 
 ShaderParts environment_shader_parts(const RenderScene& scene, bool samples_light) {
@@ -125,14 +132,15 @@ void EnvironmentShading::set_half_vector_light(const RenderScene& scene, glm::iv
   half_vector_light_->upload_level(0, &texels[0].x);
 }
 
-void EnvironmentShading::set_sample(const ShaderProgram& shader, const RenderScene& scene, int sample) const {
+void EnvironmentShading::set_sample(const ShaderProgram& shader, const RenderScene& scene, int sample,
+                                    int count) const {
   shader.set("u_sample", sample);
   if (scene.environment == nullptr) return;
   std::vector<glm::vec3> directions;
-  for (int i = 0; i < kEnvironmentSampleCount; ++i)
-    directions.emplace_back(
-        scene.environment->sampler.direction(static_cast<unsigned>(sample * kEnvironmentSampleCount + i)));
-  shader.set_vec3("u_light_samples", glm::value_ptr(directions[0]), kEnvironmentSampleCount);
+  for (int i = 0; i < count; ++i)
+    directions.emplace_back(scene.environment->sampler.direction(static_cast<unsigned>(sample * count + i)));
+  shader.set_vec3("u_light_samples", glm::value_ptr(directions[0]), count);
+  shader.set("u_light_sample_count", count);
 }
 
 void EnvironmentShading::set(const ShaderProgram& shader, const RenderScene& scene, bool samples_light,
@@ -152,7 +160,7 @@ void EnvironmentShading::set_parts(const ShaderProgram& shader, const RenderScen
   binder.bind("u_environment_map", map_);
   if (samples_light) {
     shader.set("u_light_total", static_cast<float>(light_->sampler.total()));
-    set_sample(shader, scene, 0);
+    set_sample(shader, scene, 0, kEnvironmentSampleCount);
     return;
   }
   set_smooth(shader, light_->smooth);

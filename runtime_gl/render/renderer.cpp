@@ -241,6 +241,7 @@ Picture Renderer::draw_reference(const Mesh& mesh, const Material& material, con
   // The noise can be measured only from the second batch on.
   const int batch = is_fixed ? std::min(kReferenceBatch, (sampling.sample_count + 1) / 2) : kReferenceBatch;
   const int count_max = is_fixed ? sampling.sample_count : kReferenceSampleCountMax;
+  const int direction_count = environment_sample_count(sampling.sample_count);
   ReferenceSum sum(framebuffer_.width(), framebuffer_.height());
   double share_done = 0.0;
   for (int begin = 0; begin < count_max;) {
@@ -250,7 +251,7 @@ Picture Renderer::draw_reference(const Mesh& mesh, const Material& material, con
       framebuffer_.bind();
       framebuffer_.clear_colour();
       material.bind(shader);
-      if (material.samples_light()) environment_.set_sample(shader, scene, i);
+      if (material.samples_light()) environment_.set_sample(shader, scene, i, direction_count);
       shader.use();
       draw_shifted(shader, mesh, scene,
                    material.samples_footprint() ? glm::vec2(0.0f) : reference_offset(sampling.filter, i));

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Computes the light of an environment on one normal by brute force. Takes MULTUM_ENVIRONMENT_SAMPLES directions where
-// the environment is bright (host/formats/light/light_samples.h) and as many cosine-weighted ones for the diffuse part.
+// Computes the light of an environment on one normal by brute force. Takes u_light_sample_count directions where the
+// environment is bright (host/formats/light/light_samples.h) and as many cosine-weighted ones for the diffuse part.
 // For the highlight it takes as many half vectors of a GGX that is as wide as the facets, because GGX has the longest
 // tail of all facet distributions here. If two of these densities could have produced a direction, its weight uses the
 // sum of both densities (Veach and Guibas 1995, the balance heuristic). Uses a low-discrepancy sequence, shifted by a
 // hash of the pixel. `u_sample` counts pictures. The map is constant over a texel.
 uniform vec3 u_light_samples[MULTUM_ENVIRONMENT_SAMPLES];  // directions in the environment's frame
+uniform int u_light_sample_count;                          // at most MULTUM_ENVIRONMENT_SAMPLES
 uniform float u_light_total;                               // the integral of the luminance
 
 vec3 multum_environment_radiance(vec3 l) {
@@ -83,10 +84,10 @@ MultumReflection multum_environment_normal(vec3 n, vec3 v) {
   vec3 side = normalize(abs(n.z) < 0.9 ? cross(n, vec3(0.0, 0.0, 1.0)) : cross(n, vec3(1.0, 0.0, 0.0)));
   mat3 frame = mat3(side, cross(n, side), n);
   float alpha = 2.0 / (u_exponent + 2.0);
-  for (int i = 0; i < MULTUM_ENVIRONMENT_SAMPLES; ++i) {
+  for (int i = 0; i < u_light_sample_count; ++i) {
     // The multiples of 1/g and 1/g^2, g^3 = g + 1, modulo 1, are computed with integers, so that no precision is lost
     // for large sample counts.
-    uint index = uint(u_sample * MULTUM_ENVIRONMENT_SAMPLES + i);
+    uint index = uint(u_sample * u_light_sample_count + i);
     vec2 u = vec2(shift + index * uvec2(3242174889u, 2447445414u)) * (1.0 / 4294967296.0);
     float phi = 2.0 * MULTUM_PI * u.y;
     multum_add_direction(0, u_light_samples[i] * multum_environment_frame, n, v, alpha, sum);
@@ -96,7 +97,7 @@ MultumReflection multum_environment_normal(vec3 n, vec3 v) {
     if (dot(v, h) > 0.0) multum_add_direction(2, 2.0 * dot(v, h) * h - v, n, v, alpha, sum);
 #endif
   }
-  sum.diffuse /= float(MULTUM_ENVIRONMENT_SAMPLES);
-  sum.specular /= float(MULTUM_ENVIRONMENT_SAMPLES);
+  sum.diffuse /= float(u_light_sample_count);
+  sum.specular /= float(u_light_sample_count);
   return sum;
 }
