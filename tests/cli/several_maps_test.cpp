@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests bakes of several maps, which run at the same time. Files, text and log must be the same as if the maps were
-// baked one after another.
+// Tests bakes and exports of several maps, which run at the same time. Files, text and log must be the same as if the
+// maps were handled one after another.
 #include <signal.h>
 
 #include <algorithm>
@@ -90,6 +90,46 @@ TEST_F(SeveralMapsTest, AManifestGivesTheSameResults) {
   EXPECT_EQ(shown(several.err, "several"), shown(single.err, "single"));
   EXPECT_TRUE(files_of(path("several")) == files_of(path("single")));
   EXPECT_EQ(files_of(path("several")).size(), 4u);
+}
+
+// Exports of several maps write to one folder, in which an earlier unfinished export may remain.
+TEST_F(SeveralMapsTest, ExportsAreThoseOfMapsOneAfterAnother) {
+  const auto run = [&](const std::string& folder, std::vector<std::string> options) {
+    std::vector<std::string> words = command(folder, std::move(options));
+    words[0] = "export";
+    return multum(words);
+  };
+  const ProgramResult single = run("single", {"--format", "ktx2", "--threads", "1"});
+  const ProgramResult several = run("several", {"--format", "ktx2", "--threads", "3"});
+  EXPECT_EQ(single.exit_code, kInput) << single.err;
+  EXPECT_EQ(several.exit_code, kInput) << several.err;
+  expect_says(several.err, {"map_3.png", "5 maps: 4 exported, 1 failed"});
+  EXPECT_EQ(shown(several.out, "several"), shown(single.out, "single"));
+  EXPECT_EQ(shown(several.err, "several"), shown(single.err, "single"));
+  EXPECT_TRUE(files_of(path("several")) == files_of(path("single")));
+  EXPECT_EQ(files_of(path("several")).size(), 8u);
+
+  EXPECT_EQ(run("small", {"--format", "ktx2", "--threads", "3", "--memory", "128M", "--resume"}).exit_code, kInput);
+  EXPECT_TRUE(files_of(path("small")) == files_of(path("single")));
+}
+
+TEST_F(SeveralMapsTest, AManifestOfExportsGivesTheSameResults) {
+  const auto run = [&](const std::string& folder, const std::string& threads) {
+    std::filesystem::create_directory(path(folder));
+    std::string text;
+    for (std::size_t i = 0; i < inputs_.size(); ++i)
+      text += "[[map]]\ninput = \"" + inputs_[i] + "\"\noutput = \"" +
+              path(folder + "/" + std::to_string(i) + ".ktx2") + "\"\n";
+    write_bytes(path("maps.toml"), text);
+    return multum({"export", "--manifest", path("maps.toml"), "--threads", threads, "--json"});
+  };
+  const ProgramResult single = run("single", "1"), several = run("several", "3");
+  EXPECT_EQ(several.exit_code, kInput) << several.err;
+  EXPECT_EQ(shown(several.out, "several"), shown(single.out, "single"));
+  EXPECT_EQ(shown(several.err, "several"), shown(single.err, "single"));
+  EXPECT_TRUE(files_of(path("several")) == files_of(path("single")));
+  const ProgramResult again = run("several", "3");
+  expect_says(again.err, {"0 exported, 4 unchanged, 1 failed"});
 }
 
 TEST_F(SeveralMapsTest, LittleMemoryGivesTheSameFiles) {

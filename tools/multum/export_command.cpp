@@ -31,6 +31,7 @@
 #include "tools/multum/commands.h"
 #include "tools/multum/compared_bake.h"
 #include "tools/multum/json_output.h"
+#include "tools/multum/map_turns.h"
 #include "tools/multum/openjd_lines.h"
 
 namespace multum {
@@ -89,20 +90,21 @@ ExportReport export_with_page(ExportJob job, const std::string& page, const Comm
   return report;
 }
 
-void print_export(const ExportJob& job, const CommonOptions& common, const ExportReport& report) {
+void print_export(const ExportJob& job, const CommonOptions& common, const ExportReport& report,
+                  std::FILE* out = stdout) {
   if (!prints_text(common)) return;
-  print_shown(stdout, "%s: %d levels of %d x %d, %zu files: %s\n", job.output.c_str(), report.level_count, report.width,
+  print_shown(out, "%s: %d levels of %d x %d, %zu files: %s\n", job.output.c_str(), report.level_count, report.width,
               report.height, report.files.size(), report.textures.c_str());
-  if (!report.preset_line.empty()) print_shown(stdout, "%s: %s\n", job.output.c_str(), report.preset_line.c_str());
-  if (!report.engine_line.empty()) print_shown(stdout, "%s: %s\n", job.output.c_str(), report.engine_line.c_str());
+  if (!report.preset_line.empty()) print_shown(out, "%s: %s\n", job.output.c_str(), report.preset_line.c_str());
+  if (!report.engine_line.empty()) print_shown(out, "%s: %s\n", job.output.c_str(), report.engine_line.c_str());
   if (!common.verbose) return;
-  if (report.form) print_shown(stdout, "%s: %s\n", job.output.c_str(), report.form->to_text(false).c_str());
-  print_shown(stdout, "%s", report.accuracy.to_text().c_str());
+  if (report.form) print_shown(out, "%s: %s\n", job.output.c_str(), report.form->to_text(false).c_str());
+  print_shown(out, "%s", report.accuracy.to_text().c_str());
   if (report.rows_resumed > 0)
-    print_shown(stdout, "%llu level rows were reused from an interrupted export\n",
+    print_shown(out, "%llu level rows were reused from an interrupted export\n",
                 static_cast<unsigned long long>(report.rows_resumed));
-  print_shown(stdout, "%s", report.plan.c_str());
-  for (const auto& [stage, seconds] : report.seconds) print_shown(stdout, "%s %.2f s\n", stage.c_str(), seconds);
+  print_shown(out, "%s", report.plan.c_str());
+  for (const auto& [stage, seconds] : report.seconds) print_shown(out, "%s %.2f s\n", stage.c_str(), seconds);
 }
 
 // Returns "output", then the keys of --report.
@@ -112,26 +114,50 @@ OrderedJson export_json(const ExportJob& job, const ExportReport& report) {
   return json;
 }
 
-// Exports each map. If a map fails, the others are still exported. Returns the exit code of the first failure.
-int export_several(const std::vector<ExportJob>& jobs, const CommonOptions& common, Device& device) {
+// Returns the number of maps that are exported at the same time. With --verbose, times of stages are printed, which
+// have a meaning only if no other map is exported. A GPU is not shared.
+int maps_at_once(const std::vector<ExportJob*>& jobs, const CommonOptions& common, const Device& device) {
+  if (jobs.size() < 2 || common.verbose || !device.info().is_cpu) return 1;
+  return share_memory(jobs);
+}
+
+// The result of one of several maps.
+struct ExportedMap {
+  OrderedJson json;
+  int failure = 0;  // exit code
+};
+
+// Exports one of several maps. If it fails, the others are still exported.
+ExportedMap export_one(ExportJob job, const CommonOptions& common, const MapTurn& turn) {
+  job.threads = turn.threads;
+  try {
+    const ExportReport report = export_file(job, turn.device, turn.progress);
+    print_export(job, common, report, turn.out);
+    return {with_verdict(export_json(job, report), end_with_verdict(job, report, common, turn.device, turn.out))};
+  } catch (...) {
+    const Error error = caught_error(job.input);
+    print_shown(turn.err, "multum: %s\n", error.what());
+    return {{{"output", path_json(job.output)}, {"input", path_json(job.input)}, {"failed", error.what()}},
+            exit_code(error.code())};
+  }
+}
+
+// Returns the exit code of the first failure.
+int export_several(std::vector<ExportJob> jobs, const CommonOptions& common, const DeviceChoice& choice,
+                   Device& device) {
+  std::vector<ExportJob*> all;
+  for (ExportJob& job : jobs) all.push_back(&job);
+  std::vector<ExportedMap> results(jobs.size());
+  const MapTurns turns{jobs.size(), maps_at_once(all, common, device), jobs.empty() ? 1 : jobs.front().threads, choice};
+  for_each_map(turns, common, device,
+               [&](const MapTurn& turn) { results[turn.map] = export_one(jobs[turn.map], common, turn); });
   int code = 0;
   std::size_t failed = 0;
   OrderedJson maps = OrderedJson::array();
-  for (std::size_t i = 0; i < jobs.size(); ++i) {
-    openjd_part(i, jobs.size());
-    try {
-      const auto progress = make_progress(common);
-      const ExportReport report = export_file(jobs[i], device, progress.get());
-      print_export(jobs[i], common, report);
-      maps.push_back(with_verdict(export_json(jobs[i], report), end_with_verdict(jobs[i], report, common, device)));
-    } catch (...) {
-      const Error error = caught_error(jobs[i].input);
-      print_shown(stderr, "multum: %s\n", error.what());
-      if (code == 0) code = exit_code(error.code());
-      maps.push_back(
-          {{"output", path_json(jobs[i].output)}, {"input", path_json(jobs[i].input)}, {"failed", error.what()}});
-      ++failed;
-    }
+  for (ExportedMap& result : results) {
+    failed += result.failure != 0 ? 1 : 0;
+    if (code == 0) code = result.failure;
+    maps.push_back(std::move(result.json));
   }
   if (prints_text(common) || failed > 0)
     print_shown(failed > 0 ? stderr : stdout, "%zu maps: %zu exported, %zu failed\n", jobs.size(), jobs.size() - failed,
@@ -140,58 +166,75 @@ int export_several(const std::vector<ExportJob>& jobs, const CommonOptions& comm
   return code;
 }
 
-struct ManifestCounts {
-  std::size_t unchanged = 0, exported = 0, findings = 0;
-  OrderedJson maps = OrderedJson::array();
+// The result of one map of a manifest.
+struct ManifestOutcome {
+  OrderedJson json;
+  bool exported = false, unchanged = false, finding = false;
+  int failure = 0;  // exit code
 };
 
 // Exports one map of a manifest. Prints findings of --check to stderr.
-void export_of_manifest(const ManifestExport& map, const ExportOptions& o, Device& device, ManifestCounts& counts) {
-  const auto progress = make_progress(o.common);
-  const ManifestExportResult result = run_manifest_export(map, o.dry_run, device, progress.get());
-  OrderedJson json = {{"name", map.name}, {"state", finding_name(result.found.finding)}};
-  if (!result.found.why.empty()) json["why"] = result.found.why;
-  if (result.report) {
-    print_export(map.job, o.common, *result.report);
-    json["report"] =
-        with_verdict(export_json(map.job, *result.report), end_with_verdict(map.job, *result.report, o.common, device));
-    ++counts.exported;
+ManifestOutcome export_of_manifest(ManifestExport map, const ExportOptions& o, const MapTurn& turn) {
+  map.job.threads = turn.threads;
+  ManifestOutcome outcome;
+  try {
+    const ManifestExportResult result = run_manifest_export(map, o.dry_run, turn.device, turn.progress);
+    outcome.json = {{"name", map.name}, {"state", finding_name(result.found.finding)}};
+    if (!result.found.why.empty()) outcome.json["why"] = result.found.why;
+    if (result.report) {
+      print_export(map.job, o.common, *result.report, turn.out);
+      outcome.json["report"] = with_verdict(export_json(map.job, *result.report),
+                                            end_with_verdict(map.job, *result.report, o.common, turn.device, turn.out));
+      outcome.exported = true;
+    }
+    if (result.found.finding == ExportFinding::kInPlace && !result.report) {
+      if (prints_text(o.common)) print_shown(turn.out, "%s: unchanged\n", map.name.c_str());
+      outcome.unchanged = true;
+      return outcome;
+    }
+    if (!o.check) return outcome;
+    print_shown(turn.err, "multum: %s: %s: %s%s\n", map.name.c_str(), finding_name(result.found.finding),
+                result.found.why.c_str(), result.report ? "; exported now" : "");
+    outcome.finding = true;
+  } catch (...) {
+    const Error error = caught_error(map.job.input);
+    print_shown(turn.err, "multum: %s\n", error.what());
+    // A setting that does not suit its map is an error in the manifest, not in the command line.
+    return {{{"name", map.name}, {"state", "failed"}, {"why", error.what()}},
+            false,
+            false,
+            false,
+            exit_code(error.code() == ErrorCode::kUsage ? ErrorCode::kInput : error.code())};
   }
-  counts.maps.push_back(json);
-  if (result.found.finding == ExportFinding::kInPlace && !result.report) {
-    if (prints_text(o.common)) print_shown(stdout, "%s: unchanged\n", map.name.c_str());
-    ++counts.unchanged;
-    return;
-  }
-  if (!o.check) return;
-  print_shown(stderr, "multum: %s: %s: %s%s\n", map.name.c_str(), finding_name(result.found.finding),
-              result.found.why.c_str(), result.report ? "; exported now" : "");
-  ++counts.findings;
+  return outcome;
 }
 
 int run_export_manifest(const ExportOptions& o) {
-  const std::vector<ManifestExport> maps = pieces_of(o.shard, read_export_manifest(o.manifest, o.job));
-  Device device = Device::when_needed({o.values.text("device").value_or("")});
-  ManifestCounts counts;
+  std::vector<ManifestExport> maps = pieces_of(o.shard, read_export_manifest(o.manifest, o.job));
+  const DeviceChoice choice{o.values.text("device").value_or("")};
+  Device device = Device::when_needed(choice);
+  std::vector<ExportJob*> all;
+  for (ManifestExport& map : maps) all.push_back(&map.job);
+  std::vector<ManifestOutcome> outcomes(maps.size());
+  const MapTurns turns{maps.size(), maps_at_once(all, o.common, device), o.job.threads, choice};
+  for_each_map(turns, o.common, device,
+               [&](const MapTurn& turn) { outcomes[turn.map] = export_of_manifest(maps[turn.map], o, turn); });
   int code = 0;
-  for (std::size_t i = 0; i < maps.size(); ++i) {
-    openjd_part(i, maps.size());
-    try {
-      export_of_manifest(maps[i], o, device, counts);
-    } catch (...) {
-      const Error error = caught_error(maps[i].job.input);
-      print_shown(stderr, "multum: %s\n", error.what());
-      counts.maps.push_back({{"name", maps[i].name}, {"state", "failed"}, {"why", error.what()}});
-      // A setting that does not suit its map is an error in the manifest, not in the command line.
-      if (code == 0) code = exit_code(error.code() == ErrorCode::kUsage ? ErrorCode::kInput : error.code());
-    }
+  std::size_t unchanged = 0, exported = 0, findings = 0;
+  OrderedJson shown = OrderedJson::array();
+  for (ManifestOutcome& outcome : outcomes) {
+    unchanged += outcome.unchanged ? 1 : 0;
+    exported += outcome.exported ? 1 : 0;
+    findings += outcome.finding ? 1 : 0;
+    if (code == 0) code = outcome.failure;
+    shown.push_back(std::move(outcome.json));
   }
-  const std::size_t failed = maps.size() - counts.unchanged - counts.exported - (o.dry_run ? counts.findings : 0);
+  const std::size_t failed = maps.size() - unchanged - exported - (o.dry_run ? findings : 0);
   if (prints_text(o.common) || failed > 0)
     print_shown(failed > 0 ? stderr : stdout, "%zu maps: %zu exported, %zu unchanged, %zu failed\n", maps.size(),
-                counts.exported, counts.unchanged, failed);
-  if (code == 0 && counts.findings > 0) code = exit_code(ErrorCode::kVerification);
-  if (o.common.json) print_json({{"manifest", path_json(o.manifest)}, {"passed", code == 0}, {"maps", counts.maps}});
+                exported, unchanged, failed);
+  if (code == 0 && findings > 0) code = exit_code(ErrorCode::kVerification);
+  if (o.common.json) print_json({{"manifest", path_json(o.manifest)}, {"passed", code == 0}, {"maps", shown}});
   return code;
 }
 
@@ -273,8 +316,9 @@ int run_export(ExportOptions& o) {
   const std::string page = o.values.text("page").value_or("");
   if (all.size() > 1 && !page.empty())
     throw Error(ErrorCode::kUsage, "found --page with several maps, expected one map");
-  Device device = Device::when_needed({o.values.text("device").value_or("")});
-  if (all.size() > 1) return export_several(pieces_of(o.shard, all), o.common, device);
+  const DeviceChoice choice{o.values.text("device").value_or("")};
+  Device device = Device::when_needed(choice);
+  if (all.size() > 1) return export_several(pieces_of(o.shard, all), o.common, choice, device);
   const ExportReport report = export_with_page(all[0], page, o.common, device);
   print_export(all[0], o.common, report);
   const std::optional<GainVerdict> verdict = end_with_verdict(all[0], report, o.common, device);

@@ -41,14 +41,14 @@ std::optional<GainVerdict> end_with_verdict(const BakeJob& job, const BakeReport
 }
 
 std::optional<GainVerdict> end_with_verdict(const ExportJob& job, const ExportReport& report,
-                                            const CommonOptions& common, Device& device) {
+                                            const CommonOptions& common, Device& device, std::FILE* out) {
   CheckJob check = check_of(job.input, job.threads);
   check.engine = job.engine.value_or(Engine::kThree);
   check.base_roughness = job.lobe.base_roughness;
   check.has_roughness = !job.roughness.empty();
   check.has_metalness = !job.metalness.empty();
   const auto verdict = measured(check, report.mosaic.get(), nullptr, device);
-  print_verdict(job.output, verdict, common);
+  print_verdict(job.output, verdict, common, out);
   return verdict;
 }
 

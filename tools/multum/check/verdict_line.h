@@ -18,7 +18,7 @@ namespace multum {
 std::optional<GainVerdict> end_with_verdict(const BakeJob& job, const BakeReport& report, const CommonOptions& common,
                                             Device& device, std::FILE* out = stdout);
 std::optional<GainVerdict> end_with_verdict(const ExportJob& job, const ExportReport& report,
-                                            const CommonOptions& common, Device& device);
+                                            const CommonOptions& common, Device& device, std::FILE* out = stdout);
 
 /// Prints "NAME: SENTENCE" if the command prints text, and the table with --verbose.
 void print_verdict(const std::string& name, const std::optional<GainVerdict>& verdict, const CommonOptions& common,

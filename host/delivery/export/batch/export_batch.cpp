@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/delivery/export/batch/export_batch.h"
 
+#include <algorithm>
 #include <cstdint>
 #include <filesystem>
 #include <map>
@@ -89,6 +90,16 @@ std::vector<ExportJob> make_export_jobs(const ExportJob& pattern, const std::vec
     jobs.push_back(std::move(job));
   }
   return jobs;
+}
+
+int share_memory(const std::vector<ExportJob*>& jobs) {
+  constexpr std::uint64_t kLeast = std::uint64_t{64} << 20;  // holds a map of 1024 x 1024
+  const ExportJob& first = *jobs.front();
+  const std::uint64_t most =
+      std::min<std::uint64_t>(jobs.size(), static_cast<std::uint64_t>(std::max(1, first.threads)));
+  const std::uint64_t at_once = std::clamp<std::uint64_t>(first.memory_bytes / kLeast, 1, most);
+  for (ExportJob* job : jobs) job->memory_bytes /= at_once;
+  return static_cast<int>(at_once);
 }
 
 }  // namespace multum

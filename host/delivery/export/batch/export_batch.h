@@ -21,4 +21,8 @@ void apply(const ParameterValues& values, ExportJob& job);
 /// contradict each other or if two maps would have the same name. Throws Error(kInput) if a set has no tiles.
 std::vector<ExportJob> make_export_jobs(const ExportJob& pattern, const std::vector<std::string>& inputs);
 
+/// Returns how many of the jobs can run at the same time with the threads and the memory of the first job, and divides
+/// this memory among so many jobs. `jobs` is not empty.
+int share_memory(const std::vector<ExportJob*>& jobs);
+
 }  // namespace multum
