@@ -21,8 +21,8 @@
 #include "host/foundation/base/files/json_file.h"
 #include "host/foundation/base/processes/child_process.h"
 #include "host/foundation/base/processes/machine.h"
-#include "host/foundation/sandbox/confinement.h"
 #include "host/foundation/sandbox/decoding_child.h"
+#include "host/foundation/sandbox/read_only_process.h"
 
 namespace multum {
 namespace {
@@ -186,11 +186,11 @@ DoctorFindings decoder_findings() {
   if (access(program.c_str(), X_OK) != 0)
     return {{DoctorState::kFailure, "decoder", fmt::format("{}: is missing, so images cannot be read", program),
              "Install multum-decode next to multum; both must come from the same build."}};
-  if (!can_confine())
+  if (!can_confine_to_reading())
     return {{DoctorState::kWarning, "decoder",
              "files are decoded in a child process with limited memory and time, but this kernel cannot confine it",
-             "Read untrusted files only where the kernel has Landlock (Linux 5.13 and later)."}};
-  return {{DoctorState::kFine, "decoder", "files are decoded in a confined child process", ""}};
+             "Read untrusted files only where the kernel has seccomp filters."}};
+  return {{DoctorState::kFine, "decoder", "files are decoded in a child process that can only read files", ""}};
 }
 
 DoctorFindings disk_findings() {
