@@ -121,7 +121,7 @@ TEST_F(SeveralMapsTest, AManifestOfExportsGivesTheSameResults) {
       text += "[[map]]\ninput = \"" + inputs_[i] + "\"\noutput = \"" +
               path(folder + "/" + std::to_string(i) + ".ktx2") + "\"\n";
     write_bytes(path("maps.toml"), text);
-    return multum({"export", "--manifest", path("maps.toml"), "--threads", threads, "--json"});
+    return multum({"export", "--manifest", path("maps.toml"), "--threads", threads});
   };
   const ProgramResult single = run("single", "1"), several = run("several", "3");
   EXPECT_EQ(several.exit_code, kInput) << several.err;

@@ -16,7 +16,6 @@
 #include "host/foundation/base/process_rules/process_rules.h"
 #include "host/foundation/sandbox/decoding_answer.h"
 #include "host/foundation/sandbox/helper_service.h"
-#include "host/foundation/sandbox/read_only_process.h"
 
 namespace multum {
 namespace {
@@ -66,7 +65,6 @@ class Decoder {
 
 int run(int, char**) {
   MULTUM_CHECK(replaces_zlib_uncompress());
-  confine_to_reading();
   Decoder decoder;
   const int exit_code = serve_helper([&](std::string_view request, SharedMemory& memory) {
     return answer_or_refusal([&] { return decoder.answer(request, memory); });

@@ -13,6 +13,9 @@
 #include <cstring>
 #include <thread>
 
+#include "host/foundation/base/error.h"
+#include "host/foundation/sandbox/read_only_process.h"
+
 namespace multum {
 namespace {
 
@@ -59,6 +62,8 @@ int serve_helper(const std::function<std::string(std::string_view request, Share
   struct stat status = {};
   if (::fstat(kHelperSocket, &status) != 0 || !S_ISSOCK(status.st_mode)) return 2;
   limit_files();
+  if (can_confine_to_reading() && !confine_to_reading())
+    throw Error(ErrorCode::kEnvironment, "this process, which reads files for multum, cannot be confined");
   std::thread(end_with_asker).detach();
   SharedMemory memory(kHelperMemory);
   std::string request;

@@ -16,7 +16,8 @@ bool confine_to_reading() { return false; }
 #include <linux/audit.h>
 #include <linux/filter.h>
 #include <linux/seccomp.h>
-#include <sys/ioctl.h>
+#include <sched.h>
+#include <sys/mman.h>
 #include <sys/prctl.h>
 #include <sys/syscall.h>
 #include <unistd.h>
@@ -25,10 +26,10 @@ bool confine_to_reading() { return false; }
 #include <cerrno>
 #include <cstddef>
 #include <cstdint>
+#include <initializer_list>
 #include <vector>
 
-#include "host/foundation/base/error.h"
-#include "host/foundation/sandbox/confinement.h"
+#include "host/foundation/base/processes/sanitizers.h"
 
 namespace multum {
 namespace {
@@ -38,31 +39,41 @@ constexpr std::uint32_t kArchitecture = AUDIT_ARCH_X86_64;
 #else
 constexpr std::uint32_t kArchitecture = AUDIT_ARCH_AARCH64;
 #endif
-static_assert(std::endian::native == std::endian::little, "low_word() reads the first half of an argument");
+static_assert(std::endian::native == std::endian::little, "low_half() reads the first half of an argument");
 
-#if defined(__SANITIZE_ADDRESS__)
-constexpr bool kHasAddressSanitizer = true;
+#ifdef MULTUM_SHADOW_MEMORY
+constexpr bool kHasSanitizer = true;
 #else
-constexpr bool kHasAddressSanitizer = false;
+constexpr bool kHasSanitizer = false;
 #endif
 
-// System calls that always fail with EPERM. Calls of newer kernels that the headers of Debian 12 lack have numbers
-// here.
+// System calls that always fail with EPERM. Calls that the headers of Debian 12 lack have numbers here.
 constexpr int kForbidden[] = {
-    // sockets
+    // Sockets. The process keeps the socket through which it is asked, and may use only recv() and send().
     SYS_socket,
+    SYS_socketpair,
     SYS_connect,
     SYS_bind,
     SYS_listen,
     SYS_accept,
     SYS_accept4,
-    // programs
+    SYS_sendmsg,
+    SYS_sendmmsg,
+    // Programs. Threads are allowed (clone, below).
     SYS_execve,
     SYS_execveat,
-    // other processes, and memory and queues that are shared by name
+    SYS_unshare,
+    SYS_setns,
+#if defined(__x86_64__)
+    SYS_fork,
+    SYS_vfork,
+#endif
+    // Other processes.
     SYS_ptrace,
     SYS_process_vm_readv,
     SYS_process_vm_writev,
+    SYS_process_madvise,
+    448 /* process_mrelease */,
     SYS_pidfd_open,
     SYS_pidfd_getfd,
     SYS_pidfd_send_signal,
@@ -72,47 +83,29 @@ constexpr int kForbidden[] = {
     SYS_migrate_pages,
     SYS_setpriority,
     SYS_ioprio_set,
-    SYS_process_madvise,
+    // Memory, queues and semaphores with names or numbers.
     SYS_shmget,
     SYS_shmat,
+    SYS_shmctl,
     SYS_semget,
+    SYS_semop,
+    SYS_semtimedop,
+    SYS_semctl,
     SYS_msgget,
+    SYS_msgsnd,
+    SYS_msgrcv,
+    SYS_msgctl,
     SYS_mq_open,
     SYS_mq_unlink,
-    // parts of the kernel that are large or change the system
-    SYS_io_uring_setup,
-    SYS_bpf,
-    SYS_perf_event_open,
-    SYS_userfaultfd,
-    SYS_add_key,
-    SYS_request_key,
-    SYS_keyctl,
-    SYS_unshare,
-    SYS_setns,
-    SYS_mount,
-    SYS_umount2,
-    SYS_pivot_root,
-    SYS_chroot,
-    SYS_open_tree,
-    SYS_move_mount,
-    SYS_fsopen,
-    SYS_fsconfig,
-    SYS_fsmount,
-    SYS_fspick,
-    SYS_mount_setattr,
-    SYS_open_by_handle_at,
-    SYS_swapon,
-    SYS_swapoff,
-    SYS_quotactl,
-    SYS_init_module,
-    SYS_finit_module,
-    SYS_delete_module,
-    SYS_kexec_load,
-    SYS_reboot,
-    // files
+    SYS_mq_timedsend,
+    SYS_mq_timedreceive,
+    SYS_mq_notify,
+    SYS_mq_getsetattr,
+    // Limits of this process (prlimit64 below).
+    SYS_setrlimit,
+    // Files.
     SYS_truncate,
     SYS_unlinkat,
-    SYS_renameat,
     SYS_renameat2,
     SYS_mkdirat,
     SYS_linkat,
@@ -133,11 +126,17 @@ constexpr int kForbidden[] = {
     SYS_fremovexattr,
     466 /* removexattrat */,
     469 /* file_setattr */,
+    SYS_name_to_handle_at,
+    SYS_open_by_handle_at,
+    SYS_inotify_init1,
+    SYS_fanotify_init,
+    SYS_fanotify_mark,
 #if defined(__x86_64__)
     SYS_creat,
     SYS_unlink,
     SYS_rmdir,
     SYS_rename,
+    SYS_renameat,
     SYS_mkdir,
     SYS_link,
     SYS_symlink,
@@ -148,14 +147,64 @@ constexpr int kForbidden[] = {
     SYS_utime,
     SYS_utimes,
     SYS_futimesat,
+    SYS_inotify_init,
+#else
+    SYS_renameat,
+#endif
+    // Parts of the kernel that change the system, or that are large and not needed.
+    SYS_io_uring_setup,
+    SYS_io_setup,
+    SYS_io_submit,
+    SYS_bpf,
+    SYS_seccomp,
+    SYS_perf_event_open,
+    SYS_userfaultfd,
+    SYS_add_key,
+    SYS_request_key,
+    SYS_keyctl,
+    SYS_mount,
+    SYS_umount2,
+    SYS_pivot_root,
+    SYS_chroot,
+    SYS_open_tree,
+    467 /* open_tree_attr */,
+    SYS_move_mount,
+    SYS_fsopen,
+    SYS_fsconfig,
+    SYS_fsmount,
+    SYS_fspick,
+    SYS_mount_setattr,
+    SYS_swapon,
+    SYS_swapoff,
+    SYS_quotactl,
+    SYS_quotactl_fd,
+    SYS_acct,
+    SYS_syslog,
+    SYS_sethostname,
+    SYS_setdomainname,
+    SYS_vhangup,
+    SYS_settimeofday,
+    SYS_clock_settime,
+    SYS_clock_adjtime,
+    SYS_adjtimex,
+    SYS_init_module,
+    SYS_finit_module,
+    SYS_delete_module,
+    SYS_kexec_load,
+    SYS_kexec_file_load,
+    SYS_reboot,
+#if defined(__x86_64__)
+    SYS_iopl,
+    SYS_ioperm,
+    SYS_modify_ldt,
 #endif
 };
 
-// The number of the call, or of the low half of an argument, in seccomp_data.
-constexpr std::uint32_t kCall = offsetof(seccomp_data, nr);
-constexpr std::uint32_t low_word(int argument) {
+// The offset of an argument's halves in seccomp_data.
+constexpr std::uint32_t low_half(int argument) {
   return static_cast<std::uint32_t>(offsetof(seccomp_data, args)) + 8 * static_cast<std::uint32_t>(argument);
 }
+constexpr std::uint32_t high_half(int argument) { return low_half(argument) + 4; }
 
 // A program for the kernel's packet filter, which decides about each system call.
 class CallFilter {
@@ -164,7 +213,7 @@ class CallFilter {
     load(offsetof(seccomp_data, arch));
     step(BPF_JMP | BPF_JEQ | BPF_K, kArchitecture, 1, 0);
     fail(EPERM);
-    load(kCall);
+    load(offsetof(seccomp_data, nr));
 #if defined(__x86_64__)
     constexpr std::uint32_t kX32 = 0x40000000;  // calls with 32-bit pointers have the same architecture
     step(BPF_JMP | BPF_JGE | BPF_K, kX32, 0, 1);
@@ -176,30 +225,44 @@ class CallFilter {
     step(BPF_JMP | BPF_JEQ | BPF_K, static_cast<std::uint32_t>(call), 0, 1);
     fail(error);
   }
-  // Forbids the call if its argument has one of the bits.
-  void forbid_bits(int call, int argument, std::uint32_t bits) {
-    step(BPF_JMP | BPF_JEQ | BPF_K, static_cast<std::uint32_t>(call), 0, 4);
-    load(low_word(argument));
-    step(BPF_JMP | BPF_JSET | BPF_K, bits, 0, 1);
-    fail(EPERM);
-    load(kCall);
-  }
-  // Forbids the call if its argument has this value.
-  void forbid_value(int call, int argument, std::uint32_t value) {
-    step(BPF_JMP | BPF_JEQ | BPF_K, static_cast<std::uint32_t>(call), 0, 4);
-    load(low_word(argument));
-    step(BPF_JMP | BPF_JEQ | BPF_K, value, 0, 1);
-    fail(EPERM);
-    load(kCall);
-  }
-  // Forbids the call unless its argument has one of two values.
-  void allow_values(int call, int argument, std::uint32_t first, std::uint32_t second) {
+  // Forbids the call if its argument, a number of 32 bits, has all of `bits` (or any of them, without `needs_all`).
+  void forbid_bits(int call, int argument, std::uint32_t bits, bool needs_all, int error) {
     step(BPF_JMP | BPF_JEQ | BPF_K, static_cast<std::uint32_t>(call), 0, 5);
-    load(low_word(argument));
-    step(BPF_JMP | BPF_JEQ | BPF_K, first, 2, 0);
-    step(BPF_JMP | BPF_JEQ | BPF_K, second, 1, 0);
+    load(low_half(argument));
+    step(BPF_ALU | BPF_AND | BPF_K, bits, 0, 0);
+    if (needs_all) step(BPF_JMP | BPF_JEQ | BPF_K, bits, 0, 1);
+    else step(BPF_JMP | BPF_JGT | BPF_K, 0, 0, 1);
+    fail(error);
+    load(offsetof(seccomp_data, nr));
+  }
+  // Forbids the call unless its argument, a number of 32 bits, has all of `bits`.
+  void require_bits(int call, int argument, std::uint32_t bits) {
+    step(BPF_JMP | BPF_JEQ | BPF_K, static_cast<std::uint32_t>(call), 0, 5);
+    load(low_half(argument));
+    step(BPF_ALU | BPF_AND | BPF_K, bits, 0, 0);
+    step(BPF_JMP | BPF_JEQ | BPF_K, bits, 1, 0);
     fail(EPERM);
-    load(kCall);
+    load(offsetof(seccomp_data, nr));
+  }
+  // Unless its argument, a number of 32 bits, is one of the values, the call is not made, and returns `error`.
+  void allow_values(int call, int argument, std::initializer_list<std::uint32_t> values, int error = EPERM) {
+    const auto count = static_cast<std::uint8_t>(values.size());
+    step(BPF_JMP | BPF_JEQ | BPF_K, static_cast<std::uint32_t>(call), 0, static_cast<std::uint8_t>(count + 3));
+    load(low_half(argument));
+    std::uint8_t left = count;
+    for (const std::uint32_t value : values) step(BPF_JMP | BPF_JEQ | BPF_K, value, left--, 0);
+    fail(error);
+    load(offsetof(seccomp_data, nr));
+  }
+  // Forbids the call unless its argument, a pointer, is null.
+  void require_null(int call, int argument) {
+    step(BPF_JMP | BPF_JEQ | BPF_K, static_cast<std::uint32_t>(call), 0, 6);
+    load(low_half(argument));
+    step(BPF_JMP | BPF_JEQ | BPF_K, 0, 0, 2);
+    load(high_half(argument));
+    step(BPF_JMP | BPF_JEQ | BPF_K, 0, 1, 0);
+    fail(EPERM);
+    load(offsetof(seccomp_data, nr));
   }
 
   bool install() {
@@ -219,37 +282,62 @@ class CallFilter {
   std::vector<sock_filter> steps_;
 };
 
+// Opening for writing fails as for a file of somebody else, because some libraries then open the file for reading.
+void forbid_opening_for_writing(CallFilter& filter) {
+  constexpr std::uint32_t kChanging = O_WRONLY | O_RDWR | O_CREAT | O_TRUNC | (O_TMPFILE & ~O_DIRECTORY);
+  filter.forbid_bits(SYS_openat, 2, kChanging, false, EACCES);
+#if defined(__x86_64__)
+  filter.forbid_bits(SYS_open, 1, kChanging, false, EACCES);
+#endif
+  filter.forbid(SYS_openat2, ENOSYS);  // its flags are in memory, which a filter cannot read
+}
+
+// Descriptors that are open for reading only still let a process change attributes, take locks, and have signals sent
+// to other processes.
+void forbid_control_of_descriptors(CallFilter& filter) {
+  constexpr std::uint32_t kDuplicateAndClose = 1030;  // F_DUPFD_CLOEXEC
+  filter.allow_values(SYS_fcntl, 1, {F_DUPFD, F_GETFD, F_SETFD, F_GETFL, F_SETFL, kDuplicateAndClose});
+  filter.forbid(SYS_ioctl, ENOTTY);
+  filter.forbid(SYS_flock, ENOSYS);
+  filter.allow_values(SYS_sendto, 5, {0});  // the length of the address: 0 for send()
+}
+
+void forbid_other_processes(CallFilter& filter) {
+  const auto own = static_cast<std::uint32_t>(::getpid());
+  // abort() sends a signal to this process.
+  for (const int call : {SYS_kill, SYS_tgkill, SYS_rt_sigqueueinfo, SYS_rt_tgsigqueueinfo})
+    filter.allow_values(call, 0, {own});
+  // A thread may be any thread of this process, or another process. Threads that set their processors must not fail.
+  constexpr int kPretendSuccess = 0;
+  for (const int call : {SYS_sched_setaffinity, SYS_sched_setscheduler, SYS_sched_setparam, SYS_sched_setattr})
+    filter.allow_values(call, 0, {0, own}, kPretendSuccess);
+  filter.require_bits(SYS_clone, 0, CLONE_THREAD);
+  filter.forbid(SYS_clone3, ENOSYS);  // its flags are in memory; the C library then uses clone
+}
+
+void forbid_raising_limits(CallFilter& filter) {
+  filter.allow_values(SYS_prlimit64, 0, {0, static_cast<std::uint32_t>(::getpid())});
+  filter.require_null(SYS_prlimit64, 2);
+  // Memory that the limit of this process does not count.
+  filter.forbid(SYS_memfd_create, ENOSYS);
+  filter.forbid_bits(SYS_mmap, 3, MAP_SHARED | MAP_ANONYMOUS, true, EPERM);
+}
+
 }  // namespace
 
 bool can_confine_to_reading() {
   const std::uint32_t action = SECCOMP_RET_ERRNO;
-  return !kHasAddressSanitizer && ::syscall(SYS_seccomp, SECCOMP_GET_ACTION_AVAIL, 0, &action) == 0;
+  return !kHasSanitizer && ::syscall(SYS_seccomp, SECCOMP_GET_ACTION_AVAIL, 0, &action) == 0;
 }
 
 bool confine_to_reading() {
   if (!can_confine_to_reading()) return false;
-  try {
-    confine_this_thread({.readable = {"/"}, .writable = {}});
-  } catch (const Error&) {
-    // The filter forbids these calls too. Landlock fails, for example, in a process that is already confined 16 times.
-  }
   CallFilter filter;
   for (const int call : kForbidden) filter.forbid(call);
-  filter.forbid(SYS_openat2, ENOSYS);  // its flags are in memory, which a filter cannot read
-  constexpr std::uint32_t kChanging = O_WRONLY | O_RDWR | O_CREAT | O_TRUNC | (O_TMPFILE & ~O_DIRECTORY);
-  filter.forbid_bits(SYS_openat, 2, kChanging);
-#if defined(__x86_64__)
-  filter.forbid_bits(SYS_open, 1, kChanging);
-#endif
-  // These requests put characters into the input of a terminal.
-  constexpr std::uint32_t kConsoleRequest = 0x541C;  // TIOCLINUX
-  filter.forbid_value(SYS_ioctl, 1, TIOCSTI);
-  filter.forbid_value(SYS_ioctl, 1, kConsoleRequest);
-  // abort() sends a signal to this process, and threads read their own limits.
-  const auto own = static_cast<std::uint32_t>(::getpid());
-  for (const int call : {SYS_kill, SYS_tgkill, SYS_rt_sigqueueinfo, SYS_rt_tgsigqueueinfo})
-    filter.allow_values(call, 0, own, own);
-  filter.allow_values(SYS_prlimit64, 0, own, 0);
+  forbid_opening_for_writing(filter);
+  forbid_control_of_descriptors(filter);
+  forbid_other_processes(filter);
+  forbid_raising_limits(filter);
   return filter.install();
 }
 
