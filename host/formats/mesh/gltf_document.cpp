@@ -64,8 +64,10 @@ std::uint32_t little_endian(const std::string& bytes, std::size_t at) {
 // The first chunk is JSON, and the optional second chunk holds bytes.
 void split_glb(const std::string& bytes, const std::string& path, std::string& json, std::string& binary) {
   constexpr std::uint32_t kJsonChunk = 0x4E4F534A;
-  if (bytes.size() < 20 || bytes.compare(0, 4, "glTF") != 0)
-    refuse_file(path, "is not a GLB file: it does not begin with glTF");
+  if (bytes.compare(0, 4, "glTF") != 0) refuse_file(path, "is not a GLB file: it does not begin with glTF");
+  if (bytes.size() < 20)
+    refuse_file(path, "is a damaged GLB file: it has " + std::to_string(bytes.size()) +
+                          " bytes, expected at least 20 for the header and the first chunk");
   const std::size_t length = little_endian(bytes, 12);
   if (little_endian(bytes, 16) != kJsonChunk || length > bytes.size() - 20)
     refuse_file(path, "is a damaged GLB file: its JSON chunk of " + std::to_string(length) + " bytes is incomplete");
