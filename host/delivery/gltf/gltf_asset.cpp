@@ -33,8 +33,8 @@ struct GlbParts {
 GlbParts split_chunks(std::string_view bytes, const std::string& path) {
   if (bytes.substr(0, 4) != "glTF") refuse_file(path, "is not a GLB file: it does not begin with glTF");
   if (bytes.size() < kGlbHeader)
-    refuse_file(path, fmt::format("is a damaged GLB file: it has {} bytes, expected a header of {}", bytes.size(),
-                                  kGlbHeader));
+    refuse_file(
+        path, fmt::format("is a damaged GLB file: it has {} bytes, expected a header of {}", bytes.size(), kGlbHeader));
   if (const std::uint32_t version = number_at(bytes, 4); version != 2)
     refuse_file(path, fmt::format("is a GLB file of version {}, expected 2", version));
   if (const std::uint32_t length = number_at(bytes, 8); length != bytes.size())
