@@ -51,6 +51,25 @@ class SeveralMapsTest : public CliTest {
       for (std::size_t at = 0; (at = text.find(name, at)) != std::string::npos;) text.replace(at, name.size(), "");
     return without_times(text);
   }
+  // Runs the manifest of all maps, whose outputs are in `folder`.
+  ProgramResult run_manifest(const std::string& verb, const std::string& ending, const std::string& folder,
+                             const std::string& threads) const {
+    std::filesystem::create_directory(path(folder));
+    std::string text;
+    for (std::size_t i = 0; i < inputs_.size(); ++i)
+      text += "[[map]]\ninput = \"" + inputs_[i] + "\"\noutput = \"" + path(folder + "/" + std::to_string(i) + ending) +
+              "\"\n";
+    write_bytes(path("maps.toml"), text);
+    return multum({verb, "--manifest", path("maps.toml"), "--threads", threads});
+  }
+  // Compares the runs that wrote to the folders "single" and "several".
+  void expect_same(const ProgramResult& single, const ProgramResult& several) const {
+    EXPECT_EQ(single.exit_code, kInput) << single.err;
+    EXPECT_EQ(several.exit_code, kInput) << several.err;
+    EXPECT_EQ(shown(several.out, "several"), shown(single.out, "single"));
+    EXPECT_EQ(shown(several.err, "several"), shown(single.err, "single"));
+    EXPECT_TRUE(files_of(path("several")) == files_of(path("single")));
+  }
 
   std::vector<std::string> inputs_;
 };
@@ -58,12 +77,8 @@ class SeveralMapsTest : public CliTest {
 TEST_F(SeveralMapsTest, ResultsAreThoseOfMapsOneAfterAnother) {
   const ProgramResult single = multum(command("single", {"--threads", "1"}));
   const ProgramResult several = multum(command("several", {"--threads", "3"}));
-  EXPECT_EQ(single.exit_code, kInput) << single.err;
-  EXPECT_EQ(several.exit_code, kInput) << several.err;
   expect_says(several.err, {"map_3.png", "5 maps: 4 baked, 0 unchanged, 1 failed"});
-  EXPECT_EQ(shown(several.out, "several"), shown(single.out, "single"));
-  EXPECT_EQ(shown(several.err, "several"), shown(single.err, "single"));
-  EXPECT_TRUE(files_of(path("several")) == files_of(path("single")));
+  expect_same(single, several);
   EXPECT_EQ(files_of(path("several")).size(), 4u);
 
   const ProgramResult json = multum(command("several", {"--threads", "3", "--json"}));
@@ -75,20 +90,8 @@ TEST_F(SeveralMapsTest, ResultsAreThoseOfMapsOneAfterAnother) {
 }
 
 TEST_F(SeveralMapsTest, AManifestGivesTheSameResults) {
-  const auto run = [&](const std::string& folder, const std::string& threads) {
-    std::filesystem::create_directory(path(folder));
-    std::string text;
-    for (std::size_t i = 0; i < inputs_.size(); ++i)
-      text += "[[map]]\ninput = \"" + inputs_[i] + "\"\noutput = \"" +
-              path(folder + "/" + std::to_string(i) + ".ndf.exr") + "\"\n";
-    write_bytes(path("maps.toml"), text);
-    return multum({"bake", "--manifest", path("maps.toml"), "--threads", threads});
-  };
-  const ProgramResult single = run("single", "1"), several = run("several", "3");
-  EXPECT_EQ(several.exit_code, kInput) << several.err;
-  EXPECT_EQ(shown(several.out, "several"), shown(single.out, "single"));
-  EXPECT_EQ(shown(several.err, "several"), shown(single.err, "single"));
-  EXPECT_TRUE(files_of(path("several")) == files_of(path("single")));
+  const ProgramResult single = run_manifest("bake", ".ndf.exr", "single", "1");
+  expect_same(single, run_manifest("bake", ".ndf.exr", "several", "3"));
   EXPECT_EQ(files_of(path("several")).size(), 4u);
 }
 
@@ -101,12 +104,8 @@ TEST_F(SeveralMapsTest, ExportsAreThoseOfMapsOneAfterAnother) {
   };
   const ProgramResult single = run("single", {"--format", "ktx2", "--threads", "1"});
   const ProgramResult several = run("several", {"--format", "ktx2", "--threads", "3"});
-  EXPECT_EQ(single.exit_code, kInput) << single.err;
-  EXPECT_EQ(several.exit_code, kInput) << several.err;
   expect_says(several.err, {"map_3.png", "5 maps: 4 exported, 1 failed"});
-  EXPECT_EQ(shown(several.out, "several"), shown(single.out, "single"));
-  EXPECT_EQ(shown(several.err, "several"), shown(single.err, "single"));
-  EXPECT_TRUE(files_of(path("several")) == files_of(path("single")));
+  expect_same(single, several);
   EXPECT_EQ(files_of(path("several")).size(), 8u);
 
   EXPECT_EQ(run("small", {"--format", "ktx2", "--threads", "3", "--memory", "128M", "--resume"}).exit_code, kInput);
@@ -114,21 +113,9 @@ TEST_F(SeveralMapsTest, ExportsAreThoseOfMapsOneAfterAnother) {
 }
 
 TEST_F(SeveralMapsTest, AManifestOfExportsGivesTheSameResults) {
-  const auto run = [&](const std::string& folder, const std::string& threads) {
-    std::filesystem::create_directory(path(folder));
-    std::string text;
-    for (std::size_t i = 0; i < inputs_.size(); ++i)
-      text += "[[map]]\ninput = \"" + inputs_[i] + "\"\noutput = \"" +
-              path(folder + "/" + std::to_string(i) + ".ktx2") + "\"\n";
-    write_bytes(path("maps.toml"), text);
-    return multum({"export", "--manifest", path("maps.toml"), "--threads", threads});
-  };
-  const ProgramResult single = run("single", "1"), several = run("several", "3");
-  EXPECT_EQ(several.exit_code, kInput) << several.err;
-  EXPECT_EQ(shown(several.out, "several"), shown(single.out, "single"));
-  EXPECT_EQ(shown(several.err, "several"), shown(single.err, "single"));
-  EXPECT_TRUE(files_of(path("several")) == files_of(path("single")));
-  const ProgramResult again = run("several", "3");
+  const ProgramResult single = run_manifest("export", ".ktx2", "single", "1");
+  expect_same(single, run_manifest("export", ".ktx2", "several", "3"));
+  const ProgramResult again = run_manifest("export", ".ktx2", "several", "3");
   expect_says(again.err, {"0 exported, 4 unchanged, 1 failed"});
 }
 

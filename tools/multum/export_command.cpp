@@ -32,7 +32,6 @@
 #include "tools/multum/compared_bake.h"
 #include "tools/multum/json_output.h"
 #include "tools/multum/map_turns.h"
-#include "tools/multum/openjd_lines.h"
 
 namespace multum {
 namespace {
